@@ -23,7 +23,7 @@ from isoembed.space.models import from_model
 REALIZABLE, UNKNOWN, NONE = "realizable", "unknown", "none"
 
 # Meshes of at most 250 vertices: sampling a quarter of a million cells for each cost more than embedding it.
-surface_meshing.DENSITY = replace(surface_meshing.DENSITY, cells=(128, 64))
+surface_meshing.CELLS = (128, 64)
 
 
 def make(family, seed):

@@ -20,7 +20,6 @@ from scipy.spatial import ConvexHull
 os.environ["ISOEMBED_KERNELS"] = "compiled"
 import isoembed.linalg.factor as factor_module
 from isoembed.linalg import analyze, dissect
-from isoembed.linalg.symmetric import FactorizationThresholds
 
 
 def rigidity(n):
@@ -78,7 +77,7 @@ def best(function, *arguments):
 
 def ours(matrix, order, definite, small):
     """Seconds to analyze, factor and solve, and bytes that the factors take; by fronts or by SuperLU."""
-    factor_module.FACTORIZATION = FactorizationThresholds(small=small)
+    factor_module.SUPERLU_ENTRIES = small
     b = np.random.default_rng(0).normal(size=order.size)
     analyzing, solver = best(lambda: analyze(matrix, order, definite=definite))
     factoring, factor = best(solver.factor, matrix.data)

@@ -1,13 +1,12 @@
 """Thresholds of algorithms: each has a value, a unit and a sentence, and one home.
 
 An algorithm's thresholds are the fields of one frozen dataclass, made with `threshold`; the tables of
-``docs/thresholds.md`` are made from them.  Compiled code takes the values from `compiled`.
+``docs/thresholds.md`` are made from them.
 """
 
 import math
-from collections import namedtuple
 from collections.abc import Iterator
-from dataclasses import asdict, field, fields
+from dataclasses import field, fields
 from typing import Any
 
 
@@ -24,12 +23,6 @@ def threshold(value: Any, unit: str, meaning: str) -> Any:
         One sentence that says what happens at this value.
     """
     return field(default=value, metadata={"unit": unit, "meaning": meaning})
-
-
-def compiled(thresholds: Any) -> Any:
-    """The values as a named tuple, which functions compiled by numba may use as a global constant."""
-    values = asdict(thresholds)
-    return namedtuple(type(thresholds).__name__, values)(**values)
 
 
 def rows(thresholds: Any) -> Iterator[tuple[str, Any, str, str]]:

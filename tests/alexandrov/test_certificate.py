@@ -17,7 +17,7 @@ from isoembed.alexandrov.certificate import certify
 from isoembed.alexandrov.nearby_hulls import prove_nearby_hulls
 from isoembed.metric.curvature import deficits
 from isoembed.surface import nearby_realization
-from isoembed.surface.nearby_realization import CERTIFICATE
+from isoembed.surface.nearby_realization import FARTHEST
 from isoembed.surface.rigidity import edge_rows
 
 
@@ -323,8 +323,7 @@ def test_a_flat_vertex():
 
 
 def test_too_many_vertices(monkeypatch):
-    few = replace(CERTIFICATE, most_vertices=11)
-    monkeypatch.setattr(nearby_realization, "CERTIFICATE", few)
+    monkeypatch.setattr(nearby_realization, "MAX_VERTICES", 11)
     vertices, faces = zoo.icosahedron()
     found = refused(PolyhedralMetric.from_mesh(vertices, faces), vertices)
     assert found.reason == "not certified, because there are more than 11 vertices"
@@ -371,7 +370,7 @@ def test_reports():
     within, angle = (float(number) for number in re.findall(r"\d\.\de[+-]\d+", found["reason"]))
     assert found["distance"] < within < 1.2 * found["distance"]
     assert 0.8 * found["smallest_dihedral"] < angle < found["smallest_dihedral"]
-    assert 0 < found["distance"] < CERTIFICATE.farthest
+    assert 0 < found["distance"] < FARTHEST
     assert 0 < found["kantorovich"] < 1e-20
     moved = vertices.copy()
     moved[3, 0] += 1e-3

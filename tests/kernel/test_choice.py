@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from isoembed.kernel import choice, kernel
-from isoembed.kernel.worth import KERNEL, Account
+from isoembed.kernel.worth import INTERPRETING, LARGE_SIZE, Account
 
 
 @kernel
@@ -86,21 +86,21 @@ def test_other_types_have_to_pay_again(clock):
 
 def test_a_call_is_expected_to_take_what_the_largest_took_for_an_element():
     account = Account()
-    assert account.expected(1000, 20) == pytest.approx(KERNEL.interpreting * 20_000)
+    assert account.expected(1000, 20) == pytest.approx(INTERPRETING * 20_000)
     account.enter(0.5, 100)
     account.enter(0.5, 10)  # it is not the small ones that tell
     assert account.expected(1000, 20) == pytest.approx(5.0)
     account.enter(0.0, 200)
-    assert account.expected(KERNEL.size, 1) == 0.0
-    assert account.expected(KERNEL.size + 1, 1) == np.inf  # whatever was measured
+    assert account.expected(LARGE_SIZE, 1) == 0.0
+    assert account.expected(LARGE_SIZE + 1, 1) == np.inf  # whatever was measured
 
 
 def test_large_arrays_are_for_compiled_code(clock):
     function = taking(0.0, clock)
-    function(np.ones(KERNEL.size))
+    function(np.ones(LARGE_SIZE))
     assert not is_compiled(function)
     function.py_func = twice
-    function(np.ones(KERNEL.size + 1))
+    function(np.ones(LARGE_SIZE + 1))
     assert is_compiled(function)
 
 
@@ -110,7 +110,7 @@ def test_the_tests_have_the_choice(clock, monkeypatch):
     function.account.enter(100.0, 10**5)
     function(a)
     assert not is_compiled(function)  # but if a call took seconds
-    function(np.ones(KERNEL.size))
+    function(np.ones(LARGE_SIZE))
     assert is_compiled(function)
     function = kernel(twice)
     monkeypatch.setattr(choice, "WHEN", "compiled")

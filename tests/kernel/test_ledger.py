@@ -3,7 +3,7 @@
 import pytest
 
 from isoembed.kernel import ledger
-from isoembed.kernel.worth import KERNEL, lasting
+from isoembed.kernel.worth import IMPORTING, LOADING, lasting
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_a_file_that_cannot_be_replaced_leaves_no_other(file):
 
 
 def test_only_what_compiled_code_would_have_saved_counts():
-    assert lasting(1.0, 5.0, True) == pytest.approx(1.0 - KERNEL.loading)
-    assert lasting(KERNEL.loading / 2, 5.0, True) == 0.0
-    assert lasting(0.1, KERNEL.importing, False) == 0.0  # as long as numba takes to be imported
-    assert lasting(0.1, 2 * KERNEL.importing, False) == pytest.approx((0.1 - KERNEL.loading) / 2)
+    assert lasting(1.0, 5.0, True) == pytest.approx(1.0 - LOADING)
+    assert lasting(LOADING / 2, 5.0, True) == 0.0
+    assert lasting(0.1, IMPORTING, False) == 0.0  # as long as numba takes to be imported
+    assert lasting(0.1, 2 * IMPORTING, False) == pytest.approx((0.1 - LOADING) / 2)

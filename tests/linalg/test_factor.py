@@ -10,13 +10,13 @@ from scipy.spatial import ConvexHull
 import isoembed.linalg.factor as factor_module
 from isoembed.linalg import SingularMatrix, analyze, dissect, factor_general
 from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted
-from isoembed.linalg.symmetric import FactorizationThresholds, SymmetricMatrix
+from isoembed.linalg.symmetric import SymmetricMatrix
 
 
 @pytest.fixture(params=[0, 10**9], ids=["fronts", "superlu"])
 def numerics(request, monkeypatch):
     """By whom the numbers are done, whatever the size."""
-    monkeypatch.setattr(factor_module, "FACTORIZATION", FactorizationThresholds(small=request.param))
+    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", request.param)
 
 
 class Mesh:

@@ -11,8 +11,7 @@ import isoembed.linalg.factor as factor_module
 import isoembed.linalg.memory as memory
 from grids import grid
 from isoembed.linalg import OutOfMemory, analyze
-from isoembed.linalg.memory import UNKNOWN, MemoryThresholds, available_memory, readable, require_memory
-from isoembed.linalg.symmetric import FactorizationThresholds
+from isoembed.linalg.memory import UNKNOWN, available_memory, readable, require_memory
 from places import SUPPORT
 
 MB = 1_000_000
@@ -82,11 +81,10 @@ def test_a_limit_on_the_address_space_is_seen_and_kept():
 import resource
 import numpy as np
 from isoembed.linalg import OutOfMemory, analyze
-from isoembed.linalg.memory import available_memory
+from isoembed.linalg.memory import (available_memory)
 import scipy.sparse as sp
 import isoembed.linalg.factor as factor
-from isoembed.linalg.symmetric import FactorizationThresholds
-factor.FACTORIZATION = FactorizationThresholds(small=0)
+factor.SUPERLU_ENTRIES = 0
 dense = sp.csc_matrix(np.ones((30, 30)))
 analyze(dense, np.arange(30)).factor((np.eye(30) + 1).ravel())  # compiled
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
@@ -115,8 +113,8 @@ except OutOfMemory as error:
 @pytest.mark.parametrize("small", SMALL)
 def test_what_does_not_fit_is_refused_when_analyzed_and_when_factored(monkeypatch, small):
     matrix, order = grid(30)
-    monkeypatch.setattr(factor_module, "FACTORIZATION", FactorizationThresholds(small=small))
-    monkeypatch.setattr(memory, "MEMORY", MemoryThresholds(unasked=0))
+    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", small)
+    monkeypatch.setattr(memory, "UNASKED", 0)
     solver = analyze(matrix, order)
     monkeypatch.setattr(memory, "available_memory", lambda: 39_000)
     sentence = r"^the factors of a matrix of 900 unknowns need about \d+ kB of memory, and 39.0 kB are free$"
@@ -132,11 +130,11 @@ def test_what_does_not_fit_is_refused_when_analyzed_and_when_factored(monkeypatc
 @pytest.mark.parametrize("small", SMALL)
 def test_a_loop_that_replaces_its_factors_is_not_refused(monkeypatch, small):
     matrix, order = grid(30)
-    monkeypatch.setattr(factor_module, "FACTORIZATION", FactorizationThresholds(small=small))
+    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", small)
     solver = analyze(matrix, order)
     needs = solver.needs
     solver.factor(matrix.data)  # let go at once
-    monkeypatch.setattr(memory, "MEMORY", MemoryThresholds(unasked=0))
+    monkeypatch.setattr(memory, "UNASKED", 0)
     monkeypatch.setattr(memory, "available_memory", lambda: needs)
     solver.factor(matrix.data)
 
@@ -159,8 +157,7 @@ sys.path.insert(0, {str(SUPPORT)!r})
 from grids import grid
 from isoembed.linalg import analyze
 import isoembed.linalg.factor as factor
-from isoembed.linalg.symmetric import FactorizationThresholds
-factor.FACTORIZATION = FactorizationThresholds(small={small})
+factor.SUPERLU_ENTRIES = {small}
 def status(key):
     with open("/proc/self/status") as lines:
         return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(key))
@@ -202,7 +199,7 @@ def test_what_is_freed_is_kept_for_arrays_to_come():
     code = """
 import resource
 import numpy as np
-from isoembed.linalg.memory import keep_freed_memory
+from isoembed.linalg.memory import (keep_freed_memory)
 keep_freed_memory()
 def faults():
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt

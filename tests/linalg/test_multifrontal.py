@@ -9,13 +9,12 @@ from hypothesis import strategies as st
 import isoembed.linalg.factor as factor_module
 from grids import grid
 from isoembed.linalg import analyze
-from isoembed.linalg.symmetric import FactorizationThresholds
 from patterns import random_pattern
 
 
 @pytest.fixture(autouse=True)
 def always_multifrontal(monkeypatch):
-    monkeypatch.setattr(factor_module, "FACTORIZATION", FactorizationThresholds(small=0))
+    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", 0)
 
 
 def random_matrix(n, density, definite, rng):
@@ -61,7 +60,7 @@ def test_superlu_gives_the_same(monkeypatch, shift):
     matrix, order = shifted(50, shift)
     b = np.random.default_rng(0).normal(size=(2500, 2))
     ours = analyze(matrix, order, definite=not shift).factor(matrix.data)
-    monkeypatch.setattr(factor_module, "FACTORIZATION", FactorizationThresholds())
+    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", 2**20)
     theirs = analyze(matrix, order, definite=not shift).factor(matrix.data)
     assert ours.negative_pivots == theirs.negative_pivots
     x = theirs.solve(b)

@@ -1,14 +1,12 @@
 """Proofs that matrices have full row rank, also where rounding hides their least singular values."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
 from isoembed.linalg import SingularMatrix, row_rank
 from isoembed.linalg.definite import prove_definite
-from isoembed.linalg.row_rank import ROW_RANK, prove_row_rank
+from isoembed.linalg.row_rank import prove_row_rank
 
 
 def differences(n, power):
@@ -57,7 +55,7 @@ def test_what_is_singular_is_not_proven():
 def test_more_soft_directions_than_are_asked_for(monkeypatch):
     twice = sp.csr_array(sp.block_diag([differences(820, 3)[0]] * 2)), np.arange(1640)
     assert prove_row_rank(*twice)[1] > 0
-    monkeypatch.setattr(row_rank, "ROW_RANK", replace(ROW_RANK, counts=(1,)))
+    monkeypatch.setattr(row_rank, "VECTOR_COUNTS", (1,))
     with pytest.raises(SingularMatrix, match=r"least eigenvalue is about .*, and rounding takes up to"):
         prove_row_rank(*twice)
 

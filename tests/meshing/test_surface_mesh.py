@@ -1,7 +1,5 @@
 """The triangulations: shape of the triangles, topology, determinism, rates of convergence."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -29,7 +27,7 @@ from isoembed.meshing.flips import corner_angles, flip_to_delaunay, flip_where_t
 from isoembed.meshing.lloyd import lloyd_step
 from isoembed.meshing.sphere import fibonacci_lattice
 from isoembed.meshing.surface import spread_directions, vertex_density
-from isoembed.meshing.touch_up import GOOD, INWARD, OUTSIDE, TouchUpThresholds, _judge
+from isoembed.meshing.touch_up import GOOD, INWARD, OUTSIDE, _judge
 from isoembed.surface.intersection import self_intersections
 
 
@@ -173,7 +171,7 @@ def directions(surface, x):
     "surface", [Ellipsoid((3, 2, 1)), Drum(), HarmonicSurface(), Bean(), Ergosphere(0.1)], ids=str
 )
 def test_large_meshes_have_the_same_window(surface, monkeypatch):
-    monkeypatch.setattr(surface_mesh, "SURFACE_MESH", replace(surface_mesh.SURFACE_MESH, large=1000))
+    monkeypatch.setattr(surface_mesh, "LARGE", 1000)
     n = 3000
     x, faces = triangulate(surface, n)
     assert x.shape == (n, 3)
@@ -192,7 +190,7 @@ def test_large_meshes_move_where_they_must(monkeypatch):
     first = surface.point(spread_directions(surface, fibonacci_lattice(n)))
     faces = flip_to_delaunay(first, surface.normal(directions(surface, first)), *connected(surface, n))[0]
     bad = faces[((angles(first, faces) < 38) | (angles(first, faces) > 97)).any(axis=0)]
-    monkeypatch.setattr(surface_mesh, "SURFACE_MESH", replace(surface_mesh.SURFACE_MESH, large=1000))
+    monkeypatch.setattr(surface_mesh, "LARGE", 1000)
     x = triangulate(surface, n)[0]
     moved = np.linalg.norm(x - first, axis=1) > 1e-9
     assert 0.2 < moved.mean() < 0.8
@@ -209,10 +207,10 @@ def beyond(x, faces):
 
 @pytest.mark.slow
 def test_a_large_mesh_that_is_not_finished_is_the_best_so_far(monkeypatch):
-    monkeypatch.setattr(surface_mesh, "SURFACE_MESH", replace(surface_mesh.SURFACE_MESH, large=1000))
+    monkeypatch.setattr(surface_mesh, "LARGE", 1000)
     surface, n, found = HarmonicSurface(16, 8, 0.5), 1500, []
     for patience in (1, 2, 10):
-        monkeypatch.setattr("isoembed.meshing.touch_up.TOUCH_UP", TouchUpThresholds(patience))
+        monkeypatch.setattr("isoembed.meshing.touch_up.PATIENCE", patience)
         x, faces = triangulate(surface, n)
         assert_closed_oriented_sphere(faces, n)
         found.append(beyond(x, faces))

@@ -6,7 +6,7 @@ import pytest
 from curved import body
 from isoembed.errors import InvalidMetric
 from isoembed.metric.convexity import (
-    CONVEXITY,
+    ROUNDINGS,
     check_convex,
     deficit_rounding,
     deficit_spread,
@@ -70,5 +70,5 @@ def test_errors_of_lengths_move_deficits(k):
     D = deficit_derivative(metric).toarray()
     spread = deficit_spread(*tables, metric.triangulation.twins, k)
     assert spread == pytest.approx(np.sqrt((D**2).sum(axis=1)) * metric.mean_length, rel=1e-10)
-    most = np.abs(D) @ metric.lengths * CONVEXITY.roundings * np.finfo(np.float64).eps
+    most = np.abs(D) @ metric.lengths * ROUNDINGS * np.finfo(np.float64).eps
     assert (deficit_rounding(*tables, k) > 0.2 * most).all()

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from gluing_polygons import shoelace, star
 from isoembed.errors import InvalidMetric
-from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
+from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
 
 
 def polygons(points, faces):
@@ -55,7 +55,7 @@ def test_quadrilaterals_are_cut_across_their_smaller_angles():
 def test_how_far_corners_are_off_a_plane():
     lifted = np.array([[1.0, 0, 0.2], [0, 1, -0.2], [-1, 0, 0.2], [0, -1, -0.2]])
     assert polygons(lifted, [[0, 1, 2, 3]]).warps == pytest.approx(0.2 / np.sqrt(1.04))
-    assert polygons(lifted * [1, 1, 1e-7], [[0, 1, 2, 3]]).warps < POLYGON_FACES.planar
+    assert polygons(lifted * [1, 1, 1e-7], [[0, 1, 2, 3]]).warps < PLANAR
 
 
 @pytest.mark.parametrize("n", range(4, 13))

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 import zoo
 from isoembed import Alexandrov, PolyhedralMetric, embed
 from isoembed.errors import InvalidMetric
-from isoembed.metric.convexity import CONVEXITY, check_convex, deficit_spread
+from isoembed.metric.convexity import DEVIATIONS, check_convex, deficit_spread
 from isoembed.metric.curvature import deficits
 from isoembed.metric.inspection import inspect
 from isoembed.metric.precision import Precision
@@ -91,7 +91,7 @@ def test_no_deficit_is_farther_off(body, form):
     metric = PolyhedralMetric.from_mesh(rounded, faces)
     off = np.abs(deficits(metric) - deficits(PolyhedralMetric.from_mesh(vertices, faces)))
     spread = deficit_spread(metric.faces, metric.face_lengths, metric.triangulation.twins)
-    noise = CONVEXITY.deviations * metric.precision.length_error * spread
+    noise = DEVIATIONS * metric.precision.length_error * spread
     assert (off <= noise).all() and off.max() > noise.max() / 300
 
 

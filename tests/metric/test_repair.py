@@ -1,7 +1,6 @@
 """Repair of deficits within the noise: what it must leave, and that less would not do."""
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -259,7 +258,7 @@ def test_vertices_are_exchanged_one_by_one_where_blocks_do_not_help(monkeypatch)
     metric = noisy(with_a_low_vertex(grid_cube(3), 1e-4), 1e-6)
     expected = repaired(metric, 5e-5)[1].factors
     assert (expected > 0).sum() > 10
-    monkeypatch.setattr(repair_module, "REPAIR", replace(repair_module.REPAIR, blocks=0))
+    monkeypatch.setattr(repair_module, "MAX_BLOCK_EXCHANGES", 0)
     np.testing.assert_allclose(repaired(metric, 5e-5)[1].factors, expected, rtol=1e-9, atol=1e-18)
 
 

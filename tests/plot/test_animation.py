@@ -1,7 +1,6 @@
 """Films as files: their images show the surfaces on the way, and then the answer from all sides."""
 
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,21 +12,21 @@ from isoembed import Embedding, Paper, PolyhedralMetric
 from isoembed.gallery import Bean, Sphere, triangulate
 from isoembed.io import FileError
 from isoembed.plot import Film, Frame, animation, write_animation
-from isoembed.plot.animation import DPI, FOOT, HEAD, WIDTH
-from isoembed.plot.film import FILM
+from isoembed.plot.animation import DPI, FOOT, HEAD, IMAGES_PER_SECOND, WIDTH
 
 pytest.importorskip("matplotlib")
 Image = pytest.importorskip("PIL.Image")
 
-SHORT = replace(FILM, turn=1.2, longest=1.0)
-AROUND = round(SHORT.turn * SHORT.images)
+TURN, LONGEST = 1.2, 1.0  # seconds
+AROUND = round(TURN * IMAGES_PER_SECOND)
 
 
 @pytest.fixture(scope="module", autouse=True)
 def short():
     """Films of this module are shorter than others."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(animation, "FILM", SHORT)
+        patch.setattr(animation, "TURN", TURN)
+        patch.setattr(animation, "LONGEST", LONGEST)
         yield
 
 
@@ -131,7 +130,7 @@ def test_mp4(film, tmp_path):
     about = next(described)
     described.close()
     assert about["size"][0] == round(WIDTH * DPI)
-    assert about["duration"] == pytest.approx(SHORT.turn, abs=0.2)
+    assert about["duration"] == pytest.approx(TURN, abs=0.2)
 
 
 def test_what_cannot_be_filmed(film, tmp_path, monkeypatch):

@@ -1,15 +1,13 @@
 """Pictures and films in hyperbolic and spherical space."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import zoo
 from isoembed import Embedding, PolyhedralMetric, Space
 from isoembed.plot import Film, animation, figure, quantity, write_animation
-from isoembed.plot.drawn import DRAWN, Drawn
-from isoembed.plot.film import FILM, shape
+from isoembed.plot.drawn import MAX_BEND, MAX_PIECES, Drawn
+from isoembed.plot.film import shape
 from isoembed.plot.infinity import ball
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.view import Pose, View
@@ -61,9 +59,9 @@ def test_edges_are_arcs_that_meet_infinity_at_right_angles(cube):
 
 def test_large_faces_are_cut_and_small_ones_are_not(cube):
     assert Drawn.of(solid(-1.0, np.pi / 2 - 1e-4)).pieces.cuts == 0
-    assert Drawn.of(cube)._bend <= DRAWN.bend
+    assert Drawn.of(cube)._bend <= MAX_BEND
     assert Drawn.of(solid(0.5, 2.0)).pieces.cuts > 0
-    assert len(Drawn.of(cube).pieces.faces) <= DRAWN.faces
+    assert len(Drawn.of(cube).pieces.faces) <= MAX_PIECES
 
 
 @pytest.mark.parametrize("curvature", [-1.0, 0.5])
@@ -164,7 +162,7 @@ def test_films(cube):
 
 
 def test_a_film_file(monkeypatch, tmp_path):
-    monkeypatch.setattr(animation, "FILM", replace(FILM, images=1))
+    monkeypatch.setattr(animation, "IMAGES_PER_SECOND", 1)
     small = solid(-1.0, 1.5)
     assert Drawn.of(small).pieces.cuts > 0
     write_animation(tmp_path / "f.gif", small, ())

@@ -8,7 +8,6 @@ import pytest
 import isoembed
 import zoo
 from isoembed.plot import write_page
-from isoembed.plot.notebook import NOTEBOOK
 
 pytest.importorskip("matplotlib")
 
@@ -33,7 +32,7 @@ def ball():
 @pytest.fixture
 def large(ball, monkeypatch):
     """The ball in a notebook whose pages are of fewer vertices."""
-    monkeypatch.setattr("isoembed.plot.notebook.NOTEBOOK", type(NOTEBOOK)(page=41))
+    monkeypatch.setattr("isoembed.plot.notebook.PAGE_VERTICES", 41)
     return ball
 
 

@@ -18,8 +18,7 @@ from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number
 from isoembed.plot.browser.thinning import thinned
-from isoembed.plot.film import FILM
-from isoembed.plot.page import write_page
+from isoembed.plot.page import MAX_FRAMES, write_page
 from lost_edges import octahedron_with_a_lost_edge
 from regular_in_space import regular_solid
 from strict_json import strict
@@ -272,7 +271,7 @@ def test_films_are_thinned(tmp_path):
     surface, frames = deformed(*zoo.icosphere(0), np.array([2.0, 1.0, 1.0]), count=101)
     write_page(tmp_path / "a.html", surface, frames=frames)
     entries = read(tmp_path / "a.html")[2]["frames"]
-    assert len(entries) == FILM.frames
+    assert len(entries) == MAX_FRAMES
     kept = [round(100 * (1 - entry["t"])) for entry in entries]
     assert {0, 1, 2, 100} <= set(kept)  # the first and last frame of each stage
     assert max(np.diff(kept)) <= 4

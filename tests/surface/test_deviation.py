@@ -31,7 +31,7 @@ def test_a_hundred_noises_are_within_two_sigma(body):
 def test_estimate_with_random_signs(monkeypatch):
     found = surface(Ellipsoid((3.0, 2.0, 1.0)), 100)
     exact = found.deviation(1e-3)
-    monkeypatch.setattr(deviation, "DEVIATION", deviation.DeviationThresholds(probes=200))
+    monkeypatch.setattr(deviation, "PROBES", 200)
     rough = found.deviation(1e-3)
     assert (exact.relative_error, rough.relative_error) == (0, 0.05)
     for name in ARRAYS:

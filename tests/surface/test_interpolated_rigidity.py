@@ -6,7 +6,7 @@ from scipy.sparse import csr_array
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.cells import VertexCells
-from isoembed.surface.interpolated_rigidity import INTERPOLATED, InterpolatedRigidity
+from isoembed.surface.interpolated_rigidity import DIAGONAL_SHIFT, MAX_EDGES, InterpolatedRigidity
 from isoembed.surface.interpolation import Stencils
 from isoembed.surface.measures import edge_lengths
 
@@ -30,11 +30,11 @@ def test_every_cell_is_measured_and_none_too_much():
         triangulation, _, _, cells, edges = rigidity(count=count)
         counts = np.bincount(edges.of_edge, minlength=len(cells.vertices))
         assert counts.min() >= 3
-        assert counts.max() <= INTERPOLATED.most
+        assert counts.max() <= MAX_EDGES
         ends = cells.of_vertex[triangulation.edges[edges.edges]]
         assert (ends == edges.of_edge[:, None]).any(axis=1).all()
         whole = np.bincount(cells.of_vertex[triangulation.edges[:, 0]], minlength=len(counts))
-        assert (counts[whole >= 60] == INTERPOLATED.most).all()
+        assert (counts[whole >= 60] == MAX_EDGES).all()
 
 
 def test_interpolated_edges_are_those_of_the_surface():
@@ -52,6 +52,6 @@ def test_the_factor_is_that_of_the_products_of_the_rows():
     penalty = csr_array(np.diag(rng.uniform(0.1, 1.0, n)))
     J = np.einsum("ec,ek->eck", dense(differences, n), rows).reshape(len(rows), 3 * n)
     matrix = J.T @ J + np.kron(penalty.toarray(), np.eye(3))
-    matrix[np.diag_indices_from(matrix)] *= 1 + INTERPOLATED.hold
+    matrix[np.diag_indices_from(matrix)] *= 1 + DIAGONAL_SHIFT
     b = rng.normal(size=3 * n)
     np.testing.assert_allclose(matrix @ edges.factor(differences, rows, penalty).solve(b), b, atol=1e-6)

@@ -8,8 +8,8 @@ import smooth_bodies
 import zoo
 from isoembed.kernel import choice
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.local_fit import FitResiduals, _constant_term, neighborhoods
-from isoembed.surface.normal_fits import FITS
+from isoembed.surface.local_fit import HUB_DEGREE, FitResiduals, _constant_term, neighborhoods
+from isoembed.surface.normal_fits import TWO_RINGS
 
 POWERS = [(i, degree - i) for degree in range(6) for i in range(degree + 1)]
 
@@ -61,7 +61,7 @@ def test_too_few_neighbors_are_joined_by_a_third_ring():
 
 def test_no_paths_through_hubs():
     """On a bipyramid over an n-gon all vertices are two edges apart, by way of the tips."""
-    n = 3 * FITS.hub
+    n = 3 * HUB_DEGREE
     i, j = np.arange(n), np.roll(np.arange(n), -1)
     faces = np.concatenate(
         [np.stack([i, j, np.full(n, n)], axis=1), np.stack([j, i, np.full(n, n + 1)], axis=1)]
@@ -96,7 +96,7 @@ def test_weights_are_those_of_dense_least_squares(count, most, degree):
 
 
 def test_cubics_leave_nothing():
-    near, charts = scattered([FITS.two_rings, 18, 30], 1)
+    near, charts = scattered([TWO_RINGS, 18, 30], 1)
     operator = fit_residual_operator(near, charts)
     for v in range(3):
         mine = slice(near[0][v], near[0][v + 1])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isoembed.surface.local_fit import _fit
-from isoembed.surface.normal_fits import FITS, fewest, normal_weights
+from isoembed.surface.normal_fits import MAX_POINTS, SIDE_BY_SIDE, fewest, normal_weights
 
 
 def weights(charts, degree):
@@ -28,7 +28,7 @@ def rings(count, seed):
 
 @pytest.mark.parametrize(("degree", "least"), [(1, 6), (2, 9), (3, 13), (4, 18), (5, 24)])
 def test_weights_are_those_of_one_fit_after_the_other(degree, least):
-    charts = [rings(least + 10 + seed % 20, seed) for seed in range(2 * FITS.side_by_side + 5)]
+    charts = [rings(least + 10 + seed % 20, seed) for seed in range(2 * SIDE_BY_SIDE + 5)]
     done, _, found, expected = weights(charts, degree)
     assert done.all()
     assert found == pytest.approx(expected, abs=1e-12)
@@ -43,7 +43,7 @@ def test_what_the_normal_equations_might_spoil_is_left(degree):
     bad = {
         "too few": rings(fewest(degree) - 1, 1),
         "none": np.empty((0, 2)),
-        "too many": rings(FITS.most + 1, 2),
+        "too many": rings(MAX_POINTS + 1, 2),
         "on a line": rng.normal(size=(40, 1)) * [[0.6, 0.8]],
         "nearly on a line": rings(40, 3) @ [[0.6, 0.8], [1e-4 * 0.8, -1e-4 * 0.6]],
         "stretched": rings(40, 6) @ [[0.6, 0.8], [-0.12, 0.09]],

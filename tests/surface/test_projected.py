@@ -110,7 +110,7 @@ def test_where_factors_do_not_fit_the_step_is_made_without(monkeypatch):
     t, x, lengths = body(space, n=300)
     r = np.random.default_rng(5).standard_normal(len(lengths)) * lengths
     expected = LengthSystem(t, space=space).step(x, lengths, r, 1e-2)
-    monkeypatch.setattr(memory, "MEMORY", memory.MemoryThresholds(unasked=0))
+    monkeypatch.setattr(memory, "UNASKED", 0)
     needs = LengthSystem(t)._solver.needs
     monkeypatch.setattr(memory, "available_memory", lambda: needs // 2)
     refused = LengthSystem(t, space=space)

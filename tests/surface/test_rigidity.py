@@ -9,7 +9,6 @@ from scipy.sparse import csr_array
 import smooth_bodies
 import zoo
 from isoembed.linalg import SingularMatrix, factor
-from isoembed.linalg.symmetric import FactorizationThresholds
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity import (
     MEAN_DIAGONAL,
@@ -18,7 +17,7 @@ from isoembed.surface.rigidity import (
     edge_rows,
     length_residuals,
 )
-from isoembed.surface.rigidity_matrix import RIGIDITY
+from isoembed.surface.rigidity_matrix import DIAGONAL_SHIFT
 
 
 def dense_jacobian(triangulation, vertices, lengths):
@@ -124,7 +123,7 @@ def penalized_step(system, penalty, vertices, lengths, residuals, mu, damping):
 def dense_penalized_step(triangulation, vertices, lengths, residuals, penalty, mu, damping):
     J = dense_jacobian(triangulation, vertices, lengths)
     P = np.kron(penalty.toarray(), np.eye(3))
-    N = J.T @ J + (mu + damping) * P + MEAN_DIAGONAL * RIGIDITY.hold * np.eye(J.shape[1])
+    N = J.T @ J + (mu + damping) * P + MEAN_DIAGONAL * DIAGONAL_SHIFT * np.eye(J.shape[1])
     return np.linalg.solve(N, J.T @ residuals + mu * P @ vertices.ravel()).reshape(-1, 3)
 
 
@@ -137,7 +136,7 @@ def test_the_penalized_step(mu, damping):
         VertexSystem(triangulation, penalty), penalty, vertices, lengths, residuals, mu, damping
     )
     expected = dense_penalized_step(triangulation, vertices, lengths, residuals, penalty, mu, damping)
-    # Nothing but `RIGIDITY.hold` keeps the whole from drifting: compare the shapes.
+    # Nothing but `DIAGONAL_SHIFT` keeps the whole from drifting: compare the shapes.
     expected = expected - expected.mean(axis=0)
     assert step - step.mean(axis=0) == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
@@ -175,7 +174,7 @@ def test_the_step_on_the_sphere_is_gauss_newtons(seed, radius):
 
 @pytest.mark.parametrize("small", [0, 10**9])  # by fronts, and by SuperLU
 def test_whoever_factors_takes_the_same_steps(monkeypatch, small):
-    monkeypatch.setattr(factor, "FACTORIZATION", FactorizationThresholds(small=small))
+    monkeypatch.setattr(factor, "SUPERLU_ENTRIES", small)
     triangulation, vertices, lengths, residuals = perturbed(60, 6)
     J = dense_jacobian(triangulation, vertices, lengths)
     newton = LengthSystem(triangulation).step(vertices, lengths, residuals)

@@ -18,9 +18,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.curvature import bending_energy
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
-from isoembed.surface.normal_fits import FitThresholds
 from isoembed.surface.rigidity import LengthSystem, edge_rows
-from isoembed.surface.rigidity_matrix import RigidityThresholds
 from isoembed.surface.smoothness import (
     QuinticResiduals,
     fine_roughness,
@@ -127,7 +125,7 @@ def test_blocks_of_vertices_are_measured_like_all_at_once(monkeypatch):
     vertices, faces = dumbbell(2)
     t = Triangulation(faces)
     whole = offsets(t, vertices), fine_roughness(t, vertices), fit_residuals(t, vertices).toarray()
-    monkeypatch.setattr("isoembed.surface.smoothness.FITS", FitThresholds(at_once=37))
+    monkeypatch.setattr("isoembed.surface.smoothness.CHUNK", 37)
     parts = offsets(t, vertices), fine_roughness(t, vertices), fit_residuals(t, vertices).toarray()
     assert parts[0] == pytest.approx(whole[0], abs=1e-15)
     assert parts[1] == pytest.approx(whole[1], rel=1e-9)
@@ -301,7 +299,7 @@ def test_a_doubly_covered_polygon_is_smooth_and_flexible():
 
 def test_reports_of_large_surfaces_do_without_a_factorization(monkeypatch):
     surface = realization(*zoo.icosphere(2))
-    monkeypatch.setattr("isoembed.surface.report.RIGIDITY", RigidityThresholds(reported=1000))
+    monkeypatch.setattr("isoembed.surface.report.MAX_REPORTED_ENTRIES", 1000)
     assert surface.report["smoothness"]["smallest_singular_value"] is None
     assert surface.smallest_singular_value > 0
     assert "smallest singular value not computed" in summary(surface)

@@ -8,11 +8,10 @@ import isoembed.surface.two_level as two_level
 import zoo
 from isoembed.linalg import OutOfMemory, dissect, factor
 from isoembed.linalg.factor import Solver
-from isoembed.linalg.symmetric import FactorizationThresholds
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
-from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix, coupled_edges
-from isoembed.surface.two_level import TwoLevel
+from isoembed.surface.rigidity_matrix import RigidityMatrix, coupled_edges
+from isoembed.surface.two_level import MAX_AGGREGATE, TwoLevel
 
 
 class Problem:
@@ -111,7 +110,7 @@ def test_damping_makes_it_easier(damping, most):
 
 def test_bodies_are_small_and_the_coarse_factors_take_little(monkeypatch):
     problem = Problem(4)
-    monkeypatch.setattr(factor, "FACTORIZATION", FactorizationThresholds(small=0))
+    monkeypatch.setattr(factor, "SUPERLU_ENTRIES", 0)
     system = LengthSystem(problem.triangulation)
     solvers = []
 
@@ -122,8 +121,8 @@ def test_bodies_are_small_and_the_coarse_factors_take_little(monkeypatch):
     monkeypatch.setattr(two_level, "analyze", analyzed)
     bodies = problem.two_level()._bodies
     sizes = np.bincount(bodies.of_vertex)
-    assert sizes.max() <= RIGIDITY.aggregate
-    assert sizes.mean() > RIGIDITY.aggregate / 3
+    assert sizes.max() <= MAX_AGGREGATE
+    assert sizes.mean() > MAX_AGGREGATE / 3
     assert solvers[0].needs < system._solver.needs / 6
 
 
@@ -146,7 +145,7 @@ def test_where_factors_do_not_fit_the_step_is_made_without(monkeypatch, mu):
     problem = Problem(3)
     given = (problem.vertices, problem.lengths, problem.residuals, mu)
     expected = LengthSystem(problem.triangulation).step(*given)
-    monkeypatch.setattr(memory, "MEMORY", memory.MemoryThresholds(unasked=0))
+    monkeypatch.setattr(memory, "UNASKED", 0)
     refused = LengthSystem(problem.triangulation)
     needs = LengthSystem(problem.triangulation)._solver.needs
     monkeypatch.setattr(memory, "available_memory", lambda: needs // 2)

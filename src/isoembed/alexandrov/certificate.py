@@ -37,7 +37,7 @@ from isoembed.linalg.rounding import GUARD, U
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.certificate import Certificate
 from isoembed.surface.length_equations import NotProven
-from isoembed.surface.nearby_realization import CERTIFICATE, NearbyRealization, norm
+from isoembed.surface.nearby_realization import FARTHEST, NearbyRealization, norm
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: di
     found["smallest_dihedral"] = float((hulls.dihedrals * equations.dihedral_shares()).min())
     found["flat_edges"] = int(hulls.flat.sum())
     # No edge misses its length by more than twice the farthest, and both of its ends may be as far off.
-    farther = 5 * CERTIFICATE.farthest * metric.mean_length + length_errors
+    farther = 5 * FARTHEST * metric.mean_length + length_errors
     detours = norm(equations.detours(hulls.flat, hulls.slopes, reach, farther))
     found["kantorovich"], radius = nearby.newton_kantorovich(detours)
     distance = nearby.distance(radius, (reach - off) / stretch)

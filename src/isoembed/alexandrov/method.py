@@ -35,7 +35,7 @@ from isoembed.metric.repair import Repair, repaired, small_by_far
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.space.models import to_model
-from isoembed.surface.curvature import DIHEDRAL
+from isoembed.surface.curvature import FLAT_ANGLE
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
 from isoembed.thresholds import rounded_up, threshold
@@ -363,7 +363,7 @@ def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
     with np.errstate(divide="ignore", invalid="ignore"):  # of ends that coincide: not a number, no crease
         altitudes = np.linalg.norm(here, axis=1) / np.linalg.norm(along, axis=2).ravel()
     depths = angles * np.minimum(altitudes, altitudes[tables.twins])
-    return (angles > DIHEDRAL.flat) | (depths > SOLUTION.folded * np.ptp(straight, axis=0).max())
+    return (angles > FLAT_ANGLE) | (depths > SOLUTION.folded * np.ptp(straight, axis=0).max())
 
 
 def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> Indices:

@@ -16,20 +16,6 @@ from isoembed.surface.checked import checked
 from isoembed.surface.derivatives import LengthDerivatives
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, length_residuals
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class RealizationThresholds:
-    """Thresholds of Newton's method from a surface to lengths nearby."""
-
-    steps: int = threshold(20, "steps", "Of Newton's method; beyond, the lengths are embedded anew.")
-    exact: float = threshold(1e-13, "mean edge lengths", "Largest error of a length that ends them.")
-    falling: float = threshold(0.5, "relative", "Share of the error that each step leaves at most.")
-    good: float = threshold(1e-10, "mean edge lengths", "Error of a surface that is taken.")
-
-
-REALIZATION = RealizationThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,17 +88,17 @@ class Realization:
         unit = metric.unit
         goal, x = metric.lengths / unit, given.vertices / unit
         system, before = LengthSystem(t), np.inf
-        for _ in range(REALIZATION.steps):
+        for _ in range(20):  # from lengths nearby a few suffice; otherwise they are embedded anew
             r = length_residuals(t, x, goal)
             error = float(np.abs(r).max()) / goal.mean()
-            if error <= REALIZATION.exact or not error <= REALIZATION.falling * before:
+            if error <= 1e-13 or not error <= 0.5 * before:  # rounding, or no quadratic convergence
                 break
             try:
                 x, before = x - system.step(x, goal, r), error
             except SingularMatrix:
                 break
         error = float(np.abs(length_residuals(t, x, goal)).max()) / goal.mean()
-        vertices = unit * x if error <= REALIZATION.good else embed(metric).vertices
+        vertices = unit * x if error <= 1e-10 else embed(metric).vertices  # in mean edge lengths
         return aligned(vertices, given.vertices)
 
     def linearized(self, lengths: ArrayLike) -> Linearized:

@@ -1,24 +1,12 @@
 """Quadrature: the double-exponential rule, and any rule with more and more nodes."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class IntegralThresholds:
-    """Thresholds of integrals over closed forms."""
-
-    coarsest: int = threshold(48, "nodes", "Of the first rule.")
-    finest: int = threshold(768, "nodes", "The integral of a rule with so many is returned as it is.")
-    settled: float = threshold(3e-14, "relative", "Change that is rounding when the nodes are doubled.")
-
-
-INTEGRALS = IntegralThresholds()
+COARSEST = 48  # nodes of the first rule
 
 
 def tanh_sinh(n: int) -> tuple[Floats, Floats]:
@@ -45,10 +33,10 @@ def integrate(integrand: Callable[[int], Floats]) -> Floats:
     integrand
         Maps a number of nodes to the vector of integrals it gives.
     """
-    n, value = INTEGRALS.coarsest, integrand(INTEGRALS.coarsest)
-    while n < INTEGRALS.finest:
+    n, value = COARSEST, integrand(COARSEST)
+    while n < 768:  # nodes: the integral of such a rule is returned as it is
         n, last = 2 * n, value
         value = integrand(n)
-        if np.all(np.abs(value - last) <= INTEGRALS.settled * np.abs(value)):
+        if np.all(np.abs(value - last) <= 3e-14 * np.abs(value)):  # the change is rounding
             break
     return value

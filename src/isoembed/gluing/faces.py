@@ -9,7 +9,7 @@ from isoembed.errors import InvalidMetric
 from isoembed.gluing.polygon import meeting_sides
 from isoembed.intrinsic.plane import flattened
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
+from isoembed.surface.curvature import FLAT_ANGLE, dihedral_angles
 from isoembed.surface.flat_faces import coplanar_faces, flat_faces, outlines
 from isoembed.surface.measures import face_areas, face_normals
 
@@ -117,5 +117,5 @@ def _straight(t: Triangulation, vertices: Floats, creased: Mask, error: float) -
     turned = np.arctan2(np.linalg.norm(np.cross(to, onward), axis=1), (to * onward).sum(axis=1))
     straight = np.zeros(t.n_vertices, dtype=np.bool_)
     doubt = 2 * error * (1 / np.linalg.norm(to, axis=1) + 1 / np.linalg.norm(onward, axis=1))
-    straight[here[turned <= DIHEDRAL.flat + doubt]] = True
+    straight[here[turned <= FLAT_ANGLE + doubt]] = True
     return straight

@@ -7,7 +7,6 @@ are known by their modules.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,26 +16,11 @@ from isoembed.intrinsic.flips import Tracked, flip, flip_tracked
 from isoembed.intrinsic.halfedges import HalfEdges, following, preceding
 from isoembed.kernel import kernel, with_numba
 from isoembed.space.trigonometry import amplitude, apex, chord, cs, sn, twice_area
-from isoembed.thresholds import compiled, threshold
 
-
-@dataclass(frozen=True)
-class DelaunayThresholds:
-    """Thresholds of intrinsic Delaunay flips."""
-
-    slack: float = threshold(1e-12, "relative", "An edge that is Delaunay to this is left alone.")
-    rounding: float = threshold(
-        4e-16, "relative to their sum", "Rounding of a difference of squared lengths."
-    )
-    thinnest: float = threshold(1e-15, "height over longest side", "Thinner triangles are lost in rounding.")
-    thin: float = threshold(1e-8, "height over longest side", "Sides of a thinner triangle add up in floats.")
-    flips: int = threshold(
-        100, "flips a half-edge", "Far beyond what terminates: rounding could go in circles."
-    )
-
-
-DELAUNAY = DelaunayThresholds()
-_T = compiled(DELAUNAY)
+SLACK = 1e-12  # relative: an edge that is Delaunay to this is left alone
+ROUNDING = 4e-16  # of a difference of squared lengths, relative to their sum
+THINNEST = 1e-15  # height over longest side: thinner triangles are lost in rounding
+THIN = 1e-8  # height over longest side: the sides of a thinner triangle add up in floats
 
 END, FREE = -1, -2  # on the stack: nothing below, and not on it
 BLOCKED, LEFT, FLIPPED = -1, 0, 1
@@ -102,7 +86,7 @@ def restore_delaunay(stack: Indices, mesh: Any, rule: Any) -> tuple[int, int]:
         Flips made, and edges that were to be flipped when that could not be done.
     """
     twins = mesh.twins
-    limit = _T.flips * twins.size + 1000
+    limit = 100 * twins.size + 1000  # far beyond what terminates: rounding could go in circles
     flips = blocked = 0
     while stack[-1] != END:
         h = stack[-1]
@@ -144,14 +128,14 @@ class Weighted(NamedTuple):
 def _attempt_weighted(h: int, mesh: HalfEdges, rule: Weighted) -> int:
     if is_delaunay(h, mesh, rule.weights):
         return LEFT
-    return FLIPPED if flip(h, mesh, _T.thinnest) else BLOCKED
+    return FLIPPED if flip(h, mesh, THINNEST) else BLOCKED
 
 
 @attempts(Tracked)
 def _attempt_tracked(h: int, mesh: HalfEdges, rule: Tracked) -> int:
     if rule.kept[h] or is_delaunay(h, mesh, rule.weights):
         return LEFT
-    return FLIPPED if flip_tracked(h, mesh, rule, _T.thin) else BLOCKED
+    return FLIPPED if flip_tracked(h, mesh, rule, THIN) else BLOCKED
 
 
 def make_delaunay(mesh: HalfEdges, weights: Floats, edges: Indices | None = None) -> tuple[int, int]:
@@ -200,7 +184,7 @@ def tilt(h: int, mesh: HalfEdges, weights: Floats) -> tuple[float, float]:
     if y <= 0:
         return -np.inf, 0.0
     size = abs(a) + abs(b) + abs(c) + l * l + third * third
-    return ((third * third + a - c) / 2 - p * x) / y, _T.rounding * size / y
+    return ((third * third + a - c) / 2 - p * x) / y, ROUNDING * size / y
 
 
 @kernel
@@ -214,7 +198,7 @@ def _curved_tilt(
     along, up = along * along, up * up
     p = (along * flat + (a - b)) / (2 * np.float64(sn(l, k)))
     size = abs(a) + abs(b) + abs(c) + along + up
-    return ((up * flat + (a - c)) / 2 - p * x) / y, _T.rounding * size / y
+    return ((up * flat + (a - c)) / 2 - p * x) / y, ROUNDING * size / y
 
 
 @kernel
@@ -238,7 +222,7 @@ def tilts(mesh: HalfEdges, weights: Floats) -> tuple[Floats, Floats]:
         values[f] = (a * (c * c + i - k) - (a * a + i - j) * at_i / a) / (2 * area)
         values[f + 1] = (b * (a * a + j - i) - (b * b + j - k) * at_j / b) / (2 * area)
         values[f + 2] = (c * (b * b + k - j) - (c * c + k - i) * at_k / c) / (2 * area)
-        size = (abs(i) + abs(j) + abs(k) + a * a + b * b + c * c) * _T.rounding / area
+        size = (abs(i) + abs(j) + abs(k) + a * a + b * b + c * c) * ROUNDING / area
         errors[f], errors[f + 1], errors[f + 2] = a * size, b * size, c * size
     return values, errors
 
@@ -270,7 +254,7 @@ def _curved_tilts(mesh: HalfEdges, weights: Floats) -> tuple[Floats, Floats]:
             third = square[before] * flat + (q[c] - q[before])
             along = square[c] * flat + (q[c] - q[after])
             values[f + c] = (sine[c] * third - along * product / sine[c]) / (2 * area)
-            errors[f + c] = _T.rounding * sine[c] * total / area
+            errors[f + c] = ROUNDING * sine[c] * total / area
     return values, errors
 
 
@@ -282,7 +266,7 @@ def non_delaunay_edges(mesh: HalfEdges, weights: Floats) -> Indices:
     count = 0
     for h in range(d.size):
         t = mesh.twins[h]
-        if h < t and d[h] + d[t] < -(_T.slack * (abs(d[h]) + abs(d[t])) + error[h] + error[t]):
+        if h < t and d[h] + d[t] < -(SLACK * (abs(d[h]) + abs(d[t])) + error[h] + error[t]):
             found[count] = h
             count += 1
     return found[:count].copy()
@@ -293,4 +277,4 @@ def is_delaunay(h: int, mesh: HalfEdges, weights: Floats) -> bool:
     """Whether the dihedral angle at the edge of h is convex: the centers lie in order, d + d' >= 0."""
     here, error = tilt(h, mesh, weights)
     there, other_error = tilt(mesh.twins[h], mesh, weights)
-    return here + there >= -(_T.slack * (abs(here) + abs(there)) + error + other_error)
+    return here + there >= -(SLACK * (abs(here) + abs(there)) + error + other_error)

@@ -5,21 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.intrinsic.delaunay import (
-    BLOCKED,
-    DELAUNAY,
-    FLIPPED,
-    LEFT,
-    attempts,
-    flip_edges,
-)
+from isoembed.intrinsic.delaunay import BLOCKED, FLIPPED, LEFT, SLACK, attempts, flip_edges
 from isoembed.intrinsic.flips import swap_diagonals
 from isoembed.intrinsic.halfedges import preceding
 from isoembed.intrinsic.plane import turn
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled
-
-_T = compiled(DELAUNAY)
 
 
 class Triangles(NamedTuple):
@@ -133,7 +123,7 @@ def _attempt(h: int, mesh: Triangles, rule: Constrained) -> int:
         return LEFT
     i, j, k, m = corners[h], corners[t], corners[preceding(h)], corners[preceding(t)]
     here, there = _cotangent(points, i, j, k), _cotangent(points, j, i, m)
-    if here + there >= -_T.slack * (abs(here) + abs(there)):
+    if here + there >= -SLACK * (abs(here) + abs(there)):
         return LEFT
     if turn(points[m], points[j], points[k]) <= 0 or turn(points[k], points[i], points[m]) <= 0:
         return BLOCKED

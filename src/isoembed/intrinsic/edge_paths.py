@@ -9,15 +9,12 @@ from isoembed.arrays import Floats, Indices, Points
 from isoembed.intrinsic.chart import coordinate, distance, distances, stretch, toward
 from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding
 from isoembed.intrinsic.polygons import Polygons, angle_around
-from isoembed.intrinsic.tracing import TRACING, crossed, from_corner, place, reaches, sector
+from isoembed.intrinsic.tracing import EXTRA_CROSSINGS, crossed, from_corner, place, reaches, sector
 from isoembed.intrinsic.trigonometry import cross, norm
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
 from isoembed.space import Space
 from isoembed.space.trigonometry import cs, sn
-from isoembed.thresholds import compiled
-
-_T = compiled(TRACING)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +125,8 @@ def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfed
     ends = np.column_stack([end[halfedges] for end in original.ends])
     first, angles = _set_out(original, final, polygons, halfedges, 0.0)
     counts, meet = _follow(first, angles, lengths, ends[:, 1], polygons)
-    for tilt in TRACING.tilts:
+    # in radians, one after another
+    for tilt in (1e-11, -1e-11, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8, -1e-8, 1e-7, -1e-7):
         lost = np.flatnonzero(np.isnan(meet.real))
         if lost.size == 0:
             break
@@ -181,7 +179,8 @@ def _follow(
         far = lengths[e]
         goal = complex(coordinate(far, curvature), 0.0)
         state = from_corner(first[e], angles[e], polygons)
-        near = _T.astray * far + _T.rounding * (norm(polygons.z[first[e]]) + norm(polygons.z[state[0]]))
+        # rounding of a place, in coordinates; a path that misses by 1e-6 of its length went elsewhere
+        near = 1e-6 * far + 2.0**-48 * (norm(polygons.z[first[e]]) + norm(polygons.z[state[0]]))
         found = False
         for g in (state[0], following(state[0])):
             end = place(g, state, polygons)
@@ -189,7 +188,7 @@ def _follow(
                 meet[e], found = end, True
         if found:
             continue
-        for k in range(corners.size + _T.longest):
+        for k in range(corners.size + EXTRA_CROSSINGS):
             if reaches(state, far + near, polygons):
                 break
             g = preceding(polygons.twins[state[0]])

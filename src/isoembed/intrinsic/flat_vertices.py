@@ -7,42 +7,24 @@ from a neighbor that goes in a later round or stays: after a number of steps tha
 of the number of vertices (D. Kirkpatrick, Optimal search in planar subdivisions, SIAM J. Comput. 12, 1983).
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.delaunay import DELAUNAY, END, empty_stack, make_delaunay, restore_delaunay
+from isoembed.intrinsic.delaunay import END, THIN, empty_stack, make_delaunay, restore_delaunay
 from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, degree, following, preceding
 from isoembed.intrinsic.retriangulate_star import retriangulate_star
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
-from isoembed.thresholds import compiled, threshold
 
 NONE, FLIPPED = -1, -2  # no half-edge
 
 
-@dataclass(frozen=True)
-class RemovalThresholds:
-    """Thresholds of the removal of flat vertices."""
-
-    sides: int = threshold(16, "edges", "At a vertex that is removed, at most: its time grows with the cube.")
-    few: int = threshold(10, "edges", "At a vertex that goes in an early round, at most.")
-    growth: int = threshold(4, "relative", "So many times more edges are allowed in a later round.")
-    worthwhile: int = threshold(20, "relative", "A round that takes fewer than one vertex in so many is not.")
-    thinnest: tuple[float, ...] = threshold(
-        (1e-1, 1e-2, 1e-4, 1e-6, DELAUNAY.thin),
-        "height over longest side",
-        "Of what flips leave: one after another.",
-    )
-    patience: int = threshold(10, "flips an edge", "Tried at a vertex until it can be removed.")
-
-
-REMOVAL = RemovalThresholds()
-_T, _D = compiled(REMOVAL), compiled(DELAUNAY)
+MAX_DEGREE = 16  # of a vertex that is removed: the time grows with its cube
+THINNEST = (1e-1, 1e-2, 1e-4, 1e-6, THIN)  # height over longest side that flips leave, one after another
 
 
 class Removal(NamedTuple):
@@ -121,7 +103,7 @@ def _remove(mesh: HalfEdges, flat: Mask, removal: Removal) -> tuple[Mask, int]:
     moved = np.full(n, -1, dtype=np.int64)
     rounds = np.zeros(flat.size, dtype=np.int64)  # the last in which a neighbor went
     remaining = np.flatnonzero(flat)
-    count, most, number = 0, _T.few, 0
+    count, most, number = 0, 10, 0  # edges at a vertex that goes in an early round
     while remaining.size > 0:
         number += 1
         left = 0
@@ -146,8 +128,8 @@ def _remove(mesh: HalfEdges, flat: Mask, removal: Removal) -> tuple[Mask, int]:
             restore_delaunay(stack, mesh, carried)
         if left == remaining.size and most > n:
             break
-        if _T.worthwhile * (remaining.size - left) < remaining.size and most <= n:
-            most *= _T.growth
+        if 20 * (remaining.size - left) < remaining.size and most <= n:
+            most *= 4  # a round that takes less than a twentieth allows four times as many edges in the next
         remaining = remaining[:left]
     return alive, count
 
@@ -161,7 +143,7 @@ def _removable(h: int, mesh: HalfEdges) -> int:
     corners, twins = mesh.corners, mesh.twins
     loops = 0
     e = tip = h
-    for _ in range(_T.sides):
+    for _ in range(MAX_DEGREE):
         if corners[twins[e]] == corners[h]:
             loops += 1
         if e // 3 == twins[e] // 3:
@@ -182,7 +164,8 @@ def _untie(v: int, mesh: HalfEdges, carried: Tracked) -> int:
     int
         Where `retriangulate_star` can begin, or NONE.
     """
-    for _ in range(_T.patience * degree(carried.leaving[v], mesh.twins, mesh.twins.size)):
+    # ten flips an edge until the vertex can be removed
+    for _ in range(10 * degree(carried.leaving[v], mesh.twins, mesh.twins.size)):
         first = _removable(carried.leaving[v], mesh)
         if first >= 0:
             return first
@@ -194,7 +177,7 @@ def _untie(v: int, mesh: HalfEdges, carried: Tracked) -> int:
                 break
         else:
             edge = _in_the_way(loop, mesh)
-            if not flip_tracked(edge, mesh, carried, _D.thin):
+            if not flip_tracked(edge, mesh, carried, THIN):
                 break
     return NONE
 
@@ -213,7 +196,7 @@ def _flip_loop(v: int, mesh: HalfEdges, carried: Tracked) -> int:
     h = carried.leaving[v]
     for _ in range(degree(h, twins, twins.size)):
         if mesh.corners[twins[h]] == v:
-            if flip_tracked(h, mesh, carried, _D.thin):
+            if flip_tracked(h, mesh, carried, THIN):
                 return FLIPPED
             found = h
         h = twins[preceding(h)]
@@ -223,11 +206,11 @@ def _flip_loop(v: int, mesh: HalfEdges, carried: Tracked) -> int:
 @kernel
 def _thin_out(v: int, mesh: HalfEdges, carried: Tracked) -> bool:
     """Flip edges at a vertex without loops, those first that leave good triangles; return whether any was."""
-    for thinnest in _T.thinnest:
+    for thinnest in THINNEST:
         h = carried.leaving[v]
         surplus = edges = degree(h, mesh.twins, mesh.twins.size)
         for _ in range(edges):
-            if surplus > _T.sides and flip_tracked(
+            if surplus > MAX_DEGREE and flip_tracked(
                 h, mesh, carried, thinnest
             ):  # after which h still leaves v
                 surplus -= 1

@@ -19,21 +19,8 @@ from isoembed.intrinsic.tracing import from_corner, from_inside, place, sector, 
 from isoembed.intrinsic.trigonometry import cross
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import frozen
-from isoembed.thresholds import threshold
 
 Table = TypeVar("Table", bound=NDArray)
-
-
-@dataclass(frozen=True)
-class InsertionThresholds:
-    """Thresholds of the insertion of flat vertices."""
-
-    inside: float = threshold(
-        1e-9, "altitudes", "Distance from the sides of a triangle at which a vertex is inside."
-    )
-
-
-INSERTION = InsertionThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +112,7 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     if order.size and _is_triangle(tables):
         depths = barycentric[order].min(axis=1)
         first = int(np.argmax(depths))
-        if depths[first] < INSERTION.inside:
+        if depths[first] < 1e-9:  # in altitudes of the triangle
             order, near, first = np.append(order, number.size), np.append(near, r.core[0]), order.size
             number, faces, axis = np.append(number, -1), np.append(faces, 0), np.append(axis, 0.0)
             barycentric = np.vstack([barycentric, _middle(laid.z[:3], laid.curvature)])

@@ -3,14 +3,11 @@
 import numpy as np
 
 from isoembed.arrays import Indices, Mask
-from isoembed.intrinsic.delaunay import DELAUNAY
+from isoembed.intrinsic.delaunay import THIN
 from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, preceding
 from isoembed.intrinsic.polygons import Polygons, lay_out
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled
-
-_T = compiled(DELAUNAY)
 
 
 def repeated(mesh: HalfEdges) -> Indices:
@@ -72,6 +69,6 @@ def _separate(edges: Indices, mesh: HalfEdges, carried: Tracked) -> int:
             continue
         if corners[k] == m or edges_between(k, m, corners, twins) > 0:
             continue
-        if flip_tracked(h, mesh, carried, _T.thin):
+        if flip_tracked(h, mesh, carried, THIN):
             flips += 1
     return flips

@@ -1,6 +1,5 @@
 """Delaunay flips that leave a triangulation looking outward on a sphere of directions."""
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,19 +17,6 @@ from isoembed.intrinsic.delaunay import (
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled, threshold
-
-
-@dataclass(frozen=True)
-class IntrinsicFlipThresholds:
-    """Thresholds of the flips on the sphere of directions."""
-
-    widest: float = threshold(-0.5, "cosine", "Least of the angle between the ends of a new edge.")
-    thinnest: float = threshold(1e-6, "relative", "Least height over longest side after a flip.")
-
-
-INTRINSIC_FLIPS = IntrinsicFlipThresholds()
-_T = compiled(INTRINSIC_FLIPS)
 
 
 @kernel
@@ -71,10 +57,11 @@ def _attempt(h: int, mesh: HalfEdges, rule: Outward) -> int:
         return BLOCKED
     if edges_between(into, m, corners, mesh.twins) > 0:
         return BLOCKED
-    if u[k, 0] * u[m, 0] + u[k, 1] * u[m, 1] + u[k, 2] * u[m, 2] < _T.widest:
+    # the ends of a new edge at most 120 degrees apart
+    if u[k, 0] * u[m, 0] + u[k, 1] * u[m, 1] + u[k, 2] * u[m, 2] < -0.5:
         return BLOCKED
     count = rule.flipped[-1]
-    if count + 1 == rule.flipped.size or not flip(h, mesh, _T.thinnest):
+    if count + 1 == rule.flipped.size or not flip(h, mesh, 1e-6):  # of height over longest side
         return BLOCKED
     rule.flipped[count] = following(h)
     rule.flipped[-1] += 1

@@ -1,7 +1,6 @@
 """New vertices in flat polygons, triangulated well."""
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -21,29 +20,10 @@ from isoembed.intrinsic.halfedges import edges_between, following, glue, precedi
 from isoembed.intrinsic.polygons import Polygons
 from isoembed.intrinsic.trigonometry import cross, dot, from_frame, norm
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled, threshold
 
-
-@dataclass(frozen=True)
-class PlanarThresholds:
-    """Thresholds of triangles laid out in a `chart`."""
-
-    delaunay: float = threshold(1e-9, "radians", "Excess over pi of two angles that is left.")
-    thin: float = threshold(1e-14, "height over longest side", "Coordinates do not hold thinner triangles.")
-    outside: float = threshold(1e-9, "side lengths", "A point farther outside of a face is searched in all.")
-    on_side: float = threshold(
-        1e-11,
-        "longest side of the polygon",
-        "Height at which a vertex is put on a side that is not to be flipped.",
-    )
-    # A side that may be flipped anyway is split early, which spares two thin triangles.
-    near_side: float = threshold(
-        1e-6, "side lengths", "Detour by way of a vertex that is put on another side."
-    )
-
-
-PLANAR = PlanarThresholds()
-_T = compiled(PLANAR)
+OUTSIDE = 1e-9  # side lengths: a point farther outside of a face is searched for in all
+ON_SIDE = 1e-11  # longest sides: height at which a vertex is put on a side that is not to be flipped
+NEAR_SIDE = 1e-6  # side lengths: detour by way of a vertex that is put on another side
 
 
 class Marks(NamedTuple):
@@ -129,7 +109,7 @@ def face_at(p: complex, start: int, polygons: Polygons, n: int) -> int:
         came = polygons.twins[go]
         f = came // 3
     best = _depth(p, f, polygons)
-    if best < -_T.outside:  # led astray: try all
+    if best < -OUTSIDE:  # led astray: try all
         for g in range(n):
             if polygons.cells[g] == polygons.cells[start]:
                 depth = _depth(p, g, polygons)
@@ -168,7 +148,7 @@ def _side_at(p: complex, f: int, polygons: Polygons, size: float) -> int:
         height = cross(side, arm) / dot(side, side)
         if fixed[h]:
             # It comes first: a point on it that is put on another is never put on it.
-            share = height * norm(side) / (_T.on_side * size) - 1
+            share = height * norm(side) / (ON_SIDE * size) - 1
             if share >= 0:
                 continue
         else:
@@ -178,7 +158,7 @@ def _side_at(p: complex, f: int, polygons: Polygons, size: float) -> int:
                 for along in (foot, 1 - foot):
                     way = np.hypot(along, height)
                     detour += height * height / (way + along) if along > 0 else way - along
-            share = detour / _T.near_side
+            share = detour / NEAR_SIDE
         if share < least:
             least, s = share, h
     if s >= 0:
@@ -275,9 +255,10 @@ def _attempt(h: int, mesh: Polygons, rule: Marks) -> int:
     a, b, c, d, e = i - k, j - k, j - m, i - m, m - k
     aa, bb, cc, dd, ee = dot(a, a), dot(b, b), dot(c, c), dot(d, d), dot(e, e)
     sine = cross(a, b) * dot(c, d) + dot(a, b) * cross(c, d)  # of the sum of the angles at k and m
-    if sine >= -_T.delaunay * np.sqrt(aa * bb * cc * dd):
+    if sine >= -1e-9 * np.sqrt(aa * bb * cc * dd):  # excess over pi of two angles, in radians, that is left
         return LEFT
-    if not (cross(a, e) > _T.thin * max(aa, dd, ee) and cross(e, b) > _T.thin * max(bb, cc, ee)):
+    # coordinates do not hold thinner triangles
+    if not (cross(a, e) > 1e-14 * max(aa, dd, ee) and cross(e, b) > 1e-14 * max(bb, cc, ee)):
         return BLOCKED
     if rule.simple and edges_between(ki, mesh.corners[mj], mesh.corners, mesh.twins) > 0:
         return BLOCKED

@@ -1,26 +1,11 @@
 """Points of the plane: on which side one lies, and whether segments meet."""
 
-from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled, threshold
-
-
-@dataclass(frozen=True)
-class PlaneThresholds:
-    """Thresholds of points of the plane."""
-
-    turn: float = threshold(
-        2e-15, "sum of coordinates", "Twice the area of a triangle with corners in line, up to rounding."
-    )
-
-
-PLANE = PlaneThresholds()
-_T = compiled(PLANE)
 
 
 @kernel
@@ -32,7 +17,8 @@ def turn(a: Floats, b: Floats, c: Floats) -> float:
     x, y = b[0] - a[0], b[1] - a[1]
     u, v = c[0] - a[0], c[1] - a[1]
     area = x * v - y * u
-    return area if abs(area) > _T.turn * (abs(x) + abs(y) + abs(u) + abs(v)) else 0.0
+    # up to rounding, the corners are in line
+    return area if abs(area) > 2e-15 * (abs(x) + abs(y) + abs(u) + abs(v)) else 0.0
 
 
 @kernel

@@ -4,7 +4,6 @@ Lengths alone do not say how a triangle lies that is a million times longer than
 height.  Every corner of a triangle has coordinates here, which no flip changes.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -14,21 +13,6 @@ from isoembed.intrinsic.chart import coordinate, toward
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding, third_corner
 from isoembed.intrinsic.trigonometry import argument
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled, threshold
-
-
-@dataclass(frozen=True)
-class PolygonThresholds:
-    """Thresholds of polygons laid out in the plane."""
-
-    loose: float = threshold(
-        2.0**-50, "relative", "Two sides are longer than the third by so much in floats."
-    )
-    straight: float = threshold(1e-9, "radians", "Excess over pi of a polygon's corner.")
-
-
-POLYGONS = PolygonThresholds()
-_T = compiled(POLYGONS)
 
 
 class Polygons(NamedTuple):
@@ -135,7 +119,7 @@ def _are_convex(cells: Indices, mesh: HalfEdges, fixed: Mask) -> Mask:
                 if fixed[preceding(e)]:
                     break
                 e = mesh.twins[preceding(e)]
-            if angle > np.pi + _T.straight:
+            if angle > np.pi + 1e-9:  # radians of rounding
                 convex[c] = False
     return convex & (inner == 2 * (size - 1))
 
@@ -190,7 +174,8 @@ def loosened(lengths: Floats, twins: Indices) -> Floats:
         tight, sides, longest = tight[broken], sides[broken], longest[broken, None]
         shorter = sides < longest
         # By what is little of the longest: of the short ones themselves it might be nothing in floats.
-        step = np.broadcast_to(_T.loose / 2 * longest, shorter.shape)[shorter]
+        # two sides get longer than the third by more than rounding
+        step = np.broadcast_to(2.0**-50 / 2 * longest, shorter.shape)[shorter]
         sides = (3 * tight[:, None] + np.arange(3))[shorter]
         both = np.concatenate([sides, twins[sides]])
         longer = lengths[both] + np.tile(step, 2)

@@ -4,7 +4,7 @@ import numpy as np
 
 from isoembed.arrays import Indices, Mask, Points
 from isoembed.intrinsic.chart import coordinate, distance, toward
-from isoembed.intrinsic.delaunay import DELAUNAY, push
+from isoembed.intrinsic.delaunay import THIN, push
 from isoembed.intrinsic.halfedges import (
     HalfEdges,
     corner_angle,
@@ -18,9 +18,6 @@ from isoembed.intrinsic.tracing import modulo
 from isoembed.intrinsic.trigonometry import argument, cross, dot, polar
 from isoembed.kernel import kernel
 from isoembed.space.trigonometry import amplitude, angle_between, sn
-from isoembed.thresholds import compiled
-
-_T = compiled(DELAUNAY)
 
 
 @kernel
@@ -58,7 +55,7 @@ def retriangulate_star(
         sides[-1] = -1
     n = z.size
     triangles, worst = _best_cut(z, curvature)
-    if not worst > _T.thin:
+    if not worst > THIN:
         return False
 
     # From corner to corner: lengths, and directions at the first.

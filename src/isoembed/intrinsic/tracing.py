@@ -6,8 +6,6 @@ its polygon to that of the line: ``(out, turn, shift)``, so that in the plane co
 ``turn z[h] + shift``.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.intrinsic.chart import motion, moved, toward
@@ -16,29 +14,11 @@ from isoembed.intrinsic.polygons import Polygons
 from isoembed.intrinsic.trigonometry import dot, norm, polar
 from isoembed.kernel import kernel
 from isoembed.space.trigonometry import cs, sn
-from isoembed.thresholds import compiled, threshold
 
 State = tuple[int, complex, complex]
 
 
-@dataclass(frozen=True)
-class TracingThresholds:
-    """Thresholds of straight lines across triangles."""
-
-    longest: int = threshold(
-        10**6, "triangles", "A line may cross so many more than there are: round a needle."
-    )
-    rounding: float = threshold(2.0**-48, "coordinates", "Error of a place by rounding.")
-    tilts: tuple[float, ...] = threshold(
-        (1e-11, -1e-11, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8, -1e-8, 1e-7, -1e-7),
-        "radians",
-        "By which a line that misses its end is turned, one after another.",
-    )
-    astray: float = threshold(1e-6, "path lengths", "A path that misses its end by more went elsewhere.")
-
-
-TRACING = TracingThresholds()
-_T = compiled(TRACING)
+EXTRA_CROSSINGS = 10**6  # a line may cross so many more triangles than there are: round a needle
 
 
 @kernel(inline="always")
@@ -148,7 +128,7 @@ def reaches(state: State, length: float, polygons: Polygons) -> bool:
 @kernel
 def straight(state: State, length: float, polygons: Polygons) -> State:
     """Follow a line over a distance; ``out`` is -1 if that leads across absurdly many triangles."""
-    for _ in range(polygons.twins.size + _T.longest):
+    for _ in range(polygons.twins.size + EXTRA_CROSSINGS):
         if reaches(state, length, polygons):
             return state
         state = crossed(state, polygons)

@@ -19,7 +19,7 @@ from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, Polygons, at_vertices, flattened
 from isoembed.io.input_file import InputFile
 from isoembed.mesh.polygons import next_corners, polygon_normals
-from isoembed.surface.curvature import DIHEDRAL
+from isoembed.surface.curvature import FLAT_ANGLE, SHUT
 from isoembed.version import __version__
 
 Frame = dict[str, Any]
@@ -169,9 +169,9 @@ def _edges(vertices: Floats, faces: Polygons) -> tuple[Indices, Floats, Floats, 
     along /= np.maximum(lengths, np.finfo(float).tiny)[:, None]
     sine = (np.cross(normals[left], normals[right]) * along).sum(axis=1)
     cosine = (normals[left] * normals[right]).sum(axis=1)
-    sine = np.where((cosine < 0) & (np.abs(sine) < DIHEDRAL.shut), np.abs(sine), sine)
+    sine = np.where((cosine < 0) & (np.abs(sine) < SHUT), np.abs(sine), sine)
     bend = np.arctan2(sine, cosine)
-    bend[~inner | (np.abs(bend) <= DIHEDRAL.flat)] = 0.0
+    bend[~inner | (np.abs(bend) <= FLAT_ANGLE)] = 0.0
     return edges, lengths * size, 0.0 - np.degrees(bend), inner
 
 

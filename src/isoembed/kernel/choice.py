@@ -13,7 +13,7 @@ import numpy as np
 
 from isoembed.kernel import ledger
 from isoembed.kernel.place import is_kept
-from isoembed.kernel.worth import KERNEL, Account, NotWorth, elements, lasting, source_lines
+from isoembed.kernel.worth import IMPORTING, LOADING, Account, NotWorth, elements, lasting, source_lines
 
 WHEN = os.environ.get("ISOEMBED_KERNELS", "")
 """To compile: ``compiled`` at once, ``interpreted`` what would take seconds, otherwise what pays."""
@@ -95,9 +95,9 @@ class Kernel:
             return False
         expected = self.account.expected(elements(args), self._lines)
         if WHEN == "interpreted":
-            return expected > KERNEL.patience
-        importing = 0.0 if "numba" in sys.modules else max(0.0, KERNEL.importing - _ALL.seconds)
-        spent = KERNEL.again * self.account.earlier + self.account.seconds
+            return expected > 3.0  # seconds: longer calls are compiled where no others are, in tests
+        importing = 0.0 if "numba" in sys.modules else max(0.0, IMPORTING - _ALL.seconds)
+        spent = 2.0 * self.account.earlier + self.account.seconds  # what was run twice will be run again
         return spent + expected > self._price + importing
 
     def _choose(self, *args: Any) -> Any:
@@ -142,9 +142,10 @@ class Kernel:
     def _price(self) -> float:
         """Seconds that compiled code takes, numba given."""
         if is_kept(self.py_func):
-            return KERNEL.loading
+            return LOADING
         new = [kernel.py_func.__code__ for kernel in self._with_callees if not is_kept(kernel.py_func)]
-        return sum(KERNEL.compiling + KERNEL.line * source_lines(code) for code in new)
+        # seconds to compile a function, and for each of its lines
+        return sum(0.06 + 0.015 * source_lines(code) for code in new)
 
 
 @atexit.register

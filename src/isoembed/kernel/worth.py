@@ -6,34 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from isoembed.thresholds import threshold
-
 
 class NotWorth(Exception):  # noqa: N818 -- no error
     """To compile a function for arguments of these types does not pay yet."""
 
 
-@dataclass(frozen=True)
-class KernelThresholds:
-    """What compiled code costs, and what it costs to do without."""
-
-    compiling: float = threshold(0.06, "seconds", "To compile a function takes this ...")
-    line: float = threshold(0.015, "seconds", "... and this for each of its lines.")
-    loading: float = threshold(0.01, "seconds", "To load a function that was compiled before.")
-    importing: float = threshold(0.25, "seconds", "To import numba, once for all functions of a process.")
-    interpreting: float = threshold(
-        3e-7, "seconds a line and element", "What a call is expected to take before one was measured."
-    )
-    size: int = threshold(
-        200_000, "elements", "For a larger array a function is compiled, whatever it took for small ones."
-    )
-    again: float = threshold(
-        2.0, "relative", "Weight of seconds in earlier processes: what was run twice will be run again."
-    )
-    patience: float = threshold(3.0, "seconds", "Longer calls are compiled where no others are, in tests.")
-
-
-KERNEL = KernelThresholds()
+LOADING = 0.01  # seconds to load a function that was compiled before
+IMPORTING = 0.25  # seconds to import numba, once for all functions of a process
+INTERPRETING = 3e-7  # seconds a line and element that a call is expected to take before one was measured
+LARGE_SIZE = 200_000  # elements: for a larger array a function is compiled, whatever it took for small ones
 
 
 @dataclass
@@ -68,9 +49,9 @@ class Account:
 
     def expected(self, size: int, lines: int) -> float:
         """Seconds that a call will take: for so many elements, of a function that has so many lines."""
-        if size > KERNEL.size:
+        if size > LARGE_SIZE:
             return float("inf")
-        return size * (self._rate if self._largest else KERNEL.interpreting * lines)
+        return size * (self._rate if self._largest else INTERPRETING * lines)
 
 
 def lasting(seconds: float, all_seconds: float, numba: bool) -> float:
@@ -83,8 +64,8 @@ def lasting(seconds: float, all_seconds: float, numba: bool) -> float:
     numba : bool
         Whether numba was imported; if not, it would have been, for all of them.
     """
-    share = 1.0 if numba or all_seconds == 0 else max(0.0, 1.0 - KERNEL.importing / all_seconds)
-    return max(0.0, seconds - KERNEL.loading) * share
+    share = 1.0 if numba or all_seconds == 0 else max(0.0, 1.0 - IMPORTING / all_seconds)
+    return max(0.0, seconds - LOADING) * share
 
 
 def elements(args: tuple[Any, ...]) -> int:

@@ -8,10 +8,10 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.kernel import kernel
-from isoembed.linalg.separator import DISSECTION, SEPARATOR, Graph, empty_band, separate
-from isoembed.thresholds import compiled
+from isoembed.linalg.separator import SEPARATOR, Graph, empty_band, separate
 
-_T = compiled(DISSECTION)
+WINDOW = 0.25  # distance of a cut from the median of its cell, at most, in cells
+PLACES = 64  # positions of a cut that are compared
 
 
 def separators(graph: Graph, position: Floats) -> tuple[Indices, Indices, Indices]:
@@ -74,20 +74,21 @@ def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices,
     order, members = np.arange(n), np.empty(n, dtype=np.int64)
     cell, path, depth = np.zeros((3, n), dtype=np.int64)
     height, heights = np.empty((2, n))
-    table = np.empty((2, _T.places + 1), dtype=np.int64)
+    table = np.empty((2, PLACES + 1), dtype=np.int64)
     band = empty_band(n)
     cells = 1
     waiting = [(0, n)]
     while waiting:
         start, end = waiting.pop()
         size = end - start
-        if size <= _T.leaf:
+        if size <= 4:  # cutting smaller cells saves hardly any fill
             continue
         for k in range(size):
             members[k] = order[start + k]
         _measure(members[:size], position, height)
         _cut(graph, members[:size], cell, height, heights[:size], table)
-        separate(graph, members[:size], cell, min(int(_T.width * np.sqrt(size)), _T.widest), band)
+        # a band of .05 sqrt(size) layers on either side, at most six
+        separate(graph, members[:size], cell, min(int(0.05 * np.sqrt(size)), 6), band)
         if not separated:
             _dissolve(graph, members[:size], cell)
         lower = upper = 0
@@ -174,13 +175,13 @@ def _cut(
     size = members.size
     for k in range(size):
         heights[k] = height[members[k]]
-    low = _selected(heights, int((0.5 - _T.window) * size))
-    high = _selected(heights, int((0.5 + _T.window) * size))
+    low = _selected(heights, int((0.5 - WINDOW) * size))
+    high = _selected(heights, int((0.5 + WINDOW) * size))
     if not low < high:
         _halve(members, cell, height, low)
         return
     # Bin 0 is below low, bins 1, 2, .. lie between low and high.
-    bins = min(_T.places, max(4, size // 4))
+    bins = min(PLACES, max(4, size // 4))
     scale = bins / (high - low)
     inside, change = table  # vertices in a bin, and severed edges above it less those below
     for b in range(bins + 1):
@@ -206,7 +207,8 @@ def _cut(
     for b in range(bins):
         below += inside[b]
         severed += change[b]
-        cost = (severed + 1) * (1 + _T.penalty * (below / size - 0.5) * (below / size - 0.5))
+        # the factor 2 weighs balance against severed edges
+        cost = (severed + 1) * (1 + 2.0 * (below / size - 0.5) * (below / size - 0.5))
         if below > 0 and cost < least:
             least, best = cost, b
     level = low + best / scale

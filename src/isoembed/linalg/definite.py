@@ -32,24 +32,14 @@ from isoembed.arrays import Floats, Indices
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U
 from isoembed.linalg.superlu import has_row_exchanges, symmetric_lu
 from isoembed.linalg.symbolic import SingularMatrix
-from isoembed.thresholds import threshold
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
 
-@dataclass(frozen=True)
-class DefinitenessThresholds:
-    """Thresholds of the proof that a matrix is positive definite."""
-
-    spare: int = threshold(6, "roundings", "Of an entry beyond the terms of its sum.")
-    iterations: int = threshold(12, "count", "They exceed the eigenvalue by n^(1/24) or so: 1.6 for 10^5.")
-    products: int = threshold(6, "count", "With the bounds on rounding: more would gain a few percent.")
-    least: float = threshold(1e-3, "relative", "Entry of the vector that they are applied to.")
-    share: float = threshold(0.5, "relative", "Of the estimated eigenvalue, to be proven.")
-
-
-DEFINITENESS = DefinitenessThresholds()
+POWER_ITERATIONS = 6  # products with the bounds on rounding: more would gain a few percent
+LEAST_ENTRY = 1e-3  # of the positive vector, relative to its largest entry
+PROVEN_SHARE = 0.5  # of the estimated least eigenvalue, leaving room for rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +76,7 @@ def prove_definite(matrix: sp.csc_array, order: Indices) -> PositiveDefinite:
     """
     permuted = sp.csc_array(matrix[order][:, order])
     lu, estimate = least_eigenvalue(permuted)
-    shift = DEFINITENESS.share * estimate
+    shift = PROVEN_SHARE * estimate
     lost = lost_to_rounding(permuted, shift)
     if not lost < shift:
         raise hidden(estimate, lost)
@@ -97,7 +87,7 @@ def least_eigenvalue(matrix: sp.csc_array) -> tuple[SuperLU, float]:
     """The factors of a symmetric matrix in its own order, and its least eigenvalue, by inverse iteration."""
     lu = symmetric_lu(matrix)
     x = np.random.default_rng(0).normal(size=matrix.shape[0])
-    for _ in range(DEFINITENESS.iterations):
+    for _ in range(12):  # the estimate exceeds the eigenvalue by n^(1/24) or so: 1.6 for 10^5
         x = lu.solve(x / np.linalg.norm(x))
     return lu, float(1 / np.linalg.norm(x))
 
@@ -155,7 +145,8 @@ class Pivots:
         if has_row_exchanges(lu) or not (pivots != 0).all():  # an exchange avoids a pivot of zero
             raise SingularMatrix("the matrix is not positive definite, as far as floats tell")
         lower = lu.L
-        roundings = np.bincount(lower.indices, minlength=pivots.size) + DEFINITENESS.spare
+        # roundings beyond the terms of an entry's sum
+        roundings = np.bincount(lower.indices, minlength=pivots.size) + 6
         relative = roundings * U / (1 - roundings * U)
         rest = abs(upper - sp.diags_array(pivots) @ lower.T) + 4 * U * abs(upper)
         return cls(abs(lower), abs(upper), rest, pivots, relative)
@@ -176,8 +167,8 @@ class Pivots:
     def largest_error(self) -> float:
         """Upper bound on the spectral radius of B."""
         v, bound = np.ones(self.pivots.size), np.inf
-        for _ in range(DEFINITENESS.products):
+        for _ in range(POWER_ITERATIONS):
             w = self.errors(v)
             bound = min(bound, float((w / v).max()))
-            v = np.maximum(w / w.max(), DEFINITENESS.least)
+            v = np.maximum(w / w.max(), LEAST_ENTRY)
         return bound * GUARD + UNDERFLOW

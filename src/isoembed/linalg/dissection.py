@@ -15,7 +15,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
 from isoembed.linalg.bisection import bisection_paths, lift_ends, separators
 from isoembed.linalg.elimination import permuted
-from isoembed.linalg.separator import DISSECTION, Graph
+from isoembed.linalg.separator import Graph
 from isoembed.mesh.triangulation import frozen
 
 
@@ -75,7 +75,7 @@ class Dissection:
         lifted = lift_ends(adjacency.indptr, adjacency.indices, path, depth)
         if lifted == 0:
             return self.vertex_order()
-        if lifted > DISSECTION.lifted * path.size:
+        if lifted > 0.03 * path.size:  # moving more vertices costs more than a new dissection
             indptr, indices, _ = permuted(adjacency.indptr, adjacency.indices, self.labels, False)
             return frozen(self.labels[separators(Graph(indptr, indices), self.position)[0]])
         deepest = depth.max()
@@ -163,7 +163,7 @@ def _hop_coordinates(graph: Graph) -> Floats:
         aside += np.abs(from_start - from_end)
         nearest = np.minimum(from_start, from_end)
         near = nearest if c == 0 else np.minimum(near, nearest)
-    for _ in range(DISSECTION.smoothings):
+    for _ in range(3):  # the level lines of hop distances are ragged
         position = _smoothed(graph, position)
     return position
 

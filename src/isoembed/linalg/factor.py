@@ -15,7 +15,10 @@ from isoembed.linalg.multifrontal import Fronts
 from isoembed.linalg.superlu import Columns, checked_lu
 from isoembed.linalg.supernodes import find_supernodes
 from isoembed.linalg.symbolic import Numeric, SingularMatrix, Solves, Symbolic
-from isoembed.linalg.symmetric import FACTORIZATION, SymmetricMatrix
+from isoembed.linalg.symmetric import SymmetricMatrix
+
+# entries of L: up to here SuperLU takes .1 s, and to compile the elimination of fronts 4 s
+SUPERLU_ENTRIES = 2**20
 
 
 def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, *, definite: bool = True) -> Solver:
@@ -73,7 +76,7 @@ class Solver:
         )
         count = int(elimination.counts.sum())
         self._symbolic: Symbolic
-        if count <= FACTORIZATION.small:
+        if count <= SUPERLU_ENTRIES:
             self._symbolic = Columns(self._indptr, self._indices, definite, count)
         else:
             nodes = find_supernodes(self.pattern.indptr, self.pattern.indices, elimination)
@@ -178,7 +181,7 @@ class Factor:
             remaining_size = np.linalg.norm(remaining, axis=0)
             better = remaining_size < size
             x = np.where(better, refined, x)
-            if not (remaining_size < FACTORIZATION.refined * size).any():
+            if not (remaining_size < 0.5 * size).any():  # a sweep that leaves more than half is the last
                 break
             residual, size = np.where(better, remaining, residual), np.minimum(remaining_size, size)
         return x
@@ -237,7 +240,7 @@ def _refuse_growth(numeric: Solves, rows: Floats, columns: Floats) -> tuple[Floa
     b = rows * np.random.default_rng(0).uniform(-1.0, 1.0, rows.size)
     x = numeric.solve(b)
     growth = np.abs(columns * x).max()
-    if not growth < FACTORIZATION.largest_growth:
+    if not growth < 2.0**46:  # a larger scaled inverse leaves less than two digits
         raise SingularMatrix(
             f"the matrix is singular to working precision: its scaled inverse grows by {growth:.1e}"
         )
@@ -247,7 +250,7 @@ def _refuse_growth(numeric: Solves, rows: Floats, columns: Floats) -> tuple[Floa
 def _refuse_residual(residual: Floats) -> None:
     """Raise if elimination without exchanges lost the matrix: much of a random probe, scaled, is left."""
     worst = np.abs(residual).max()
-    if not worst < FACTORIZATION.largest_residual:
+    if not worst < 2.0**-6:  # factors that leave more have less than two digits
         raise SingularMatrix(
             "the matrix has no accurate factors L D L^T in this order: "
             f"a solution leaves {worst:.1e} of the right-hand side"

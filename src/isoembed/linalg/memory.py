@@ -5,24 +5,14 @@ Where memory is promised more often than it exists, a process that takes too muc
 
 import os
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-from isoembed.thresholds import threshold
 
 UNKNOWN = 1 << 62  # bytes: no bound is known
 UNITS = ("bytes", "kB", "MB", "GB", "TB", "PB")
 
 
-@dataclass(frozen=True)
-class MemoryThresholds:
-    """Thresholds of what is asked of the system before memory is taken."""
-
-    unasked: int = threshold(1 << 24, "bytes", "Less is taken without asking: that is as fast as asking.")
-
-
-MEMORY = MemoryThresholds()
+UNASKED = 1 << 24  # bytes: less is taken without asking, which is as fast as asking
 
 PROC = Path("/proc")
 CGROUPS = Path("/sys/fs/cgroup")
@@ -37,7 +27,7 @@ class OutOfMemory(MemoryError):  # noqa: N818  (named for what it says, as Singu
 
 def require_memory(needed: int, what: str) -> None:
     """Raise OutOfMemory if so many bytes are not free; `what` needs them, in the plural, in its message."""
-    if needed > MEMORY.unasked:
+    if needed > UNASKED:
         free = available_memory()
         if needed > free:
             _give_back()

@@ -34,7 +34,9 @@ import scipy.sparse as sp
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg.definite import (
-    DEFINITENESS,
+    LEAST_ENTRY,
+    POWER_ITERATIONS,
+    PROVEN_SHARE,
     Pivots,
     PositiveDefinite,
     hidden,
@@ -43,27 +45,14 @@ from isoembed.linalg.definite import (
 )
 from isoembed.linalg.rounding import GUARD, UNDERFLOW, U, gamma
 from isoembed.linalg.superlu import symmetric_lu
-from isoembed.thresholds import threshold
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
 
-@dataclass(frozen=True)
-class RowRankThresholds:
-    """Thresholds of the proof that a matrix has full row rank."""
-
-    hopeless: float = threshold(1e-4, "lost to rounding", "Least eigenvalue that is not looked into.")
-    clear: tuple[float, ...] = threshold((3.0, 2.7, 3.5, 4.0), "lost to rounding", "Of nu, in turn.")
-    lifted: float = threshold(1.5, "nu", "Eigenvalues whose vectors are in V.")
-    lift: float = threshold(100.0, "nu", "Of tau.")
-    counts: tuple[int, ...] = threshold((16, 32, 64, 128), "count", "Of vectors that are asked for, in turn.")
-    accurate: float = threshold(1e-5, "relative", "Error of an eigenvalue that ends Lanczos' iteration.")
-    shares: tuple[float, ...] = threshold((0.9, 0.5, 0.2), "relative", "Of the least eigenvalue, in turn.")
-    borders: tuple[float, ...] = threshold((1.0, 0.1, 0.01, 1e-3), "relative", "Of v there, in turn.")
-
-
-ROW_RANK = RowRankThresholds()
+NU_FACTORS = (3.0, 2.7, 3.5, 4.0)  # nu over what rounding takes, tried in turn
+LIFTED = 1.5  # eigenvalues up to this many nu have their vectors in V
+VECTOR_COUNTS = (16, 32, 64, 128)  # eigenvectors computed, in turn
 
 
 def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, float]:
@@ -90,11 +79,11 @@ def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, f
     J = sp.csr_array(J[order])
     A = sp.csc_array(J @ J.T)
     lu, estimate = least_eigenvalue(A)
-    shift = DEFINITENESS.share * estimate
+    shift = PROVEN_SHARE * estimate
     lost = lost_to_rounding(A, shift) + _forming(J)
     least = (shift - lost) / GUARD
     if not lost < shift:
-        if estimate < ROW_RANK.hopeless * lost:
+        if estimate < 1e-4 * lost:  # so far below rounding that no proof is attempted
             raise hidden(estimate, lost)
         least = _Deflated.of(J, A, lu, lost).least_eigenvalue()
         if not least > 0:
@@ -120,9 +109,9 @@ class _Deflated:
 
     @classmethod
     def of(cls, J: sp.csr_array, A: sp.csc_array, lu: SuperLU, lost: float) -> _Deflated:
-        every, values = _soft(A, lu, ROW_RANK.lifted * max(ROW_RANK.clear) * lost)
-        for clear in ROW_RANK.clear:  # a shift near an eigenvalue of a part of A makes large factors
-            soft = values <= ROW_RANK.lifted * clear * lost
+        every, values = _soft(A, lu, LIFTED * max(NU_FACTORS) * lost)
+        for clear in NU_FACTORS:  # a shift near an eigenvalue of a part of A makes large factors
+            soft = values <= LIFTED * clear * lost
             V, eigenvalues = every[:, soft], values[soft]
             across = _across(A, V, clear * lost) - _forming(J)
             if across > 2 * eigenvalues.min():
@@ -141,7 +130,7 @@ class _Deflated:
         residual = GUARD * float(np.linalg.norm(R) + np.linalg.norm(missed))
         size, far, width = (float(np.linalg.norm(each)) for each in (Y, off, V))
         sums = GUARD * gamma(max(n, J.shape[1]))
-        for share in ROW_RANK.shares:
+        for share in (0.9, 0.5, 0.2):  # of the least eigenvalue
             t = share * float(self.eigenvalues.min())
             if not self.across > 2 * t:
                 continue
@@ -156,7 +145,7 @@ class _Deflated:
 def _across(A: sp.csc_array, V: Floats, nu: float) -> float:
     """Lower bound, nu - e, on A across the columns of V; minus infinity if there is none."""
     n, m = V.shape
-    s, diagonal = 2.0 ** np.round(np.log2(nu) / 2), 1 / ROW_RANK.lift
+    s, diagonal = 2.0 ** np.round(np.log2(nu) / 2), 0.01  # 1 / tau, in nu
     W = s * V  # without rounding
     shifted = sp.csc_array(A - nu * sp.eye_array(n, format="csc"))
     K = sp.block_array([[shifted, W], [W.T, -diagonal * sp.eye_array(m)]], format="csc")
@@ -173,9 +162,9 @@ def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
     n = A.shape[0]
     inverse = LinearOperator((n, n), matvec=lu.solve, dtype=np.float64)
     start = np.random.default_rng(0).standard_normal(n)
-    for count in ROW_RANK.counts:
+    for count in VECTOR_COUNTS:
         k = min(count, n - 1)
-        values, vectors = eigsh(inverse, k=k, which="LA", v0=start, tol=ROW_RANK.accurate)
+        values, vectors = eigsh(inverse, k=k, which="LA", v0=start, tol=1e-5)  # the vectors need few digits
         values = 1 / values
         if values.max() > most:
             break
@@ -186,12 +175,12 @@ def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
 def _interior_error(factors: Pivots, n: int, border: float) -> float:
     """The number e, if a vector v leaves the border less than this; infinite if none does."""
     best = np.inf
-    for share in ROW_RANK.borders:
+    for share in (1.0, 0.1, 0.01, 1e-3):  # of v in the border
         v = np.ones(factors.pivots.size)
-        for _ in range(DEFINITENESS.products):
+        for _ in range(POWER_ITERATIONS):
             v[n:] = share
             ratio = factors.errors(v) / v
             if GUARD * ratio[n:].max() + UNDERFLOW < border:
                 best = min(best, GUARD * float(ratio[:n].max()) + UNDERFLOW)
-            v = np.maximum(ratio * v / (ratio * v)[:n].max(), DEFINITENESS.least)
+            v = np.maximum(ratio * v / (ratio * v)[:n].max(), LEAST_ENTRY)
     return best

@@ -7,38 +7,18 @@ of paths across that share no vertex.  The paths are found in phases of shortest
 Doklady 11, 1970).
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.arrays import Indices, Indices32
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled, threshold
 
 SEPARATOR = -1  # a vertex that parts two cells
 FREE, END = -1, -2  # a vertex on no path, and the neighbor beyond the end of a path
 
 
-@dataclass(frozen=True)
-class DissectionThresholds:
-    """Thresholds of nested dissection."""
-
-    smoothings: int = threshold(3, "count", "Averages of hop distances, whose level lines are ragged.")
-    leaf: int = threshold(4, "vertices", "Cells that are not cut: smaller ones bring hardly less fill.")
-    window: float = threshold(0.25, "cells", "Distance of a cut from the median of its cell, at most.")
-    penalty: float = threshold(2.0, "relative", "Cost of that distance, squared, over the severed edges.")
-    places: int = threshold(64, "count", "Places for a cut that are compared.")
-    width: float = threshold(0.05, "roots of cells", "Layers of the band on either side of a cut.")
-    widest: int = threshold(6, "layers", "Layers of that band, at most.")
-    largest_side: float = threshold(0.8, "cells", "Where a side would hold more, the band is not widened.")
-    lifted: float = threshold(
-        0.03, "vertices", "Moved into separators where edges change: more cost more than a dissection."
-    )
-
-
-DISSECTION = DissectionThresholds()
-_T = compiled(DISSECTION)
+LARGEST_SIDE = 0.8  # share of a cell: where a side would hold more, the band is not widened
 
 
 class Graph(NamedTuple):
@@ -124,7 +104,7 @@ def separate(graph: Graph, members: Indices, cell: Indices, width: int, band: Ba
             reached, passed = band.level[2 * v] >= 0, band.level[2 * v + 1] >= 0
             size += reached and not passed
             kept += int(passed) - int(cell[v] == source)
-        if width == 0 or max(kept, members.size - size - kept) <= _T.largest_side * members.size:
+        if width == 0 or max(kept, members.size - size - kept) <= LARGEST_SIDE * members.size:
             break
         for k in range(ends, count):
             band.layer[band.members[k]] = -1

@@ -5,7 +5,6 @@ rows. So columns that all lie below the last of them have entries on one another
 last only: they are stored as a dense trapezoid, in which some zeros are stored too.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -13,20 +12,10 @@ import numpy as np
 from isoembed.arrays import Indices, Indices32
 from isoembed.kernel import kernel
 from isoembed.linalg.elimination import NONE, Elimination, inverse
-from isoembed.thresholds import compiled, threshold
 
-
-@dataclass(frozen=True)
-class SupernodeThresholds:
-    """Thresholds of the amalgamation of supernodes."""
-
-    front: float = threshold(2000.0, "multiplications", "What a front costs, however small it is.")
-    stored: float = threshold(30.0, "multiplications", "What an entry of L costs that is stored.")
-    passed: float = threshold(16.0, "multiplications", "What an entry costs that is passed on to a parent.")
-
-
-SUPERNODES = SupernodeThresholds()
-_T = compiled(SUPERNODES)
+FRONT_COST = 2000.0  # multiplications that a front costs, however small
+STORED_COST = 30.0  # multiplications that a stored entry of L costs
+PASSED_COST = 16.0  # multiplications that an entry passed on to a parent costs
 
 
 class Supernodes(NamedTuple):
@@ -132,5 +121,5 @@ def _amalgamated(parent: Indices32, counts: Indices) -> Indices:
 def _cost(k: int, below: int) -> float:
     """What a front of k columns costs, in multiplications."""
     m = k + below
-    stored = 0.5 * _T.stored * k * (m + below)
-    return _T.front + stored + 0.5 * k * (m * m - m * k + k * k / 3.0) + 0.5 * _T.passed * below * below
+    stored = 0.5 * STORED_COST * k * (m + below)
+    return FRONT_COST + stored + 0.5 * k * (m * m - m * k + k * k / 3.0) + 0.5 * PASSED_COST * below * below

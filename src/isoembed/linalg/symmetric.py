@@ -6,28 +6,6 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices32
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled, threshold
-
-
-@dataclass(frozen=True)
-class FactorizationThresholds:
-    """Thresholds of factorizations and of iterative refinement."""
-
-    small: int = threshold(
-        2**20, "entries", "Of L: up to here SuperLU takes .1 s, and to compile the elimination of fronts 4 s."
-    )
-    equilibrations: int = threshold(5, "count", "Passes: 24 decades between neighbors become less than one.")
-    largest_growth: float = threshold(
-        2.0**46, "relative", "A scaled inverse larger than this leaves less than two digits to a solution."
-    )
-    largest_residual: float = threshold(
-        2.0**-6, "relative", "Factors that leave more of a right-hand side have less than two digits."
-    )
-    refined: float = threshold(0.5, "relative", "A sweep of refinement that leaves more is the last.")
-
-
-FACTORIZATION = FactorizationThresholds()
-_T = compiled(FACTORIZATION)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +59,7 @@ def _product(indptr: Indices32, indices: Indices32, data: Floats, x: Floats) -> 
 def _sizes(indptr: Indices32, indices: Indices32, data: Floats) -> Floats:
     n = indptr.size - 1
     s = np.ones(n)
-    for _ in range(_T.equilibrations):
+    for _ in range(5):  # 24 decades between neighbors become less than one
         largest = np.zeros(n)
         for column in range(n):
             for p in range(indptr[column], indptr[column + 1]):

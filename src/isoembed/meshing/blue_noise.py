@@ -1,24 +1,10 @@
 """Blue noise on a surface: irregular points that keep their distance, from too many random ones."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.spatial import cKDTree
 
 from isoembed.arrays import Floats, Indices
 from isoembed.meshing.surface import Surface, spread_directions, vertex_density
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class BlueNoiseThresholds:
-    """Thresholds of the elimination of crowded points."""
-
-    candidates: int = threshold(5, "count", "Random points for each that stays in the end.")
-    sharpness: int = threshold(8, "count", "Exponent of the weight: the nearest neighbor counts most.")
-
-
-BLUE_NOISE = BlueNoiseThresholds()
 
 
 def _crowded_pairs(x: Floats, radii: Floats) -> tuple[Indices, Indices, Floats]:
@@ -31,7 +17,7 @@ def _crowded_pairs(x: Floats, radii: Floats) -> tuple[Indices, Indices, Floats]:
     i, j = i[once], j[once]
     gap = np.linalg.norm(x[i] - x[j], axis=1) / (radii[i] + radii[j])
     overlap = gap < 1.0
-    return i[overlap], j[overlap], (1.0 - gap[overlap]) ** BLUE_NOISE.sharpness
+    return i[overlap], j[overlap], (1.0 - gap[overlap]) ** 8  # the nearest neighbor counts most
 
 
 def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
@@ -48,7 +34,7 @@ def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
     ----------
     C. Yuksel, "Sample elimination for generating Poisson disk sample sets" (2015).
     """
-    count = BLUE_NOISE.candidates * n
+    count = 5 * n  # random points for each that stays
     u = spread_directions(surface, np.random.default_rng(seed).random((count, 2)))
     density = vertex_density(surface, u)
     # Balls of the densest packing of n in the plane; int density dA is the area over the mean of 1/density.

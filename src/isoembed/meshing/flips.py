@@ -1,24 +1,12 @@
 """Delaunay flips of a closed triangle mesh in R^3, in rounds of flips that do not touch each other."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.halfedges import edges_between, glue
 from isoembed.kernel import kernel
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class FlipThresholds:
-    """Thresholds of the flips in R^3."""
-
-    slack: float = threshold(1e-9, "radians", "Excess of two opposite angles over pi that flips.")
-    rounds: int = threshold(200, "count", "Most rounds: a bent quadrilateral may flip for ever.")
-
-
-FLIPS = FlipThresholds()
+SLACK = 1e-9  # radians: excess of two opposite angles over pi that flips
 
 
 def twin_halfedges(faces: Indices) -> Indices:
@@ -86,14 +74,14 @@ def flip_where_touched(
         The triangles that have been flipped, some more than once.
     """
     n, flips = len(vertices), [np.empty(0, dtype=np.int64)]
-    for _ in range(FLIPS.rounds):
+    for _ in range(200):  # a bent quadrilateral may flip for ever
         is_touched = np.zeros(len(faces), dtype=bool)
         is_touched[touched] = True
         h = (3 * np.flatnonzero(is_touched)[:, None] + np.arange(3)).ravel()
         g = twin[h]
         h = np.sort(np.minimum(h, g)[(h < g) | ~is_touched[g // 3]])  # each edge once
         excess = _opposite(angles, h) + _opposite(angles, twin[h]) - np.pi
-        bad, excess = h[excess > FLIPS.slack], excess[excess > FLIPS.slack]
+        bad, excess = h[excess > SLACK], excess[excess > SLACK]
         if bad.size == 0:
             break
         bad = bad[np.argsort(-excess, kind="stable")]

@@ -12,10 +12,7 @@ from isoembed.arrays import Floats, Mask
 from isoembed.intrinsic.halfedges import HalfEdges, corner_angle, following, preceding
 from isoembed.intrinsic.outward import looks_outward
 from isoembed.kernel import kernel
-from isoembed.meshing.lloyd import RELAXATION
-from isoembed.thresholds import compiled
-
-_RELAXATION = compiled(RELAXATION)
+from isoembed.meshing.lloyd import LONGEST_STEP
 
 
 def angles_from_lengths(lengths: Floats) -> Floats:
@@ -168,7 +165,7 @@ def _step(first: int, u: Floats, mesh: HalfEdges, density: Floats, optimal: bool
     if not (weight > 0.0 and determinant > 0.0):
         return step
     x, y = factor * x / weight, factor * y / weight
-    bound = _RELAXATION.longest_step * shortest
+    bound = LONGEST_STEP * shortest
     cut = bound / max(bound, np.hypot(x, y))
     a, b = cut * (yy * x - xy * y) / determinant, cut * (xx * y - xy * x) / determinant
     for c in range(3):

@@ -1,29 +1,12 @@
 """One step of Lloyd's relaxation on a surface: every vertex towards the centroid of its Voronoi cell."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class RelaxationThresholds:
-    """Thresholds of the relaxation of vertices, of surfaces and of metrics."""
-
-    overrelaxation: float = threshold(
-        1.5, "relative", "Steps over Lloyd's, which creep; with 1.8 they do not settle."
-    )
-    longest_step: float = threshold(0.5, "relative", "Bound of a step over the shortest edge at the vertex.")
-    rings: int = threshold(
-        2,
-        "edges",
-        "How far from bad triangles vertices move.",
-    )
-
-
-RELAXATION = RelaxationThresholds()
+OVERRELAXATION = 1.5  # of Lloyd's steps, which creep; with 1.8 they do not settle
+LONGEST_STEP = 0.5  # over the shortest edge at the vertex
+RINGS = 2  # edges between a bad triangle and vertices that move
 
 
 def lloyd_step(vertices: Floats, normals: Floats, faces: Indices, density: Floats) -> Floats:
@@ -69,9 +52,9 @@ def lloyd_step(vertices: Floats, normals: Floats, faces: Indices, density: Float
             first = mass * centroid[..., axis]
             moment[:, axis] += np.bincount(faces.ravel(), first.ravel(), len(vertices))
 
-    step = RELAXATION.overrelaxation * (moment / weight[:, None] - vertices)
+    step = OVERRELAXATION * (moment / weight[:, None] - vertices)
     step -= np.einsum("ij,ij->i", step, normals)[:, None] * normals
     shortest = np.full(len(vertices), np.inf)
     np.minimum.at(shortest, faces, np.sqrt(np.minimum(np.roll(l2, -1, axis=1), np.roll(l2, -2, axis=1))))
-    bound = RELAXATION.longest_step * shortest
+    bound = LONGEST_STEP * shortest
     return step * (bound / np.maximum(bound, np.linalg.norm(step, axis=1)))[:, None]

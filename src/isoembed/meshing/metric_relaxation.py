@@ -12,29 +12,13 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.outward import flip_to_delaunay
 from isoembed.meshing.flips import twin_halfedges
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, relaxed
-from isoembed.meshing.lloyd import RELAXATION
+from isoembed.meshing.lloyd import OVERRELAXATION, RINGS
 from isoembed.meshing.sphere import hull_faces
 from isoembed.meshing.spreading import Cells
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MetricMeshThresholds:
-    """Thresholds of the relaxation of triangles in a metric."""
-
-    angles: tuple[float, float] = threshold((35.0, 100.0), "degrees", "Angles between which it stops.")
-    optimal: int = threshold(10, "count", "Sweeps towards optimal Delaunay meshes, before centroidal ones.")
-    sweeps: int = threshold(30, "count", "Sweeps of all vertices.")
-    touches: int = threshold(300, "count", "Sweeps of the vertices near angles outside the window.")
-    patience: int = threshold(40, "count", "Such sweeps in a row after which fewer triangles should be bad.")
-    spent: float = threshold(
-        50.0, "edges", "Geodesics measured after which it ends: no smooth metric asks so many."
-    )
-    stuck: int = threshold(8, "count", "Such sweeps in vain after which vertices move one edge farther away.")
-    flip_rounds: int = threshold(5, "count", "Flips and measurements in turn: these may ask flips back.")
-
-
-METRIC_MESH = MetricMeshThresholds()
+OPTIMAL_SWEEPS = 10  # sweeps towards optimal Delaunay meshes, before centroidal ones
+MAX_GEODESICS = 50.0  # measured for an edge: no smooth metric asks so many
+FLIP_ROUNDS = 5  # flips and measurements in turn: these may ask flips back
 
 
 @dataclass(eq=False)
@@ -80,37 +64,38 @@ class MetricMesh:
         """
         mesh, everywhere = self, np.ones(len(self.u), dtype=bool)
         best, least = mesh, np.inf
-        for sweep in range(METRIC_MESH.sweeps + 1):
+        for sweep in range(31):  # thirty sweeps of all vertices
             mesh._flip_roughly()
             beyond = float(mesh._beyond().max())
             if beyond < least:
                 best, least = mesh.copy(), beyond
             if least <= 0.0:
                 break
-            mesh._move(density, everywhere, sweep < METRIC_MESH.optimal)
+            mesh._move(density, everywhere, sweep < OPTIMAL_SWEEPS)
 
         mesh, least, moved = best.copy(), np.inf, everywhere
         fewest, stale, spent = len(mesh.tables.corners), 0, 0
-        for touch in range(METRIC_MESH.touches + 1):
+        for touch in range(301):  # of the vertices near bad angles
             spent += mesh._flip(moved)
             beyond_each = mesh._beyond()
             beyond, bad = float(beyond_each.max()), int(np.count_nonzero(beyond_each > 0.0))
             fewest, stale = (bad, 0) if bad < fewest else (fewest, stale + 1)
             if beyond < least:
                 best, least = mesh.copy(), beyond
-            much = spent > METRIC_MESH.spent * len(mesh.tables.corners) / 2.0
-            if bad == 0 or stale == METRIC_MESH.patience or much:
+            much = spent > MAX_GEODESICS * len(mesh.tables.corners) / 2.0
+            if bad == 0 or stale == 40 or much:  # sweeps that made no progress
                 break
-            moved = mesh._about(beyond_each > 0.0, RELAXATION.rings + stale // METRIC_MESH.stuck)
+            # after eight sweeps in vain, vertices move one edge farther away
+            moved = mesh._about(beyond_each > 0.0, RINGS + stale // 8)
             # Each kind of step frees what the other is stuck in.
-            mesh._move(density, moved, touch % (2 * METRIC_MESH.optimal) < METRIC_MESH.optimal)
+            mesh._move(density, moved, touch % (2 * OPTIMAL_SWEEPS) < OPTIMAL_SWEEPS)
         return best
 
     def _flip_roughly(self) -> None:
         """Flip to Delaunay by lengths from the metric at the vertices alone."""
         q = self.tensor(self.u)
         end_lengths(self.u, q, self.tables)
-        for _ in range(METRIC_MESH.flip_rounds):
+        for _ in range(FLIP_ROUNDS):
             if len(flip_to_delaunay(self.u, self.tables)) == 0:
                 break
             end_lengths(self.u, q, self.tables)
@@ -128,7 +113,7 @@ class MetricMesh:
         Returns how many were measured.
         """
         h, measured = np.flatnonzero(moved[self.tables.corners]), 0
-        for _ in range(METRIC_MESH.flip_rounds):
+        for _ in range(FLIP_ROUNDS):
             measured += self._measure(h)
             h = flip_to_delaunay(self.u, self.tables)
             if len(h) == 0:
@@ -137,7 +122,8 @@ class MetricMesh:
 
     def _beyond(self) -> Floats:
         """Excess (F,) of each triangle's angles beyond the window."""
-        angles, (least, largest) = angles_from_lengths(self.tables.lengths), np.radians(METRIC_MESH.angles)
+        # degrees
+        angles, (least, largest) = angles_from_lengths(self.tables.lengths), np.radians((35.0, 100.0))
         return np.maximum(least - angles.min(axis=1), angles.max(axis=1) - largest)
 
     def _about(self, faces: Mask, rings: int) -> Mask:
@@ -152,5 +138,5 @@ class MetricMesh:
     def _move(self, density: Cells | None, moving: Mask, optimal: bool) -> None:
         """Move vertices towards where the triangles about them are best."""
         wanted = np.ones(len(self.u)) if density is None else density.at(self.u)
-        factor = 1.0 if optimal else RELAXATION.overrelaxation
+        factor = 1.0 if optimal else OVERRELAXATION
         self.u = relaxed(self.u, self.tables, wanted, moving, optimal, factor)

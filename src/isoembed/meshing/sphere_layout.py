@@ -26,25 +26,6 @@ from isoembed.metric.curvature import Triangles
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class LayoutThresholds:
-    """Thresholds of layouts of little distortion."""
-
-    change: float = threshold(1.0, "log factor", "Change of the metric at a time, at most.")
-    steps: int = threshold(200, "count", "Steps of the minimization at most.")
-    memory: int = threshold(8, "count", "Last steps that tell its second derivatives.")
-    often: int = threshold(10, "count", "Steps after which the matrix that precedes them is made again.")
-    least: float = threshold(0.05, "cotangents", "Weight of an edge in it, at least.")
-    shift: float = threshold(1e-3, "relative", "What is added to its diagonal, over the weights' mean.")
-    enough: float = threshold(1e-4, "relative", "Part of the expected decrease that a step must make.")
-    shortest: float = threshold(1e-10, "relative", "Shorter steps end it.")
-    settled: float = threshold(1e-5, "relative", "Decrease of the energy by one step that ends it.")
-
-
-LAYOUT = LayoutThresholds()
 
 
 def sphere_layout(metric: PolyhedralMetric) -> Floats:
@@ -84,7 +65,7 @@ def least_distorted(metric: PolyhedralMetric, u: Floats) -> Floats:
     if not are_outward(metric.faces, u):
         return u
     factors = conformal_factors(metric.normalized, ConformalSphere(u, True))
-    stages = max(1, int(np.ceil(np.ptp(factors) / LAYOUT.change)))
+    stages = max(1, int(np.ceil(np.ptp(factors))))  # the log factor changes by at most 1 at a time
     i, j = metric.edges.T
     exponents = 0.5 * (factors[i] + factors[j])
     for part in np.arange(stages - 1, -1, -1) / stages:
@@ -102,8 +83,8 @@ def _minimized(energy: _Distortion, u: Floats) -> Floats:
     """
     value, slope, weights = energy.at(u)
     memory = _Memory()
-    for step in range(LAYOUT.steps):
-        if step % LAYOUT.often == 0 or step < LAYOUT.often:
+    for step in range(200):  # steps at most
+        if step % 10 == 0 or step < 10:  # a new preconditioner
             try:
                 factor = energy.preconditioner(weights)
             except SingularMatrix:
@@ -118,13 +99,13 @@ def _minimized(energy: _Distortion, u: Floats) -> Floats:
             v = u - length * search
             v /= np.linalg.norm(v, axis=1, keepdims=True)
             new, new_slope, weights = energy.at(v)
-            if new <= value - LAYOUT.enough * length * decrease:
+            if new <= value - 1e-4 * length * decrease:  # Armijo's condition
                 break
             length /= 2.0
-            if length < LAYOUT.shortest:
+            if length < 1e-10:  # no step descends
                 return u
         memory.add(v - u, new_slope - slope)
-        settled = value - new <= LAYOUT.settled * value
+        settled = value - new <= 1e-5 * value  # one step gains next to nothing
         u, value, slope = v, new, new_slope
         if settled:
             break
@@ -164,12 +145,13 @@ class _Distortion:
 
     def preconditioner(self, weights: Floats) -> SymmetricFactor:
         """The factorized Laplacian of the surface with these weights of the triangles."""
-        across = np.maximum(np.roll(self.cotangents, 1, axis=1), LAYOUT.least) * weights[:, None]
+        # keeps the weight of an edge positive
+        across = np.maximum(np.roll(self.cotangents, 1, axis=1), 0.05) * weights[:, None]
         i, j = self.faces, np.roll(self.faces, -1, axis=1)
         n = self.triangulation.n_vertices
         half = coo_array((across.ravel(), (i.ravel(), j.ravel())), shape=(n, n)).tocsr()
         edges = half + half.T
-        diagonal = edges.sum(axis=1) + LAYOUT.shift * weights.mean()
+        diagonal = edges.sum(axis=1) + 1e-3 * weights.mean()  # makes the matrix definite
         matrix = csc_array(diags_array(diagonal) - edges)
         matrix.sort_indices()
         return self._solver.factor(2.0 * matrix.data)
@@ -188,7 +170,7 @@ class _Memory:
 
     def add(self, step: Floats, change: Floats) -> None:
         if np.sum(step * change) > 0.0:
-            self.pairs = [*self.pairs, (step, change)][-LAYOUT.memory :]
+            self.pairs = [*self.pairs, (step, change)][-8:]  # pairs of L-BFGS
 
     def direction(self, slope: Floats, factor: SymmetricFactor) -> Floats:
         """The two-loop recursion of L-BFGS."""

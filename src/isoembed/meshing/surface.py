@@ -1,6 +1,5 @@
 """The contract of surfaces that are triangulated, and the density of vertices on them."""
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -8,18 +7,8 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.meshing.spreading import Cells, roundest_axis
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class DensityThresholds:
-    """Thresholds of the density of vertices on a surface."""
-
-    cells: tuple[int, int] = threshold((1024, 256), "count", "Cells in theta and phi, where it is sampled.")
-    curvature_share: float = threshold(0.1, "relative", "Vertices by curvature against one by area.")
-
-
-DENSITY = DensityThresholds()
+CELLS = (1024, 256)  # in theta and phi, where the density is sampled
 
 
 class Surface(Protocol):
@@ -64,7 +53,7 @@ def vertex_density(surface: Surface, u: Floats) -> Floats:
     and no tip starves the rest; a sphere stays uniform.
     """
     K, _ = surface._curvatures(u)
-    return 1.0 + DENSITY.curvature_share * np.abs(K) * surface._radius**2
+    return 1.0 + 0.1 * np.abs(K) * surface._radius**2  # vertices by curvature against one by area
 
 
 def spread_directions(surface: Surface, square: Floats) -> Floats:
@@ -74,4 +63,4 @@ def spread_directions(surface: Surface, square: Floats) -> Floats:
         return np.asarray(surface._area_density(u) * vertex_density(surface, u))
 
     extent = np.linalg.norm(surface._points(np.eye(3)), axis=1)
-    return Cells.of(density, DENSITY.cells, roundest_axis(extent)).spread(square)
+    return Cells.of(density, CELLS, roundest_axis(extent)).spread(square)

@@ -3,7 +3,6 @@
 Regular: spread points, connect them, relax them, keep the best. Irregular: blue noise, connected.
 """
 
-from dataclasses import dataclass
 from operator import index
 from typing import SupportsIndex
 
@@ -17,20 +16,10 @@ from isoembed.meshing.lloyd import lloyd_step
 from isoembed.meshing.sphere import fibonacci_lattice, hull_faces
 from isoembed.meshing.surface import Surface, spread_directions, vertex_density
 from isoembed.meshing.touch_up import touch_up
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SurfaceMeshThresholds:
-    """Thresholds of the triangulation of surfaces."""
-
-    fewest: int = threshold(12, "vertices", "Least number of vertices.")
-    large: int = threshold(20_000, "vertices", "Beyond them only vertices near bad angles move.")
-    sweeps: int = threshold(100, "count", "Most sweeps of all vertices.")
-    angles: tuple[float, float] = threshold((38.0, 97.0), "degrees", "Angles between which relaxation stops.")
-
-
-SURFACE_MESH = SurfaceMeshThresholds()
+MIN_VERTICES = 12  # of a triangulated surface
+LARGE = 20_000  # vertices: beyond them only those near bad angles move
+ANGLES = (38.0, 97.0)  # degrees between which relaxation stops
 
 
 def _inward_faces(vertices: Floats, normals: Floats, faces: Indices) -> int:
@@ -94,7 +83,7 @@ def triangulate(
     keep their distance), connected in the same way and left alone; its angles lie in about 15-135 degrees.
     Where the vertices are too few for the surface's sharpest features either window may be missed.
     """
-    n = checked_count("the number of vertices", n_vertices, SURFACE_MESH.fewest)
+    n = checked_count("the number of vertices", n_vertices, MIN_VERTICES)
     if irregular is None:
         return _regular(surface, n)
     u = blue_noise_directions(surface, n, checked_count("the seed of an irregular mesh", irregular, 0))
@@ -107,18 +96,18 @@ def _regular(surface: Surface, n: int) -> tuple[Floats, Indices]:
     u = spread_directions(surface, fibonacci_lattice(n))
     faces = hull_faces(u)
     twin = twin_halfedges(faces)
-    if n > SURFACE_MESH.large:
+    if n > LARGE:
         faces, twin = flip_to_delaunay(surface._points(u), surface._normals(u), faces, twin)
-        u, faces = touch_up(surface, u, faces, twin, np.radians(SURFACE_MESH.angles))
+        u, faces = touch_up(surface, u, faces, twin, np.radians(ANGLES))
     else:
         u, faces = _relaxed(surface, u, faces, twin)
     return surface.point(u), faces
 
 
 def _relaxed(surface: Surface, u: Floats, faces: Indices, twin: Indices) -> tuple[Floats, Indices]:
-    least, largest = np.radians(SURFACE_MESH.angles)
+    least, largest = np.radians(ANGLES)
     best, best_score = (u, faces), (len(faces) + 1, np.inf)
-    for _ in range(SURFACE_MESH.sweeps + 1):
+    for _ in range(101):  # a hundred sweeps of all vertices
         x, normals = surface._points(u), surface._normals(u)
         faces, twin = flip_to_delaunay(x, normals, faces, twin)
         angles = corner_angles(x, faces)

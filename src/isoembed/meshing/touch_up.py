@@ -1,29 +1,18 @@
 """Relaxation of a large mesh where it needs it: what the regular mesh of a large surface is made with."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.kernel import kernel
 from isoembed.meshing.flips import corner_angles, flip_where_touched
-from isoembed.meshing.lloyd import RELAXATION, lloyd_step
+from isoembed.meshing.lloyd import RINGS, lloyd_step
 from isoembed.meshing.surface import Surface, vertex_density
-from isoembed.thresholds import compiled, threshold
 
 GOOD, OUTSIDE, INWARD = 0, 1, 2
 
 
-@dataclass(frozen=True)
-class TouchUpThresholds:
-    """Thresholds of the relaxation near bad triangles."""
-
-    patience: int = threshold(200, "count", "Sweeps after which fewer triangles should be bad.")
-
-
-TOUCH_UP = TouchUpThresholds()
-_RELAXATION = compiled(RELAXATION)
+PATIENCE = 200  # sweeps after which fewer triangles should be bad
 
 
 def touch_up(
@@ -41,7 +30,7 @@ def touch_up(
     best, best_score = (u, faces), (len(faces) + 1, np.inf)
     is_near, place = np.zeros(len(u), dtype=bool), np.empty(len(u), dtype=np.int64)
     fewest, stale = len(faces) + 1, 0
-    while stale < TOUCH_UP.patience:
+    while stale < PATIENCE:
         bad = np.flatnonzero(verdicts)
         if len(bad) == 0:
             return u, faces
@@ -102,7 +91,7 @@ def _surroundings(faces: Indices, twin: Indices, seeds: Indices, n: int) -> tupl
     triangles[: len(seeds)] = seeds
     seen[seeds] = True
     n_vertices, begin, end = 0, 0, len(seeds)
-    for _ in range(_RELAXATION.rings + 1):
+    for _ in range(RINGS + 1):
         last = end
         for row in range(begin, last):
             for first in range(3 * triangles[row], 3 * triangles[row] + 3):

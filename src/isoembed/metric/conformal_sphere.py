@@ -29,24 +29,6 @@ from isoembed.metric.curvature import Triangles, face_areas
 from isoembed.metric.delaunay import ideal_delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class ConformalSphereThresholds:
-    """Thresholds of layouts on the sphere."""
-
-    max_steps: int = threshold(50, "Newton steps", "At most, to flatten the surface.")
-    flat: float = threshold(1e-10, "radians", "Deficits of the flattened surface below this are rounding.")
-    moderate: float = threshold(40.0, "log factor", "A metric of larger factors has no place on the sphere.")
-    longest: float = threshold(2.0, "log factor", "Change of a factor in one Newton step, at most.")
-    stiffness: float = threshold(1e-3, "cotangents", "Of straight triangles.")
-    poles: int = threshold(5, "tries", "Vertices that are taken to infinity, one after another.")
-    distinct: float = threshold(1e-12, "radii", "Distance of neighbors on the sphere, at least.")
-    centered: float = threshold(1e-12, "radii", "Distance of the mean from the center, at most.")
-
-
-SPHERE = ConformalSphereThresholds()
 
 
 @dataclass(frozen=True)
@@ -82,7 +64,8 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
     """
     triangulation, lengths = metric.triangulation, _chords(metric.normalized)
     # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
-    for pole in np.argsort(-triangulation.degrees, kind="stable")[: SPHERE.poles]:
+    # vertices that are taken to infinity, in turn
+    for pole in np.argsort(-triangulation.degrees, kind="stable")[:5]:
         plane = _Plane(triangulation, lengths, int(pole))
         plane, u, exact = _flattened(plane, plane.start(recorder), recorder)
         if exact:
@@ -92,7 +75,7 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
         x = _centered(_projected(plane.lay_out(u, recorder), plane.pole), weights)
         a, b = metric.edges.T
         # A metric so long and thin that neighbors meet on the sphere within rounding has no layout either.
-        if (np.linalg.norm(x[a] - x[b], axis=1) > SPHERE.distinct).all():
+        if (np.linalg.norm(x[a] - x[b], axis=1) > 1e-12).all():  # neighbors do not coincide
             return ConformalSphere(x, True)
     return ConformalSphere(_centered(_projected(plane.tutte(recorder), plane.pole), weights), False)
 
@@ -214,7 +197,8 @@ class _Plane:
             u = self.solve(weights, (sums - 2 * np.pi)[:, None], self.rim_u[:, None], recorder)[:, 0]
         except SingularMatrix:  # needles
             return self.rim_u
-        return u if np.abs(u).max() < SPHERE.moderate and not self.measure(u)[3] else self.rim_u
+        # larger factors: the metric has no place on the sphere
+        return u if np.abs(u).max() < 40.0 and not self.measure(u)[3] else self.rim_u
 
     def whole(self, u: Floats) -> tuple[_Plane, tuple[Floats, Floats, Floats, bool]]:
         """The same conformal class on triangles that u does not break, and its measures.
@@ -264,20 +248,21 @@ def _flattened(plane: _Plane, u: Floats, recorder: StageRecorder) -> tuple[_Plan
     """
     inner, zero = plane.inner, np.zeros((len(u), 1))
     plane, (sums, weights, _, broken) = plane.whole(u)
-    for _ in range(SPHERE.max_steps):
+    for _ in range(50):  # Newton steps
         g = np.zeros(len(u))
         g[inner] = 2 * np.pi - sums[inner]
         recorder.show(residual=float(np.abs(g).max()))
-        if np.abs(g).max() < SPHERE.flat:
+        if np.abs(g).max() < 1e-10:  # the deficits are rounding
             return plane, u, not broken
         if broken:  # straight triangles have no second derivative: keep the matrix definite
-            weights = weights + SPHERE.stiffness
+            weights = weights + 1e-3  # of straight triangles, whose cotangents vanish
         try:
             step = plane.solve(weights, -g[:, None], zero, recorder)[:, 0]
         except SingularMatrix:  # needles
             return plane, u, False
         recorder.iterations += 1
-        slope, s = step @ g, min(1.0, SPHERE.longest / np.abs(step).max())
+        # a Newton step changes no factor by more than e^2
+        slope, s = step @ g, min(1.0, 2.0 / np.abs(step).max())
         while True:  # a convex function has decreased where its slope has not turned around
             trial, (sums, weights, _, broken) = plane.whole(u + s * step)
             if step[inner] @ (2 * np.pi - sums[inner]) <= 0.9 * abs(slope):
@@ -314,7 +299,7 @@ def _centered(x: Floats, weights: Floats) -> Floats:
     """
     for _ in range(100):
         mean = weights @ x
-        if np.linalg.norm(mean) < SPHERE.centered:
+        if np.linalg.norm(mean) < 1e-12:  # the mean is at the center
             break
         rapidity = -np.linalg.solve(np.eye(3) - (weights[:, None] * x).T @ x, mean)
         size = float(np.linalg.norm(rapidity))

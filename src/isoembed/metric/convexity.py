@@ -1,6 +1,5 @@
 """Whether a metric is convex: whether its deficits are negative nowhere, up to rounding or noise."""
 
-from dataclasses import dataclass
 from functools import reduce
 from typing import cast
 
@@ -9,22 +8,14 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.metric.curvature import Triangles
-from isoembed.thresholds import rounded_up, threshold
+from isoembed.thresholds import rounded_up
 
-
-@dataclass(frozen=True)
-class ConvexityThresholds:
-    """Thresholds of what counts as a negative deficit, and as noise."""
-
-    roundings: int = threshold(64, "machine epsilons", "Of the lengths: errors of a few steps before them.")
-    least: float = threshold(1e-12, "radians", "Of a deficit: flips round more than triangles show.")
-    most: float = threshold(1e-6, "radians", "Of a deficit: slivers hide no more.")
-    noise: float = threshold(0.1, "radians", "A deficit farther below zero is hardly noise.")
-    deviations: float = threshold(6.0, "relative", "Errors of coordinates put no deficit off by more.")
-    gap: float = threshold(30.0, "relative", "Deficits of this many times the noise are no noise.")
-
-
-CONVEXITY = ConvexityThresholds()
+ROUNDINGS = 64  # machine epsilons of error in a length, from a few steps before
+MIN_NOISE = 1e-12  # radians: flips round more than triangles show
+MAX_NOISE = 1e-6  # radians: slivers hide no more
+HARDLY_NOISE = 0.1  # radians: a deficit farther below zero is hardly noise
+DEVIATIONS = 6.0  # standard deviations that errors of coordinates do not exceed
+GAP = 30.0  # deficits of so many times the noise are no noise
 
 
 def deficit_rounding(faces: Indices, face_lengths: Floats, curvature: float = 0.0) -> Floats:
@@ -45,8 +36,8 @@ def deficit_rounding(faces: Indices, face_lengths: Floats, curvature: float = 0.
     # Three columns are compared in a fifth of the time of rows of three.
     longest, sine = (reduce(np.maximum, sides.T) for sides in (triangles.opposite, triangles.sines))
     slenderness = longest * sine / triangles.amplitudes
-    at_corners = np.repeat(CONVEXITY.roundings * np.finfo(np.float64).eps * slenderness, 3)
-    return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), CONVEXITY.least, CONVEXITY.most)
+    at_corners = np.repeat(ROUNDINGS * np.finfo(np.float64).eps * slenderness, 3)
+    return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), MIN_NOISE, MAX_NOISE)
 
 
 def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices, curvature: float = 0.0) -> Floats:
@@ -134,10 +125,10 @@ def noise_level(deficits: Floats) -> float:
         it may be noise; where there is no gap, that of the most negative one, or 0 if none is negative.
     """
     lowest, most = max(-float(deficits.min()), 0.0), largest_noise(deficits)
-    sizes = np.sort(np.abs(deficits[np.abs(deficits) > CONVEXITY.least]))
+    sizes = np.sort(np.abs(deficits[np.abs(deficits) > MIN_NOISE]))
     below = sizes[:-1]
-    gaps = np.where((below >= lowest) & (below <= min(most, CONVEXITY.noise)), sizes[1:] / below, 0.0)
-    if gaps.max(initial=0.0) < CONVEXITY.gap:
+    gaps = np.where((below >= lowest) & (below <= min(most, HARDLY_NOISE)), sizes[1:] / below, 0.0)
+    if gaps.max(initial=0.0) < GAP:
         return lowest
     return float(below[np.argmax(gaps)])
 
@@ -153,7 +144,7 @@ def flattening_advice(deficits: Floats, least: Floats | float) -> str:
     """
     level = noise_level(deficits)
     small = (np.abs(deficits) > least) & (np.abs(deficits) <= level)
-    if not small.any() or level > CONVEXITY.noise:
+    if not small.any() or level > HARDLY_NOISE:
         return ""
     word = rounded_up(level)
     return (
@@ -165,12 +156,12 @@ def flattening_advice(deficits: Floats, least: Floats | float) -> str:
 def _advice(deficits: Floats, doubt: tuple[str, Floats] | None) -> str:
     """What a repair would take for noise, and whether it may be."""
     noise = noise_level(deficits)
-    if not CONVEXITY.least < noise <= CONVEXITY.noise:
+    if not MIN_NOISE < noise <= HARDLY_NOISE:
         return ""
     why = "if that is noise,"
     if doubt is not None:
         name, spread = doubt
-        most = CONVEXITY.deviations * spread
+        most = DEVIATIONS * spread
         explained = f"{most[np.argmin(deficits)]:.1g}"
         if (deficits >= -most).all():
             why = f"the coordinates have {name}, which puts deficits off by up to {explained}:"

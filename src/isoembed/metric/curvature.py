@@ -16,7 +16,7 @@ from typing import cast
 import numpy as np
 
 from isoembed.arrays import Floats, Mask
-from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.space import Space
 
 
@@ -177,7 +177,7 @@ def deficits(metric: PolyhedralMetric) -> Floats:
 
 def negative_deficits(metric: PolyhedralMetric) -> Mask:
     """Vertices whose deficit is below -1e-9 radians, shape (V,): there the metric is not convex."""
-    return deficits(metric) < -METRIC.angles
+    return deficits(metric) < -ANGLE_ROUNDING
 
 
 def dual_areas(metric: PolyhedralMetric) -> Floats:

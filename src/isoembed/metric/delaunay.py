@@ -1,20 +1,12 @@
 """Delaunay flips of metrics and of their conformal classes, which leave simplicial complexes."""
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.delaunay import (
-    BLOCKED,
-    DELAUNAY,
-    FLIPPED,
-    LEFT,
-    attempts,
-    flip_edges,
-)
+from isoembed.intrinsic.delaunay import BLOCKED, FLIPPED, LEFT, THINNEST, attempts, flip_edges
 from isoembed.intrinsic.flips import flip, swap_diagonals
 from isoembed.intrinsic.halfedges import HalfEdges, edges_between, following, preceding
 from isoembed.kernel import kernel
@@ -22,18 +14,6 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
 from isoembed.space.trigonometry import chord
-from isoembed.thresholds import compiled, threshold
-
-
-@dataclass(frozen=True)
-class SimplicialDelaunayThresholds:
-    """Thresholds of Delaunay flips of simplicial complexes."""
-
-    slack: float = threshold(1e-9, "cosines", "Excess over those of four vertices on a circle.")
-
-
-SIMPLICIAL_DELAUNAY = SimplicialDelaunayThresholds()
-_T, _D = compiled(SIMPLICIAL_DELAUNAY), compiled(DELAUNAY)
 
 
 def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
@@ -112,7 +92,7 @@ class Ptolemaic(NamedTuple):
 def _attempt_straight(h: int, mesh: HalfEdges, rule: Straight) -> int:
     if not _is_demanded(h, mesh, rule.fixed):
         return LEFT
-    return FLIPPED if flip(h, mesh, _D.thinnest) else BLOCKED
+    return FLIPPED if flip(h, mesh, THINNEST) else BLOCKED
 
 
 @attempts(Ptolemaic)
@@ -132,7 +112,8 @@ def _attempt_ptolemaic(h: int, mesh: HalfEdges, rule: Ptolemaic) -> int:
 def _is_demanded(h: int, mesh: HalfEdges, fixed: int) -> bool:
     """Whether a flip is demanded that leaves the star of a vertex alone and doubles no edge."""
     corners, t = mesh.corners, mesh.twins[h]
-    if _cosine(h, mesh) + _cosine(t, mesh) >= -_T.slack:
+    # in cosines: four vertices on a circle, but for rounding
+    if _cosine(h, mesh) + _cosine(t, mesh) >= -1e-9:
         return False
     k, m = preceding(h), corners[preceding(t)]
     if fixed in (corners[h], corners[t], corners[k], m):
@@ -160,7 +141,7 @@ def _flipped(
     l = Space(curvature).chord(lengths)[triangulation.face_edges]
     a, b = np.roll(l, -1, axis=1), np.roll(l, -2, axis=1)
     cosines = (b / a + a / b - l * l / (b * a)).ravel()
-    wrong = np.flatnonzero(cosines + cosines[triangulation.twins] < -SIMPLICIAL_DELAUNAY.slack)
+    wrong = np.flatnonzero(cosines + cosines[triangulation.twins] < -1e-9)
     if wrong.size == 0:  # as often: nothing needs to be compiled
         return triangulation, lengths
     face_lengths = lengths[triangulation.face_edges]

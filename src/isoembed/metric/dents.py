@@ -7,8 +7,6 @@ ring, and as its normals are parallel, the total curvature of the patch vanishes
 that have no symmetry.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
@@ -17,30 +15,8 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, face_areas, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class DentThresholds:
-    """Thresholds of the search for dents."""
-
-    total: tuple[float, float] = threshold(
-        (-0.5, 0.2), "relative", "Total curvature of a ring with its caps, over that of the caps."
-    )
-    area: float = threshold(
-        0.5, "relative", "Share of a larger region: K < 0 all over the surface, in no ring."
-    )
-    plain: float = threshold(
-        0.3, "relative", "Caps with less curvature, of the largest within a ring, are noise."
-    )
-    mixed: int = threshold(
-        3, "count", "Caps of a dent and of what has grown together with it: rough bodies have more."
-    )
-    fewest: int = threshold(4, "vertices", "Smaller patches are for the search for nearby realizations.")
-    flattest: float = threshold(3e-3, "radians", "Less curvature of a cap is noise.")
-
-
-DENTS = DentThresholds()
+MIN_PATCH = 4  # vertices: smaller patches are for the search for nearby realizations
 
 
 def dents(metric: PolyhedralMetric) -> list[Mask]:
@@ -74,14 +50,14 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
         inside[region] = True
         caps = connected_parts(adjacency, inside & ~negative)
         totals = np.array([curvature[cap].sum() for cap in caps])
-        if not area[region].sum() < DENTS.area * area.sum():
+        if not area[region].sum() < 0.5 * area.sum():  # K < 0 over half the surface: no ring
             continue
         is_dent = _vanishes(curvature[region].sum(), totals.sum())
         if is_dent:
-            plain = np.flatnonzero(totals > DENTS.plain * totals.max())
+            plain = np.flatnonzero(totals > 0.3 * totals.max())  # caps of less curvature are noise
         else:  # it may be one that has grown together with something else, such as a horn
-            plain = np.flatnonzero([len(cap) >= DENTS.fewest for cap in caps])
-            if not 1 < len(plain) <= DENTS.mixed:
+            plain = np.flatnonzero([len(cap) >= MIN_PATCH for cap in caps])
+            if not 1 < len(plain) <= 3:  # rough bodies have more caps
                 continue
         patches = [inside]
         if len(plain) > 1:
@@ -93,12 +69,13 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
             if is_dent or _vanishes(curvature[patch].sum(), totals[k])
         ]
     found.sort(key=lambda pair: -pair[0])
-    return [patch for cap, patch in found if cap > DENTS.flattest and patch.sum() >= DENTS.fewest]
+    # caps of less curvature, in radians, are noise
+    return [patch for cap, patch in found if cap > 3e-3 and patch.sum() >= MIN_PATCH]
 
 
 def _vanishes(total: float, caps: float) -> bool:
     """Whether a patch has the total curvature of a dent, given that of its caps."""
-    least, most = np.multiply(DENTS.total, caps)
+    least, most = np.multiply((-0.5, 0.2), caps)  # of a ring with its caps, over that of the caps
     return bool(least <= total <= most)
 
 

@@ -1,7 +1,5 @@
 """Lengths of edges between points."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
@@ -9,23 +7,9 @@ from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.triangle_checks import first_broken
 from isoembed.space import Space
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class LowThresholds:
-    """Thresholds of triangles so low that the rounding of lengths hides their height."""
-
-    rounding: float = threshold(
-        8 * 2.0**-52, "largest coordinate", "Heights and sums of sides as rounding makes."
-    )
-    margin: float = threshold(
-        4 * 2.0**-52, "relative", "By which a longest side is then below the sum of the others."
-    )
-    passes: int = threshold(50, "count", "Over all triangles.")
-
-
-LOW = LowThresholds()
+ROUNDING = 8 * 2.0**-52  # of heights and of sums of sides, in largest coordinates
+MARGIN = 4 * 2.0**-52  # relative: the longest side is then below the sum of the others
 
 
 def lengths_between(triangulation: Triangulation, points: Floats, space: Space) -> Floats:
@@ -39,22 +23,22 @@ def lengths_between(triangulation: Triangulation, points: Floats, space: Space) 
         lengths = straight_lengths(t.edges, points)
     else:
         lengths = space.distances(*np.moveaxis(points[t.edges], 1, 0))
-    if first_broken(t.face_edges, lengths, LOW.margin / 2) < 0:
+    if first_broken(t.face_edges, lengths, MARGIN / 2) < 0:
         return lengths
-    for _ in range(LOW.passes):  # the side of one may be the longest of another
+    for _ in range(50):  # the side of one may be the longest of another
         sides = lengths[t.face_edges]
         longest = sides.argmax(axis=1)
         least, middle, most = np.sort(sides, axis=1).T
         room = least - (most - middle)
-        f = np.flatnonzero((room < LOW.margin / 2 * most) & (room >= -LOW.rounding))
+        f = np.flatnonzero((room < MARGIN / 2 * most) & (room >= -ROUNDING))
         if not f.size:
             break
         a, b, c = (points[t.faces[f, (longest[f] + k) % 3]] for k in range(3))
         to_b, to_c, far = space.seen_from(a, b), space.seen_from(a, c), space.sn(most[f])
         along = to_b / np.where(far > 0, far, 1.0)[:, None]
         heights = np.linalg.norm(to_c - (to_c * along).sum(axis=1, keepdims=True) * along, axis=1)
-        f = f[heights > LOW.rounding]
-        np.minimum.at(lengths, t.face_edges[f, longest[f]], (middle + least)[f] * (1 - LOW.margin))
+        f = f[heights > ROUNDING]
+        np.minimum.at(lengths, t.face_edges[f, longest[f]], (middle + least)[f] * (1 - MARGIN))
     return lengths
 
 

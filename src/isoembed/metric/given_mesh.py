@@ -14,7 +14,7 @@ from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.mesh.polygons import next_corners
 from isoembed.mesh.side_splitting import slivers, vertices_on_sides, with_vertices_on_sides
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.metric.polygon_faces import POLYGON_FACES, PolygonFaces
+from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.thresholds import rounded_up, threshold
@@ -249,7 +249,7 @@ def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
     except InvalidMetric as error:
         raise InvalidMetric(f"{error}{_side_advice(points, corners, sizes)}") from None
     warps = polygons.warps
-    warped = warps > POLYGON_FACES.planar
+    warped = warps > PLANAR
     if warped.any():
         f = int(np.argmax(warped))
         _say(

@@ -17,7 +17,7 @@ from isoembed.mesh.checks import check_euler, check_numbering, index_array
 from isoembed.mesh.joining import reached_faces
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import Triangles
-from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.metric.polyhedral import SAME_LENGTH, PolyhedralMetric
 from isoembed.metric.precision import Precision
 from isoembed.metric.simplicial import simplicial
 from isoembed.metric.triangle_checks import check_triangles
@@ -333,7 +333,7 @@ def _check_triangles(faces: Indices, lengths: Floats, space: Space) -> None:
 def _matched(twins: Indices, lengths: Floats) -> Floats:
     """Give both of two glued sides the length of the first, if they agree up to rounding."""
     flat = lengths.ravel()
-    differs = np.abs(flat - flat[twins]) > METRIC.same_length * flat
+    differs = np.abs(flat - flat[twins]) > SAME_LENGTH * flat
     if differs.any():
         h = int(np.argmax(differs))
         t = int(twins[h])

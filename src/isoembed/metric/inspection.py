@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.metric.convexity import CONVEXITY, deficit_spread
+from isoembed.metric.convexity import DEVIATIONS, deficit_spread
 from isoembed.metric.curvature import (
     area,
     corner_angles,
@@ -16,27 +16,12 @@ from isoembed.metric.curvature import (
     face_areas,
     gaussian_curvature,
 )
-from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.strict_json import plain
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class InspectionThresholds:
-    """Thresholds of the warnings of an inspection."""
-
-    flat: float = threshold(
-        1e-6, "radians", "Deficit below which a surface bends less than the square root of rounding."
-    )
-    needle: float = threshold(5.0, "degrees", "Angle below which a triangle is a needle.")
-    narrow: float = threshold(30.0, "degrees", "Least angle for which the paper expects convexity to work.")
-    wide: float = threshold(120.0, "degrees", "Largest angle for which the paper expects convexity to work.")
-    steep: float = threshold(
-        1000.0, "relative", "Longest over shortest edge beyond which there is a warning."
-    )
-
-
-INSPECTION = InspectionThresholds()
+NEEDLE = 5.0  # degrees: a triangle with a smaller angle is a needle
+NARROW = 30.0  # degrees: least angle for which the paper expects convexity to work
+WIDE = 120.0  # degrees: largest angle for which the paper expects convexity to work
 
 
 @dataclass(frozen=True)
@@ -129,7 +114,7 @@ def _measures(
     if metric.precision is not None:
         error = metric.precision.length_error
         noise = (
-            CONVEXITY.deviations
+            DEVIATIONS
             * error
             * deficit_spread(metric.faces, metric.face_lengths, t.twins, metric.curvature).max()
         )
@@ -150,7 +135,7 @@ def _measures(
     yield Measure("lengths", text, {**_range(lengths), "mean": mean})
     low, high = np.degrees([angles.min(), angles.max()])
     yield Measure("angles", f"{low:.4g} to {high:.4g} degrees", {"min_degrees": low, "max_degrees": high})
-    negative = int((epsilon < -METRIC.angles).sum())
+    negative = int((epsilon < -ANGLE_ROUNDING).sum())
     turns = 2 * t.euler_characteristic
     gauss_bonnet = float(epsilon.sum() + metric.curvature * surface - turns * np.pi)
     text = (
@@ -164,7 +149,7 @@ def _measures(
     yield Measure("dual areas", text, {**dual, "not_positive": undefined})
     k = _range(curvature)
     yield Measure("gaussian curvature", f"{k['min']:.4g} to {k['max']:.4g}", k)
-    violations = int((excess > METRIC.angles).sum())
+    violations = int((excess > ANGLE_ROUNDING).sum())
     most = "180 degrees" if metric.space.is_euclidean else "the other four angles beside them"
     text = f"{violations} edges with opposite angles of more than {most} together"
     yield Measure("delaunay", text, {"violations": violations})
@@ -195,18 +180,19 @@ def _warnings(
 ) -> Iterator[Caution]:
     t = metric.triangulation
     least, largest = angles.min(axis=1), angles.max(axis=1)
-    needle = least < np.radians(INSPECTION.needle)
-    beyond = (least < np.radians(INSPECTION.narrow)) | (largest > np.radians(INSPECTION.wide))
+    needle = least < np.radians(NEEDLE)
+    beyond = (least < np.radians(NARROW)) | (largest > np.radians(WIDE))
+    # less bending than the square root of rounding
     found = (
         (
-            *("negative_deficits", epsilon < -METRIC.angles, "negative deficits"),
+            *("negative_deficits", epsilon < -ANGLE_ROUNDING, "negative deficits"),
             lambda v: (
                 f"vertex {v} has {epsilon[v]:.4g} rad: the metric is not convex there, Alexandrov's "
                 "theorem does not apply, and an embedding, if there is one, need not be the only one"
             ),
         ),
         (
-            *("flat_vertices", np.abs(epsilon) <= INSPECTION.flat, "flat vertices"),
+            *("flat_vertices", np.abs(epsilon) <= 1e-6, "flat vertices"),
             lambda v: (
                 f"vertex {v} has deficit {epsilon[v]:.1e}: a flat vertex can move off its plane at "
                 "second order, so coordinates are only as good as the square root of the length error"
@@ -227,7 +213,7 @@ def _warnings(
             ),
         ),
         (
-            *("needles", needle, f"triangles with an angle below {INSPECTION.needle:g} degrees"),
+            *("needles", needle, f"triangles with an angle below {NEEDLE:g} degrees"),
             lambda f: (
                 f"face {f} {t.faces[f].tolist()} has an angle of {np.degrees(least[f]):.2g} degrees: needles "
                 "are badly conditioned and may keep the residual from falling to rounding"
@@ -235,14 +221,14 @@ def _warnings(
         ),
         (
             *("angles", beyond & ~needle),
-            f"triangles with angles outside {INSPECTION.narrow:g} to {INSPECTION.wide:g} degrees",
+            f"triangles with angles outside {NARROW:g} to {WIDE:g} degrees",
             lambda f: (
                 f"face {f} has {np.degrees(least[f]):.3g} to {np.degrees(largest[f]):.3g} degrees: the "
                 "paper's triangulations keep within, and other realizations are likelier"
             ),
         ),
         (
-            *("not_delaunay", excess > METRIC.angles, "edges that are not Delaunay"),
+            *("not_delaunay", excess > ANGLE_ROUNDING, "edges that are not Delaunay"),
             lambda e: (
                 f"edge {t.edges[e].tolist()}: cotangent weights are negative there, and a convex "
                 "surface has a concave edge in such triangles more often than in Delaunay ones"
@@ -254,7 +240,7 @@ def _warnings(
             first = int(np.argmax(where))
             yield Caution(kind, int(where.sum()), f"{where.sum()} {what}; the first: {text(first)}")
     ratio = float(metric.lengths.max() / metric.lengths.min())
-    if ratio > INSPECTION.steep:
+    if ratio > 1000.0:  # edges so uneven get a warning
         yield Caution(
             "length_ratio",
             1,

@@ -1,25 +1,11 @@
 """The least curved hyperbolic space on whose triangles given lengths are a convex metric."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Euclidean, Space
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class LeastSpaceThresholds:
-    """Thresholds of the search for the least curvature."""
-
-    first: float = threshold(1e-6, "1 / squared mean edge length", "Curvature that is tried first.")
-    factor: float = threshold(4.0, "relative", "Of one that is tried to the one before.")
-
-
-LEAST_SPACE = LeastSpaceThresholds()
 
 
 def least_convex_space(metric: PolyhedralMetric) -> Space:
@@ -50,8 +36,8 @@ def least_convex_space(metric: PolyhedralMetric) -> Space:
         return Euclidean()
     from scipy.optimize import brentq  # slow to import, and seldom needed
 
-    low, high = 0.0, LEAST_SPACE.first
+    low, high = 0.0, 1e-6  # over squared mean edge lengths, the curvature that is tried first
     while least(high) < 0:
-        low, high = high, LEAST_SPACE.factor * high
+        low, high = high, 4.0 * high
     size = brentq(least, low, high, xtol=1e-300, rtol=4 * np.finfo(np.float64).eps)
     return Space(-size).scaled(metric.unit)

@@ -12,21 +12,9 @@ from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.ears import triangulated
 from isoembed.intrinsic.plane import flattened
 from isoembed.mesh.polygons import polygon_normals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class PolygonFaceThresholds:
-    """Thresholds of polygons in space."""
-
-    planar: float = threshold(
-        1e-5, "size of the polygon", "Corners as near to its plane change no diagonal by more than 1e-10."
-    )
-    area: float = threshold(1e-12, "area of the polygon", "Smaller triangles of it are lost in rounding.")
-    tie: float = threshold(1e-9, "radians", "Rounding of angles that make two diagonals equally good.")
-
-
-POLYGON_FACES = PolygonFaceThresholds()
+PLANAR = 1e-5  # sizes of the polygon: corners as near to its plane change no diagonal by more than 1e-10
+MIN_AREA = 1e-12  # of the polygon's: smaller triangles are lost in rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +110,7 @@ class PolygonFaces:
         def turns(i: int, j: int, k: int) -> Floats:
             return (np.cross(p[:, j] - p[:, i], p[:, k] - p[:, i]) * normals).sum(axis=1) / 2
 
-        least = POLYGON_FACES.area * areas
+        least = MIN_AREA * areas
         first = np.minimum(turns(0, 1, 2), turns(0, 2, 3)) > least
         second = np.minimum(turns(0, 1, 3), turns(1, 2, 3)) > least
         if not (first | second).all():
@@ -131,7 +119,8 @@ class PolygonFaces:
         back = -np.roll(sides, 1, axis=1)
         across = np.linalg.norm(np.cross(sides, back), axis=2)
         angles = np.arctan2(across, (sides * back).sum(axis=2))
-        better = angles[:, [1, 3]].sum(axis=1) <= angles[:, [0, 2]].sum(axis=1) + POLYGON_FACES.tie
+        # two diagonals are equally good up to rounding
+        better = angles[:, [1, 3]].sum(axis=1) <= angles[:, [0, 2]].sum(axis=1) + 1e-9
         use = first & (better | ~second)
         return np.where(use[:, None, None], [[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]])
 
@@ -143,7 +132,7 @@ class PolygonFaces:
             size = np.abs(arms).max()
             area = np.linalg.norm(normal)
             triangles = None
-            if area > POLYGON_FACES.area * size**2:
+            if area > MIN_AREA * size**2:
                 triangles = triangulated(flattened(arms, normal) / (2 * size))
             if triangles is None:
                 self._refuse(f)
@@ -179,4 +168,4 @@ class PolygonFaces:
         """Whether triangles are turned like a polygon."""
         a, b, c = np.moveaxis(self.points[triangles], 1, 0)
         turns = np.cross(b - a, c - a) @ self.normals[f] / 2
-        return bool((turns > POLYGON_FACES.area * (self.normals[f] ** 2).sum()).all())
+        return bool((turns > MIN_AREA * (self.normals[f] ** 2).sum()).all())

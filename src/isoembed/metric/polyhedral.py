@@ -21,21 +21,12 @@ from isoembed.metric.precision import Precision, rounding_error
 from isoembed.metric.triangle_checks import check_triangles
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
-from isoembed.thresholds import threshold
 
 if TYPE_CHECKING:
     from isoembed.metric.glued import GluedMetric
 
-
-@dataclass(frozen=True)
-class MetricThresholds:
-    """Thresholds of what metrics are, and are said to be."""
-
-    same_length: float = threshold(1e-12, "relative", "Two values for an edge differ by no more.")
-    angles: float = threshold(1e-9, "radians", "Rounding of a sum of angles: of deficits, and across edges.")
-
-
-METRIC = MetricThresholds()
+SAME_LENGTH = 1e-12  # relative difference of two values for one edge
+ANGLE_ROUNDING = 1e-9  # radians: of deficits, and of sums of angles across edges
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -408,7 +399,7 @@ def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) ->
         f = (left if left >= 0 else right) // 3
         raise InvalidMetric(f"edge {triangulation.edges[e].tolist()} of face {f} has no length")
     matched = lengths[order[start]]
-    differs = np.abs(lengths - matched[index]) > METRIC.same_length * np.abs(matched[index])
+    differs = np.abs(lengths - matched[index]) > SAME_LENGTH * np.abs(matched[index])
     if differs.any():
         k = int(np.argmax(differs))
         first = int(order[start[index[k]]])

@@ -37,26 +37,22 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.conformal import equivalent
-from isoembed.metric.convexity import CONVEXITY, check_convex, deficit_rounding, deficit_spread, largest_noise
+from isoembed.metric.convexity import (
+    GAP,
+    MAX_NOISE,
+    check_convex,
+    deficit_rounding,
+    deficit_spread,
+    largest_noise,
+)
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import deficit_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.thresholds import threshold
 
 Metric = TypeVar("Metric", bound=PolyhedralMetric | GluedMetric)
 
 
-@dataclass(frozen=True)
-class RepairThresholds:
-    """Thresholds of the repair of deficits."""
-
-    newton_steps: int = threshold(20, "steps", "Far beyond what small deficits need: each squares the error.")
-    blocks: int = threshold(10, "exchanges", "Of many vertices that may fail to help before single ones.")
-    exchanges: int = threshold(200, "exchanges", "Far beyond what a Delaunay triangulation needs.")
-    gain: float = threshold(0.5, "relative", "A step that leaves more of the errors ends at rounding.")
-
-
-REPAIR = RepairThresholds()
+MAX_BLOCK_EXCHANGES = 10  # of many vertices that may fail to help, before single ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,19 +131,20 @@ def repaired(
     if precision is not None:
         spread = deficit_spread(given.faces, given.face_lengths, given.twins, given.curvature)
         doubt = precision.name, precision.length_error * spread
-    level = max(noise, min(tolerance, CONVEXITY.most))
+    level = max(noise, min(tolerance, MAX_NOISE))
     check_convex(before, np.maximum(rounding, level), doubt)
     flat = small_by_far(before, min(level, largest_noise(before))) if flat is None else flat
     changed = (np.where(flat, np.abs(before), -before) > rounding) & (noise > 0)
     u = np.zeros(given.n_vertices)
     result, left = metric, math.inf
-    for _ in range(REPAIR.newton_steps):
+    for _ in range(20):  # far beyond what small deficits need: each squares the error
         current = GluedMetric.of(result)
         delta = current.deficits
         errors = np.where(flat, np.abs(delta), -delta)
         before_step, left = left, max(float(errors.max()), 0.0)
         allowed = deficit_rounding(current.faces, current.face_lengths, current.curvature)
-        if not changed.any() or ((errors <= allowed).all() and left >= REPAIR.gain * before_step):
+        # a step that leaves more than half of the errors is at rounding
+        if not changed.any() or ((errors <= allowed).all() and left >= 0.5 * before_step):
             change = float(np.abs(current.face_lengths / given.face_lengths - 1).max())
             vertices = np.flatnonzero(changed)
             return result, Repair(frozen(vertices), frozen(before[vertices]), frozen(u), change)
@@ -167,7 +164,7 @@ def repaired(
 def small_by_far(deficits: Floats, noise: float) -> Mask:
     """All vertices within the noise, if the deficits of the others are larger by far; otherwise none."""
     within = np.abs(deficits) <= noise
-    if within.all() or deficits[~within].min() < CONVEXITY.gap * np.abs(deficits[within]).max(initial=0.0):
+    if within.all() or deficits[~within].min() < GAP * np.abs(deficits[within]).max(initial=0.0):
         return np.zeros_like(within)
     return within
 
@@ -181,8 +178,8 @@ def _least_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Fl
     monotone linear complementarity problems, Computers Ops. Res. 21, 1994).
     """
     lifted = flat | (delta < -slack)
-    fewest, left = lifted.size + 1, REPAIR.blocks
-    for _ in range(REPAIR.exchanges):
+    fewest, left = lifted.size + 1, MAX_BLOCK_EXCHANGES
+    for _ in range(200):  # far beyond what a Delaunay triangulation needs
         u = np.zeros(delta.size)
         u[lifted] = factor_general(H[lifted][:, lifted]).solve(-delta[lifted])
         wrong = ~flat & np.where(lifted, u < 0, H @ u + delta < -slack)
@@ -190,7 +187,7 @@ def _least_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Fl
         if count == 0:
             break
         if count < fewest:
-            fewest, left = count, REPAIR.blocks
+            fewest, left = count, MAX_BLOCK_EXCHANGES
         elif left > 0:
             left -= 1
         else:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,21 +9,8 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.kernel import kernel
 from isoembed.space import Space
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SizeThresholds:
-    """Thresholds of the sizes of triangles."""
-
-    longest: float = threshold(
-        70.0,
-        "radii of curvature",
-        "Sides in the hyperbolic plane: angles between longer ones are lost beside a full turn.",
-    )
-
-
-SIZES = SizeThresholds()
+LONGEST_SIDE = 70.0  # radii of curvature: angles between longer sides are lost beside a full turn
 
 
 def check_triangles(
@@ -76,7 +62,7 @@ def first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
 def _check_sizes(space: Space, faces: Indices, lengths: Floats, name: Callable[[int], str]) -> None:
     sides = space.root * lengths
     spherical = space.curvature > 0
-    beyond = ~(sides < (math.pi if spherical else SIZES.longest))
+    beyond = ~(sides < (math.pi if spherical else LONGEST_SIDE))
     if beyond.any():
         h = int(np.argmax(beyond))
         length = f"{name(h)} has length {float(lengths.flat[h])!r}"
@@ -87,7 +73,7 @@ def _check_sizes(space: Space, faces: Indices, lengths: Floats, name: Callable[[
                 f"{space.curvature:.9g}"
             )
         raise InvalidMetric(
-            f"{length}, which is {sides.flat[h]:.6g} radii of curvature: beyond {SIZES.longest:g} floats do "
+            f"{length}, which is {sides.flat[h]:.6g} radii of curvature: beyond {LONGEST_SIDE:g} floats do "
             "not tell the angles of hyperbolic triangles from zero"
         )
     whole = ~(sides.sum(axis=1) < 2 * math.pi)

@@ -15,12 +15,17 @@ from isoembed.io.registry import check_output
 from isoembed.plot.coloring import mean_curvature
 from isoembed.plot.drawn import Drawn
 from isoembed.plot.endings import ANIMATION_ENDINGS
-from isoembed.plot.film import ANSWER, FILM, Frame, shape
+from isoembed.plot.film import ANSWER, Frame, shape
 from isoembed.plot.infinity import ball, draw_infinity
 from isoembed.plot.panel import Panel
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
 from isoembed.plot.view import Pose, View, camera
 from isoembed.surface.embedding import Embedding
+
+IMAGES_PER_SECOND = 10  # of a film in a file
+LONGEST = 6.0  # seconds from the first surface to the answer
+TURN = 3.0  # seconds of the turn around the answer
+
 
 Pixels = NDArray[np.uint8]
 
@@ -43,7 +48,7 @@ def animation_writer(path: str | os.PathLike[str], embedding: Embedding, frames:
     """Writer of the film in the format of this ending; see `write_atomically` and `write_animation`."""
     check_animation(path)
     images = tuple(_images(embedding, frames))
-    return pixels_writer(path, _drawn(embedding, images), [1 / FILM.images] * len(images))
+    return pixels_writer(path, _drawn(embedding, images), [1 / IMAGES_PER_SECOND] * len(images))
 
 
 def write_animation(path: str | os.PathLike[str], embedding: Embedding, frames: Sequence[Frame]) -> None:
@@ -85,14 +90,15 @@ def _images(embedding: Embedding, frames: Sequence[Frame]) -> Iterator[_Image]:
     """All images, first to last."""
     shown = frames if frames else (Frame(ANSWER, 0.0, embedding.residual, embedding.vertices),)
     between = len(shown) - 1
-    steps = max(1, round(min(FILM.step, FILM.longest / max(between, 1)) * FILM.images))
+    # half a second from one surface to the next
+    steps = max(1, round(min(0.5, LONGEST / max(between, 1)) * IMAGES_PER_SECOND))
     texts = [_texts(embedding, frame) for frame in shown]
     for k in range(between):
         for s in np.arange(steps) / steps:
             vertices = (1 - s) * shown[k].vertices + s * shown[k + 1].vertices
             yield _Image(vertices, _values(embedding, vertices), 0.0, *texts[k])
     last, values = shown[-1].vertices, _values(embedding, shown[-1].vertices)
-    for turn in np.linspace(0, 2 * np.pi, round(FILM.turn * FILM.images), endpoint=False):
+    for turn in np.linspace(0, 2 * np.pi, round(TURN * IMAGES_PER_SECOND), endpoint=False):
         yield _Image(last, values, float(turn), *texts[-1])
 
 

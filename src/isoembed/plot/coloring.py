@@ -14,28 +14,13 @@ from isoembed.io.surface import vertex_residuals
 from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
 from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
-from isoembed.thresholds import threshold
 
 if TYPE_CHECKING:
     from isoembed.surface.changes import Changes
     from isoembed.surface.comparison import Comparison
 
 
-@dataclass(frozen=True)
-class QuantityThresholds:
-    """Thresholds of pictures and of what their colors show."""
-
-    exact: float = threshold(1e-15, "mean edge lengths", "Residual of lengths that were taken from vertices.")
-    smallest: float = threshold(1e-17, "mean edge lengths", "Residual that one of zero is shown as.")
-    percentiles: tuple[float, float] = threshold((1.0, 99.0), "percent", "Values between which colors run.")
-    rounding: float = threshold(0.05, "relative", "Least half width of the colors: rounding is no structure.")
-    rasterized: int = threshold(
-        20_000, "triangles", "Number beyond which a vector file has an image of them."
-    )
-    largest: float = threshold(1e300, "1 / length^2", "Curvature beyond which sums overflow.")
-
-
-QUANTITY = QuantityThresholds()
+SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: a residual of zero is shown as this
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,12 +55,12 @@ class Quantity:
             return 0.0, 1.0
         if self.at == "faces":  # whole numbers, few of them
             return float(values.min() - 0.5), float(values.max() + 0.5)
-        low, high = np.percentile(values, QUANTITY.percentiles)
+        low, high = np.percentile(values, (1.0, 99.0))  # the colors span nearly all values
         if self.scale == "log":
             first = np.floor(np.log10(low))
             return float(10**first), float(10 ** max(np.ceil(np.log10(high)), first + 1))
         middle = (low + high) / 2
-        half = max((high - low) / 2, QUANTITY.rounding * abs(middle))
+        half = max((high - low) / 2, 0.05 * abs(middle))  # a narrower range would show rounding as structure
         if half == 0:
             return 0.0, 1.0
         return float(middle - half), float(middle + half)
@@ -96,7 +81,7 @@ def intrinsic_curvature(embedding: Embedding) -> Quantity:
     values = np.full(len(known), np.nan)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         curvature = gaussian_curvature(metric)
-    known &= np.abs(curvature) < QUANTITY.largest
+    known &= np.abs(curvature) < 1e300  # beyond, sums overflow
     values[known] = curvature[known]
     own = "k + " if metric.curvature else ""
     return Quantity("Gaussian curvature", rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$", values)
@@ -104,7 +89,7 @@ def intrinsic_curvature(embedding: Embedding) -> Quantity:
 
 def residual(embedding: Embedding) -> Quantity:
     """The largest length error of the edges at each vertex, in mean edge lengths."""
-    values = np.maximum(vertex_residuals(embedding), QUANTITY.smallest)
+    values = np.maximum(vertex_residuals(embedding), SMALLEST_RESIDUAL)
     return Quantity("residual", "largest length error, in mean edge lengths", values, "log")
 
 

@@ -20,21 +20,10 @@ from isoembed.space import Space
 from isoembed.space.models import radius_of, to_model
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.segments import Segments
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class DrawnThresholds:
-    """Thresholds of pictures in hyperbolic and spherical space."""
-
-    bend: float = threshold(1e-3, "half diameters", "By which a straight piece of an edge may miss the arc.")
-    faces: int = threshold(20_000, "count", "Number of pieces beyond which there is no further cut.")
-    ball: float = threshold(
-        6.0, "half diameters", "Radius beyond which the sphere at infinity is out of the picture."
-    )
-
-
-DRAWN = DrawnThresholds()
+MAX_BEND = 1e-3  # half diameters by which a straight piece of an edge may miss the arc
+MAX_PIECES = 20_000  # with more pieces there is no further subdivision
+BALL_RADIUS = 6.0  # half diameters beyond which the sphere at infinity is out of the picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +50,7 @@ class Drawn:
         if space.is_euclidean:
             return cls(surface, np.zeros(3), pieces)
         drawn = cls(surface, _center(space, surface.vertices), pieces)
-        while drawn._bend > DRAWN.bend and 4 * len(drawn.pieces.faces) <= DRAWN.faces:
+        while drawn._bend > MAX_BEND and 4 * len(drawn.pieces.faces) <= MAX_PIECES:
             drawn = cls(surface, drawn.center, drawn.pieces.cut())
         return drawn
 

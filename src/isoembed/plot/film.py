@@ -12,27 +12,8 @@ from isoembed.space.models import from_model
 from isoembed.surface.alignment import aligned
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
-from isoembed.thresholds import threshold
 
 ANSWER = "answer"
-
-
-@dataclass(frozen=True)
-class FilmThresholds:
-    """Thresholds of films, as files and in pages."""
-
-    seen: float = threshold(1e-3, "mean edge lengths", "Distance below which two surfaces look the same.")
-    frames: int = threshold(40, "count", "Frames of a film in a page, at most: more are not seen.")
-    size: int = threshold(
-        6_000_000, "bytes", "Size of all frames of a page but the last; as text a third more."
-    )
-    images: int = threshold(10, "1 / second", "Images a second of a file.")
-    step: float = threshold(0.5, "seconds", "Time from one surface to the next.")
-    longest: float = threshold(6.0, "seconds", "Time from the first surface to the answer, at most.")
-    turn: float = threshold(3.0, "seconds", "Time once around the answer.")
-
-
-FILM = FilmThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,9 +93,10 @@ class Film:
                 vertices = aligned(outward(embedding.faces, given, space), after, space)
             except InvalidParameter:  # on the sphere not within the half that can be shown
                 continue
+            # two surfaces that look the same
             if (
                 np.linalg.norm(vertices - after, axis=1).max()
-                > FILM.seen * embedding.metric.normalized.mean_length
+                > 1e-3 * embedding.metric.normalized.mean_length
             ):
                 following = Frame(taken.stage, taken.t, taken.residual, unit * vertices)
                 frames.append(following)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.plot.drawn import DRAWN
+from isoembed.plot.drawn import BALL_RADIUS
 from isoembed.plot.view import Pose, View
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def ball(pose: Pose, infinity: float) -> tuple[Floats, float] | None:
     None if it is so large that it is not drawn.
     """
     radius = infinity / pose.size
-    return (pose.put(np.zeros(3)), radius) if radius <= DRAWN.ball else None
+    return (pose.put(np.zeros(3)), radius) if radius <= BALL_RADIUS else None
 
 
 def window(view: View, infinity: float) -> tuple[Floats, Floats]:

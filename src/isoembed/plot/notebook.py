@@ -4,27 +4,14 @@ from __future__ import annotations
 
 import base64
 import io
-from dataclasses import dataclass
 from html import escape
 
 from isoembed.io.files import FileError
 from isoembed.plot.page import page_html
 from isoembed.plot.picture import figure
 from isoembed.surface.embedding import Embedding
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class NotebookThresholds:
-    """Thresholds of what notebooks show."""
-
-    page: int = threshold(
-        5000, "vertices", "Number up to which notebooks show pages: the reports of others take seconds."
-    )
-    height: int = threshold(560, "pixels", "Height of a page in a notebook.")
-
-
-NOTEBOOK = NotebookThresholds()
+PAGE_VERTICES = 5000  # more, and the report takes seconds: no page is shown
 
 
 def notebook_html(embedding: Embedding) -> str | None:
@@ -36,12 +23,12 @@ def notebook_html(embedding: Embedding) -> str | None:
         A frame with the page of `isoembed.plot.write_page`, which loads nothing from anywhere; of more than
         5,000 vertices a picture.  None, so that the notebook shows the text, without matplotlib.
     """
-    if embedding.triangulation.n_vertices <= NOTEBOOK.page:
+    if embedding.triangulation.n_vertices <= PAGE_VERTICES:
         page = escape(page_html(embedding, title="Surface"))
         return (
             f'<iframe srcdoc="{page}" title="{escape(repr(embedding))}" '
             'sandbox="allow-scripts allow-downloads" loading="lazy" '
-            f'style="width: 100%; height: {NOTEBOOK.height}px; border: 0"></iframe>'
+            f'style="width: 100%; height: 560px; border: 0"></iframe>'
         )
     try:
         drawn = figure(embedding)

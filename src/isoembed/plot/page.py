@@ -21,7 +21,6 @@ from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
 from isoembed.plot.coloring import (
-    QUANTITY,
     Quantity,
     concavity,
     face_means,
@@ -31,15 +30,19 @@ from isoembed.plot.coloring import (
     quantities,
     residual,
 )
-from isoembed.plot.drawn import DRAWN, Drawn
+from isoembed.plot.drawn import BALL_RADIUS, Drawn
 from isoembed.plot.endings import PAGE_ENDINGS
-from isoembed.plot.film import ANSWER, FILM, Frame, shape
+from isoembed.plot.film import ANSWER, Frame, shape
 from isoembed.plot.pieces import Pieces
 from isoembed.plot.view import Pose, camera
 from isoembed.space import Space
 from isoembed.space.models import MODELS, NAMES
 from isoembed.strict_json import plain
 from isoembed.surface.embedding import Embedding
+
+MAX_FRAMES = 40  # of a film in a page: more are not seen
+MAX_BYTES = 6_000_000  # of all frames of a page but the last; as text a third more
+
 
 LEAPT = (
     "The method leaped to this surface: there is none on the way to it. With --method paper there are some."
@@ -128,7 +131,7 @@ def _caption(embedding: Embedding) -> str:
 
 def _is_its_own(embedding: Embedding) -> bool:
     """Whether nothing was computed and the lengths are those of the vertices: it has no residual to show."""
-    return not embedding.stages and embedding.residual <= QUANTITY.exact
+    return not embedding.stages and embedding.residual <= 1e-15  # the lengths were taken from the vertices
 
 
 def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], Packed]:
@@ -139,7 +142,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     own = not earlier and _is_its_own(embedding)
     shown = [q for q in quantities(embedding) if not (own and q.name == "residual")]
     size = pieces.n_vertices * (6 + 2 * len(shown)) + len(pieces.faces) * 3 / 16
-    limit = int(min(FILM.frames, 1 + FILM.size // size))
+    limit = int(min(MAX_FRAMES, 1 + MAX_BYTES // size))
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
     pose, seams = _pose(drawn), drawn.seams_in_space().ends
     edges = pieces.edges_of_faces()  # the script finds them in this order
@@ -222,7 +225,7 @@ def _space(space: Space, unit: float) -> dict[str, Any] | None:
     if space.is_euclidean:
         return None
     models = [{"model": model, "name": TITLES[NAMES[space.name][model]]} for model in MODELS]
-    return {"curvature": space.curvature * unit * unit, "farthest": DRAWN.ball, "models": models}
+    return {"curvature": space.curvature * unit * unit, "farthest": BALL_RADIUS, "models": models}
 
 
 def _why_alone(method: str) -> str:

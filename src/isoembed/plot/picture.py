@@ -12,7 +12,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
-from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITY, Quantity, faces_counted, quantity
+from isoembed.plot.coloring import MEAN_CURVATURE, Quantity, faces_counted, quantity
 from isoembed.plot.drawn import Drawn, said
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.plot.infinity import draw_infinity, window
@@ -289,7 +289,8 @@ def draw(
         joinstyle="round",
         alpha=None if opacity == 1.0 else opacity,
     )
-    faces.set_rasterized(len(view.faces) > QUANTITY.rasterized)
+    # more triangles become an image in a vector file
+    faces.set_rasterized(len(view.faces) > 20_000)
     axes.add_collection(faces)
     if outlines is None and seams is not None and len(seams.ends):
         in_sight = seams.ends[np.isin(seams.faces, view.faces).any(axis=1)]

@@ -10,23 +10,13 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.io.format import Polygons, flattened
 from isoembed.mesh.polygons import polygon_normals
-from isoembed.thresholds import threshold
 
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
 LIGHT = np.array([-0.5, 0.8, 0.8])  # right, up, toward the viewer
 AMBIENT, DIFFUSE, GLOSS, SHARPNESS = 0.66, 0.42, 0.14, 20
 
 
-@dataclass(frozen=True)
-class PoseThresholds:
-    """Thresholds of the pose of a surface."""
-
-    same: float = threshold(
-        1e-6, "relative", "Difference below which two moments, tails or distances are equal."
-    )
-
-
-POSE = PoseThresholds()
+SAME = 1e-6  # relative difference below which two moments, skews or distances are equal
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +61,7 @@ def _principal_axes(points: Floats) -> Floats:
     moments, axes = np.linalg.eigh(points.T @ points)
     moments, axes = moments[::-1], axes[:, ::-1].copy()
     for k in range(2):
-        equal = slice(k, 3 - int(np.sum(moments[k] - moments[k:] > POSE.same * moments[k])))
+        equal = slice(k, 3 - int(np.sum(moments[k] - moments[k:] > SAME * moments[k])))
         across = points @ axes[:, equal]
         farthest = across[_farthest(np.linalg.norm(across, axis=1))]
         if across.shape[1] > 1:
@@ -79,7 +69,7 @@ def _principal_axes(points: Floats) -> Floats:
             axes[:, equal] @= turned
         along = points @ axes[:, k]
         skew = (along**3).sum()
-        tails_alike = abs(skew) <= POSE.same * (np.abs(along) ** 3).sum()
+        tails_alike = abs(skew) <= SAME * (np.abs(along) ** 3).sum()
         if (along[_farthest(np.abs(along))] if tails_alike else skew) < 0:
             axes[:, k] *= -1.0
     axes[:, 2] *= np.sign(np.linalg.det(axes))
@@ -88,7 +78,7 @@ def _principal_axes(points: Floats) -> Floats:
 
 def _farthest(distances: Floats) -> int:
     """The first of the vertices that are the farthest but for rounding."""
-    return int(np.argmax(distances >= (1 - POSE.same) * distances.max()))
+    return int(np.argmax(distances >= (1 - SAME) * distances.max()))
 
 
 @dataclass(frozen=True)

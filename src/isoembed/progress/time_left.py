@@ -1,19 +1,6 @@
 """Time left of a computation: what its stages cost as a rule, at the pace that they have here."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class TimeLeftThresholds:
-    """Thresholds of the estimate of the time left."""
-
-    early: float = threshold(0.03, "share of the work", "Until as much is done, no time left is estimated.")
-
-
-TIME_LEFT = TimeLeftThresholds()
 
 
 class TimeLeft:
@@ -75,7 +62,8 @@ class TimeLeft:
         ahead = sum(self._weights[name] for name in self._pending)
         own = self._reported - self._begun
         worked = self._worked + self._done * self._weight
-        if not self._weight or not worked > TIME_LEFT.early * (self._worked + self._weight + ahead):
+        # too little is done for an estimate
+        if not self._weight or not worked > 0.03 * (self._worked + self._weight + ahead):
             return None
         pace = (self._seconds + own) / worked
         rest = (1 - self._done) * (own + (1 - self._done) * self._weight * pace)

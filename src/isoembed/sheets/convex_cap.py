@@ -22,7 +22,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
-from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
 
@@ -47,7 +47,7 @@ def check_cap(metric: PolyhedralMetric) -> None:
         )
     found = deficits(metric)
     least = int(np.argmin(found))
-    if found[least] < -METRIC.angles:
+    if found[least] < -ANGLE_ROUNDING:
         what = "exterior angle of the boundary" if t.boundary_vertices[least] else "deficit"
         raise InvalidMetric(
             f"the {what} at vertex {least} is {found[least]:.4g} radians: of a convex cap none is negative"

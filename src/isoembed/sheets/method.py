@@ -17,7 +17,7 @@ from isoembed.evidence import Evidence
 from isoembed.mesh.checks import real_array
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
-from isoembed.metric.polyhedral import METRIC, PolyhedralMetric
+from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.convex_cap import check_cap, doubled, upright, with_heights
@@ -140,8 +140,8 @@ def _over_heights(
         raise InvalidParameter("heights of the boundary are followed from the convex cap: they take no start")
     inside = ~metric.triangulation.boundary_vertices
     curved = deficits(metric)
-    if (curved[inside] <= METRIC.angles).any():
-        v = int(np.argmax(inside & (curved <= METRIC.angles)))
+    if (curved[inside] <= ANGLE_ROUNDING).any():
+        v = int(np.argmax(inside & (curved <= ANGLE_ROUNDING)))
         raise InvalidMetric(
             f"vertex {v} has the deficit {curved[v]:.4g}: with heights of the boundary the problem is ill "
             "posed where the curvature is not positive; give positions (B, 3)"
@@ -208,7 +208,7 @@ def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats
     t = metric.triangulation
     none, curved, several = np.zeros(t.n_edges), deficits(metric), len(t.boundaries) > 1
     is_disc = t.genus == 0 and len(t.boundaries) == 1
-    is_convex = (curved >= -METRIC.angles).all() and (curved[~t.boundary_vertices] > METRIC.angles).any()
+    is_convex = (curved >= -ANGLE_ROUNDING).all() and (curved[~t.boundary_vertices] > ANGLE_ROUNDING).any()
     if is_disc and is_convex:
         x = _raised(metric, np.zeros(len(t.boundaries[0])), tolerance, log, "plane").vertices
         return x, LeastBending(x, none, np.inf)

@@ -12,7 +12,7 @@ from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
 from isoembed.meshing.metric_relaxation import MetricMesh
 from isoembed.meshing.sphere import fibonacci_lattice
 from isoembed.meshing.spreading import Cells, cell_centers, roundest_axis
-from isoembed.meshing.surface_mesh import SURFACE_MESH, checked_count
+from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
@@ -119,7 +119,7 @@ def triangulate_metric(
     n = (
         None
         if vertices is None
-        else checked_count("the number of vertices", vertices, SURFACE_MESH.fewest, MOST_VERTICES)
+        else checked_count("the number of vertices", vertices, MIN_VERTICES, MOST_VERTICES)
     )
     if not isinstance(metric, GridMetric):  # grids have been looked at
         check_rings(metric)
@@ -182,7 +182,7 @@ def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> 
     N vertices of the density w have N w / int w dA in a unit of area, each with the area 3^(1/2) l^2 / 2 if
     the triangles were equilateral.
     """
-    fewest, most = SURFACE_MESH.fewest, MOST_VERTICES
+    fewest, most = MIN_VERTICES, MOST_VERTICES
     root = Cells(area.values * np.sqrt(density.values), area.axis).integral()
     whole = Cells(area.values * density.values, area.axis).integral()
     with np.errstate(over="ignore"):

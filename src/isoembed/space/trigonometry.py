@@ -8,25 +8,12 @@ for all three if written in sn and cs.  Differences of sides are formed before t
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from isoembed.kernel import kernel
-from isoembed.thresholds import compiled, threshold
 
-
-@dataclass(frozen=True)
-class TrigonometryThresholds:
-    """Thresholds of the trigonometry of space forms."""
-
-    series: float = threshold(
-        0.1, "squared radii of curvature", "Smaller squares of sides have their sine and cosine by series."
-    )
-
-
-TRIGONOMETRY = TrigonometryThresholds()
-_T = compiled(TRIGONOMETRY)
+SERIES = 0.1  # squared radii of curvature: smaller squares of sides have their sine and cosine by series
 
 
 @kernel
@@ -35,7 +22,7 @@ def sn(x: float, k: float) -> float:
     if k == 0:
         return x
     t = k * x * x
-    if abs(t) < _T.series:
+    if abs(t) < SERIES:
         tail = 1 / 5040 - t * (1 / 362880 - t * (1 / 39916800 - t / 6227020800))
         return x - x * t * (1 / 6 - t * (1 / 120 - t * tail))
     root = np.sqrt(abs(k))
@@ -48,7 +35,7 @@ def cs(x: float, k: float) -> float:
     if k == 0:
         return 1.0
     t = k * x * x
-    if abs(t) < _T.series:
+    if abs(t) < SERIES:
         tail = 1 / 40320 - t * (1 / 3628800 - t * (1 / 479001600 - t / 87178291200))
         return 1 - t * (1 / 2 - t * (1 / 24 - t * (1 / 720 - t * tail)))
     x = np.sqrt(abs(k)) * x

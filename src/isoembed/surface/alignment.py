@@ -1,23 +1,9 @@
 """Alignment of two placements of the same points by a rigid motion."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class AlignmentThresholds:
-    """Thresholds of alignment in hyperbolic and spherical space."""
-
-    steps: int = threshold(20, "count", "Of rotations and translations at most.")
-    settled: float = threshold(1e-15, "relative", "A translation that ends them.")
-
-
-ALIGNMENT = AlignmentThresholds()
 
 
 def best_rotation(points: Floats, onto: Floats, weights: Floats | None = None) -> Floats:
@@ -66,7 +52,7 @@ def _moved_near(x: Floats, onto: Floats, space: Space) -> Floats:
 
     In a motion ``x' = w p + q x y w`` of the points, w changes by ``-k p . x``.
     """
-    for _ in range(ALIGNMENT.steps):
+    for _ in range(20):  # rotations and translations alternate
         x = x @ best_rotation(x, onto)
         w = space.heights(x)
         fields = np.array(
@@ -79,6 +65,6 @@ def _moved_near(x: Floats, onto: Floats, space: Space) -> Floats:
         forces = np.einsum("kij,ij->k", fields, apart) + space.curvature * falls @ fall
         shift = np.linalg.lstsq(products, forces, rcond=None)[0][:3]
         x = space.translated(x, shift)
-        if np.linalg.norm(shift) <= ALIGNMENT.settled * np.abs(x).max():
+        if np.linalg.norm(shift) <= 1e-15 * np.abs(x).max():  # rounding
             break
     return x

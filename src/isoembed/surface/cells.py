@@ -13,22 +13,6 @@ from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.measures import edge_lengths
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class CellThresholds:
-    """Thresholds of the choice of well spread vertices."""
-
-    density: float = threshold(0.82, "cells' roots", "Radius at which about the wanted number is chosen.")
-    averages: int = threshold(10, "sweeps", "Over neighbors, of the logarithm of the stretch.")
-    spreads: int = threshold(3, "sweeps", "Over neighbors, of its change from vertex to vertex.")
-    graded: float = threshold(
-        12.6, "relative", "Weight of that change over a cell: where charts are distorted, cells are smaller."
-    )
-
-
-CELLS = CellThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,11 +48,12 @@ class VertexCells:
         n = triangulation.n_vertices
         units = edge_lengths_about(triangulation, lengths)
         stretch = np.log(edge_lengths_about(triangulation, edge_lengths(triangulation.edges, convex)) / units)
-        grading = 1 + CELLS.graded * np.sqrt(n / count) * _changes(triangulation, stretch)
+        # smaller cells where charts are distorted
+        grading = 1 + 12.6 * np.sqrt(n / count) * _changes(triangulation, stretch)
         hops = lengths / np.sqrt(units[a] * units[b]) * (grading[a] + grading[b]) / 2
         graph = csr_array((np.tile(hops, 2), (np.r_[a, b], np.r_[b, a])), shape=(n, n))
         order = np.random.default_rng(0).permutation(n)
-        radius = CELLS.density * np.sqrt(n / count)
+        radius = 0.82 * np.sqrt(n / count)  # the radius at which about the wanted number is chosen
         radius *= np.sqrt(len(_chosen(graph.indptr, graph.indices, graph.data, order, radius)[0]) / count)
         return cls(*_chosen(graph.indptr, graph.indices, graph.data, order, radius))
 
@@ -92,12 +77,12 @@ class VertexCells:
 def _changes(triangulation: Triangulation, values: Floats) -> Floats:
     """How much values, (V,), smoothed, change from a vertex to the next, smoothed."""
     adjacency, a, b = triangulation.adjacency, *triangulation.edges.T
-    for _ in range(CELLS.averages):
+    for _ in range(10):  # the logarithm of the stretch is smoothed
         values = (adjacency @ values + values) / (triangulation.degrees + 1)
     changes = np.zeros(len(values))
     for end in (a, b):
         np.maximum.at(changes, end, np.abs(values[a] - values[b]))
-    for _ in range(CELLS.spreads):
+    for _ in range(3):  # its change spreads to the neighbors
         changes = (adjacency @ changes + changes) / (triangulation.degrees + 1)
     return cast(Floats, changes)
 

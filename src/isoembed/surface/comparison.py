@@ -25,7 +25,7 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.alignment import aligned
 from isoembed.surface.changes import Changes
 from isoembed.surface.curvature import (
-    DIHEDRAL,
+    ROUNDING,
     dihedral_angles,
     integrated_mean_curvature,
     turning_errors,
@@ -113,7 +113,7 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     )
     x, own = first.vertices / unit, second.vertices / unit
     y = aligned(own, x)
-    rounding = DIHEDRAL.rounding * float(max(np.abs(x).max(), np.abs(own).max()))  # of y as a rigid image
+    rounding = ROUNDING * float(max(np.abs(x).max(), np.abs(own).max()))  # of y as a rigid image
     turned, moved = _misaligned(x, y, one.vertices / unit, other.vertices / unit + rounding)
     rotated = turned + turning_errors(t, x) + turning_errors(t, y)
     difference = differences(t, x, own)

@@ -12,30 +12,13 @@ which has no cancellation: where k = 0, psi is r^2 / 3, and the volume a sixth o
 integrand is smooth in s, and Gauss's formula converges geometrically.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.space import Space
 from isoembed.surface.tangent_frames import sides
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class ConeThresholds:
-    """Thresholds of the volumes of cones."""
-
-    points: int = threshold(7, "points", "Of Gauss's formula along short edges.")
-    longer: float = threshold(6.0, "points", "More for every radius of curvature of the longest edge.")
-    most: int = threshold(80, "points", "At most.")
-    series: float = threshold(0.1, "radii squared", "To here psi is a series.")
-    terms: int = threshold(17, "terms", "Of the series.")
-    near: float = threshold(0.1, "relative", "A difference quotient nearer than this is a mean of psi'.")
-    means: int = threshold(5, "points", "Of Gauss's formula for the mean.")
-
-
-CONE = ConeThresholds()
+NEAR = 0.1  # relative: a difference quotient of nearer values is a mean of psi'
 
 
 def cone_volumes(faces: Indices, vertices: Floats, space: Space) -> Floats:
@@ -49,8 +32,9 @@ def cone_volumes(faces: Indices, vertices: Floats, space: Space) -> Floats:
     l = space.distances(a, b)
     k, w = space.curvature, space.heights(a)
     radial = np.einsum("ij,ij->i", a, along) / np.where(length > 0, length, 1.0)
-    count = CONE.points + int(CONE.longer * space.root * float(l.max(initial=0.0)))
-    places, weights = np.polynomial.legendre.leggauss(min(count, CONE.most))
+    # nodes of Gauss's formula: 7, and 6 more for every radius of curvature of the longest edge
+    count = 7 + int(6.0 * space.root * float(l.max(initial=0.0)))
+    places, weights = np.polynomial.legendre.leggauss(min(count, 80))  # nodes at most
     total = np.zeros(len(a))
     base = np.einsum("ij,ij->i", a, a)
     for place, weight in zip((1 + places) / 2, weights / 2, strict=True):
@@ -85,12 +69,12 @@ def _quotient(S: Floats, T: Floats, space: Space) -> Floats:
     """``(psi(S) - psi(T)) / (S - T)``, psi as a function of the square of sn(r)."""
     z, y = space.curvature * S, space.curvature * T
     apart = z - y
-    near = np.abs(apart) <= CONE.near * (1 - np.maximum(z, y))
+    near = np.abs(apart) <= NEAR * (1 - np.maximum(z, y))
     quotient = (_psi(z) - _psi(y)) / np.where(near, 1.0, apart)
-    places, weights = np.polynomial.legendre.leggauss(CONE.means)
+    places, weights = np.polynomial.legendre.leggauss(5)  # nodes of Gauss's formula for the mean
     between = (z[near] + y[near])[:, None] / 2 + places * apart[near][:, None] / 2
     quotient[near] = _slope(between) @ (weights / 2)
-    small = np.maximum(np.abs(z), np.abs(y)) <= CONE.series
+    small = np.maximum(np.abs(z), np.abs(y)) <= 0.1  # psi is a series
     quotient[small] = _series(z[small], y[small])
     return quotient
 
@@ -116,7 +100,7 @@ def _slope(z: Floats) -> Floats:
 def _series(z: Floats, y: Floats) -> Floats:
     """The difference quotient of psi, whose terms are z / 3 and then ``2 n z / (2 n + 3)`` times the last."""
     coefficient, power, difference, total = 1 / 3, np.ones_like(y), np.ones_like(y), np.zeros_like(y)
-    for n in range(1, CONE.terms + 1):
+    for n in range(1, 18):  # terms of the series
         total += coefficient * difference
         coefficient *= 2 * n / (2 * n + 3)
         power = power * y

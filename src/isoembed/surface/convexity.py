@@ -5,7 +5,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.surface.curvature import DIHEDRAL, bends, dihedral_angles
+from isoembed.surface.curvature import bends, dihedral_angles
 from isoembed.surface.measures import amplitudes, edge_lengths, vertex_normals
 
 
@@ -43,7 +43,8 @@ def inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
 def partially_inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
     """Vertices with more than seventy percent of their edges concave, but not all, shape (V,)."""
     count = _concave_degrees(triangulation, concave)
-    return (count > DIHEDRAL.partial * triangulation.degrees) & (count < triangulation.degrees)
+    # more than .7 of the edges are concave, but not all
+    return (count > 0.7 * triangulation.degrees) & (count < triangulation.degrees)
 
 
 def umbrella_heights(triangulation: Triangulation, vertices: Floats) -> Floats:

@@ -3,7 +3,6 @@
 Relativity writes k = k1 + k2 = 2 H: its integral is twice `integrated_mean_curvature`.
 """
 
-from dataclasses import dataclass
 from functools import reduce
 from typing import cast
 
@@ -15,25 +14,13 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.measures import amplitudes, edge_lengths, face_normals, triangle_areas
 from isoembed.surface.tangent_frames import sides
-from isoembed.thresholds import compiled, threshold
 
 TINY = float(np.finfo(np.float64).tiny)
 
 
-@dataclass(frozen=True)
-class DihedralThresholds:
-    """Thresholds of exterior dihedral angles, and of the vertices that they invert."""
-
-    shut: float = threshold(1e-9, "radians", "A fold nearer to pi than this has no inside.")
-    flat: float = threshold(1e-7, "radians", "An edge is not concave down to minus this.")
-    rounding: float = threshold(
-        1e-14, "of the largest coordinate", "Rounding of vertices, which turns low triangles."
-    )
-    partial: float = threshold(0.7, "relative", "More edges of a partially inverted vertex are concave.")
-
-
-DIHEDRAL = DihedralThresholds()
-_T = compiled(DIHEDRAL)
+SHUT = 1e-9  # radians: a fold nearer to pi has no inside
+FLAT_ANGLE = 1e-7  # radians: an edge is not concave down to minus this
+ROUNDING = 1e-14  # of vertices, relative to the largest coordinate: it turns low triangles
 
 
 def dihedral_angles(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
@@ -74,7 +61,7 @@ def bends(
     if angles is None:
         angles = dihedral_angles(triangulation, vertices, space)
     errors = bend_errors(triangulation, vertices, space, error)
-    return np.where(np.abs(angles) > DIHEDRAL.flat + errors, angles, 0.0)
+    return np.where(np.abs(angles) > FLAT_ANGLE + errors, angles, 0.0)
 
 
 def bend_errors(
@@ -108,7 +95,7 @@ def turning_errors(triangulation: Triangulation, vertices: Floats, space: Space 
     t = triangulation
     lengths = edge_lengths(t.edges, vertices, space)
     longest = space.sn(reduce(np.maximum, (lengths[edges] for edges in t.face_edges.T)))
-    error = DIHEDRAL.rounding * float(np.abs(vertices).max()) * longest
+    error = ROUNDING * float(np.abs(vertices).max()) * longest
     if not space.is_euclidean:  # far out on the sphere a little of x is a long way
         error /= min(1.0, float(space.heights(vertices).min()))
     return error / np.maximum(amplitudes(t.faces, vertices, space), np.maximum(error / np.pi, TINY))
@@ -131,7 +118,7 @@ def _folds(
             + (n[0] * m[1] - n[1] * m[0]) * (z / length)
         )
         cosine[e] = n[0] * m[0] + n[1] * m[1] + n[2] * m[2]
-        if cosine[e] < 0 and abs(sine[e]) < _T.shut:
+        if cosine[e] < 0 and abs(sine[e]) < SHUT:
             sine[e] = abs(sine[e])
     return sine, cosine
 
@@ -145,7 +132,7 @@ def _curved_folds(t: Triangulation, vertices: Floats, space: Space) -> tuple[Flo
     n, m = np.cross(along, sides(space, a, left)), np.cross(sides(space, a, right), along)
     units = along / np.maximum(np.linalg.norm(along, axis=1), TINY)[:, None]
     sine, cosine = np.einsum("ij,ij->i", np.cross(n, m), units), np.einsum("ij,ij->i", n, m)
-    return np.where((cosine < 0) & (np.abs(sine) < _T.shut), np.abs(sine), sine), cosine
+    return np.where((cosine < 0) & (np.abs(sine) < SHUT), np.abs(sine), sine), cosine
 
 
 def edge_mean_curvature(

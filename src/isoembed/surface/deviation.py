@@ -24,21 +24,8 @@ from isoembed.surface.derivatives import (
     normal_rates,
     volume_gradient,
 )
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class DeviationThresholds:
-    """Thresholds of standard deviations."""
-
-    probes: int = threshold(
-        400,
-        "count",
-        "Random errors that the deviations at vertices, faces and edges are found with.",
-    )
-
-
-DEVIATION = DeviationThresholds()
+PROBES = 400  # random errors with which the deviations at vertices, faces and edges are estimated
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,14 +125,14 @@ class Deviation(Changes):
         integrals = IntegralDeviation.of(
             metric, vertices, errors, derivatives.vjp(volume_gradient(t, vertices))
         )
-        exact = len(errors) <= DEVIATION.probes
+        exact = len(errors) <= PROBES
         sums = [np.zeros(n) for n in (len(vertices), t.n_faces, t.n_edges, len(vertices))]
         for draw in _units(len(errors)) if exact else _signs(len(errors)):
             dl = errors * draw
             moved = derivatives.jvp(dl)
             for total, square in zip(sums, _squares(t, vertices, metric.lengths, dl, moved), strict=True):
                 total += square
-        probes = 0 if exact else DEVIATION.probes
+        probes = 0 if exact else PROBES
         at_vertices, at_faces, at_edges, of_curvature = (np.sqrt(total / max(probes, 1)) for total in sums)
         return cls(
             vertices=at_vertices,
@@ -172,7 +159,7 @@ def _units(n: int) -> Iterator[Floats]:
 
 def _signs(n: int) -> Iterator[Floats]:
     rng = np.random.default_rng(0)
-    for _ in range(DEVIATION.probes):
+    for _ in range(PROBES):
         yield rng.choice([-1.0, 1.0], n)
 
 

@@ -6,7 +6,7 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.components import components
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.surface.curvature import DIHEDRAL, bend_errors, dihedral_angles, turning_errors
+from isoembed.surface.curvature import FLAT_ANGLE, bend_errors, dihedral_angles, turning_errors
 from isoembed.surface.measures import face_normals
 
 
@@ -72,10 +72,10 @@ def coplanar_faces(
     t = triangulation
     angles = np.abs(dihedral_angles(t, vertices, space))
     turned = turning_errors(t, vertices, space)
-    flat = angles <= DIHEDRAL.flat
+    flat = angles <= FLAT_ANGLE
     faces = flat_faces(t, ~flat[t.face_edges.ravel()])
-    known = np.bincount(faces, turned <= DIHEDRAL.flat) > 0  # by a triangle that is not as low
-    doubtful = np.flatnonzero(~flat & (angles <= DIHEDRAL.flat + turned[t.edge_faces].max(axis=1)))
+    known = np.bincount(faces, turned <= FLAT_ANGLE) > 0  # by a triangle that is not as low
+    doubtful = np.flatnonzero(~flat & (angles <= FLAT_ANGLE + turned[t.edge_faces].max(axis=1)))
     joined = np.arange(len(known))
     for e in doubtful[np.argsort(angles[doubtful], kind="stable")].tolist():
         one, other = joined[faces[t.edge_faces[e]]]
@@ -84,7 +84,7 @@ def coplanar_faces(
             joined[joined == other] = one
     found = np.unique(joined[faces], return_inverse=True)[1]
     if error:
-        bent = angles > DIHEDRAL.flat + bend_errors(t, vertices, space, error)
+        bent = angles > FLAT_ANGLE + bend_errors(t, vertices, space, error)
         wide = flat_faces(t, bent[t.face_edges.ravel()])
         # Many small bends may lead around a surface that is smooth: that is no face.
         curved = _heights(t, vertices, wide) > 2 * error

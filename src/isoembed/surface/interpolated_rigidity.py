@@ -7,7 +7,6 @@ so that the products of their rows are one dense matrix a cell.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,19 +17,9 @@ from isoembed.kernel import kernel
 from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class InterpolatedThresholds:
-    """Thresholds of which edges are measured."""
-
-    least: int = threshold(6, "edges", "Fewer inside a cell, and those across its border are measured, too.")
-    most: int = threshold(30, "edges", "Of a cell: an interpolated surface has fewer freedoms.")
-    hold: float = threshold(1e-6, "relative", "Added to the diagonal: beyond rounding in single precision.")
-
-
-INTERPOLATED = InterpolatedThresholds()
+MAX_EDGES = 30  # measured in a cell: an interpolated surface has fewer degrees of freedom
+DIAGONAL_SHIFT = 1e-6  # relative: beyond rounding in single precision
 
 
 class InterpolatedRigidity:
@@ -54,7 +43,8 @@ class InterpolatedRigidity:
         self._triangulation, self._stencils = triangulation, stencils
         cells = stencils.cells.of_vertex[triangulation.edges]
         inner = np.flatnonzero(cells[:, 0] == cells[:, 1])
-        few = np.bincount(cells[inner, 0], minlength=len(stencils.cells.vertices)) < INTERPOLATED.least
+        # too few edges inside: those across the border are measured, too
+        few = np.bincount(cells[inner, 0], minlength=len(stencils.cells.vertices)) < 6
         across = [np.flatnonzero((cells[:, 0] != cells[:, 1]) & few[cells[:, end]]) for end in (0, 1)]
         edges = np.concatenate([inner, *across])
         of_edge = np.concatenate([cells[inner, 0], cells[across[0], 0], cells[across[1], 1]])
@@ -63,7 +53,7 @@ class InterpolatedRigidity:
         counts = np.bincount(of_edge, minlength=len(few))
         rank = np.arange(len(edges)) - np.repeat(np.cumsum(counts) - counts, counts)
         # Every so many, so that few enough are left: where a whole number of shares is passed.
-        of, most = counts[of_edge], INTERPOLATED.most
+        of, most = counts[of_edge], MAX_EDGES
         kept = (of <= most) | ((rank + 1) * most // of > rank * most // of)
         self.edges, self.of_edge = edges[kept], of_edge[kept]
 
@@ -129,7 +119,7 @@ class InterpolatedRigidity:
         diagonal = self._solver.pattern.indices == np.repeat(
             np.arange(3 * n), np.diff(self._solver.pattern.indptr)
         )
-        values[diagonal] *= 1 + INTERPOLATED.hold
+        values[diagonal] *= 1 + DIAGONAL_SHIFT
         return self._solver.factor(values, single=True)
 
 

@@ -14,7 +14,7 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.cells import VertexCells
 from isoembed.surface.local_fit import FitResiduals, edge_lengths_about, neighborhoods
 from isoembed.surface.measures import edge_lengths, vertex_normals
-from isoembed.surface.normal_fits import FITS
+from isoembed.surface.normal_fits import THREE_RINGS
 from isoembed.surface.rows import subtract_multiple
 
 DEGREE = 5
@@ -39,7 +39,7 @@ class Stencils:
         """The chosen vertices by cell, ascending, (C, C)."""
         n = self.triangulation.n_vertices
         adjacency = self.triangulation.adjacency
-        indptr, indices = neighborhoods((adjacency.indptr, adjacency.indices), FITS.three_rings)
+        indptr, indices = neighborhoods((adjacency.indptr, adjacency.indices), THREE_RINGS)
         around = csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n))
         pattern = csr_array(around + eye_array(n))
         pattern.sort_indices()

@@ -1,24 +1,14 @@
 """Self-intersection of a triangulated surface: a tree of boxes proposes pairs, separating axes decide."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class IntersectionThresholds:
-    """Thresholds of the search for self-intersections."""
-
-    contact: float = threshold(2.0**-47, "largest coordinates of a pair", "What is closer is in contact.")
-    at_once: int = threshold(1 << 15, "pairs", "They bound the memory, whatever the surface.")
-
-
-INTERSECTION = IntersectionThresholds()
+CONTACT = 2.0**-47  # largest coordinates of a pair: what is closer is in contact
+CHUNK = 1 << 15  # pairs that are compared at once, which bounds the memory
 
 
 def self_intersections(faces: ArrayLike, vertices: ArrayLike, reach: float = 0.0) -> Indices:
@@ -72,7 +62,7 @@ def _overlapping_boxes(triangles: Floats, reach: float) -> Iterator[Indices]:
         return
     depth = (count - 1).bit_length()
     # Room for the rounding of coordinates, so that contact is not lost here.
-    room = INTERSECTION.contact * np.abs(triangles).max(axis=(1, 2))[:, None] + reach
+    room = CONTACT * np.abs(triangles).max(axis=(1, 2))[:, None] + reach
     low, high = triangles.min(axis=1) - room, triangles.max(axis=1) + room
     centers = low + high
     order = np.concatenate([np.arange(count), np.full((1 << depth) - count, -1)])[None]
@@ -96,9 +86,9 @@ def _overlapping_boxes(triangles: Floats, reach: float) -> Iterator[Indices]:
     stack = [(depth, np.zeros((1, 2), dtype=np.int64))]
     while stack:
         level, nodes = stack.pop()
-        if len(nodes) > INTERSECTION.at_once:
-            stack.append((level, nodes[INTERSECTION.at_once :]))
-            nodes = nodes[: INTERSECTION.at_once]
+        if len(nodes) > CHUNK:
+            stack.append((level, nodes[CHUNK:]))
+            nodes = nodes[:CHUNK]
         a, b = nodes.T
         overlap = (lows[level][a] <= highs[level][b]).all(axis=1) & (lows[level][b] <= highs[level][a]).all(
             axis=1
@@ -135,7 +125,7 @@ def _intersect(faces: Indices, points: Floats, pairs: Indices, reach: float) -> 
         p, q = p - origin, q - origin
         size = np.maximum(np.abs(p).max(axis=(1, 2)), np.abs(q).max(axis=(1, 2)))
         size[size == 0] = 1.0
-        contact, moves = INTERSECTION.contact * coordinate / size, 2 * reach / size
+        contact, moves = CONTACT * coordinate / size, 2 * reach / size
         answer[chosen] = ~decide(p / size[:, None, None], q / size[:, None, None], contact, moves)
     return answer
 

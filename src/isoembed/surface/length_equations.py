@@ -27,20 +27,9 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
 from isoembed.space.models import to_model
 from isoembed.surface.enclosed_residuals import Chords, enclosed_residuals, squared_chords
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class EquationThresholds:
-    """Thresholds of the equations for lengths in hyperbolic and spherical space."""
-
-    longest: float = threshold(
-        10.0, "radii of curvature", "Of edges: for more, the series of chords is long."
-    )
-    room: float = threshold(1e-6, "least m, radii of curvature", "How far near points are.")
-
-
-EQUATIONS = EquationThresholds()
+LONGEST = 10.0  # radii of curvature: for longer edges the series of chords is long
+NEARBY = 1e-6  # size of the neighborhood with known derivatives, in least m and radii of curvature
 
 
 class NotProven(ArithmeticError):  # noqa: N818 - says what happened
@@ -87,11 +76,9 @@ class LengthEquations:
         space, edges, lengths = metric.space, metric.edges, metric.lengths
         if space.is_euclidean:
             return cls(space, edges, lengths, vertices, vertices, np.ones(len(vertices)), lengths)
-        if not lengths.max() <= EQUATIONS.longest * space.radius:
+        if not lengths.max() <= LONGEST * space.radius:
             e = int(np.argmax(lengths))
-            raise NotProven(
-                f"edge {e} {edges[e].tolist()} is longer than {EQUATIONS.longest:g} radii of curvature"
-            )
+            raise NotProven(f"edge {e} {edges[e].tolist()} is longer than {LONGEST:g} radii of curvature")
         points, (a, b) = to_model(space, vertices, "conformal"), edges.T
         m = 1 + space.curvature / 4 * np.einsum("ij,ij->i", points, points)
         found = cls(space, edges, lengths, vertices, points, m, space.sn(lengths) * m[a] * m[b])
@@ -106,7 +93,7 @@ class LengthEquations:
         """How far near points are, at most."""
         if self.space.is_euclidean:
             return np.inf
-        return EQUATIONS.room * float(min(1.0, self.densities.min())) * min(1.0, self.space.radius)
+        return NEARBY * float(min(1.0, self.densities.min())) * min(1.0, self.space.radius)
 
     @cached_property
     def _near_densities(self) -> tuple[Floats, Floats]:
@@ -148,7 +135,7 @@ class LengthEquations:
         chords = self.space.chords(self.vertices[a], self.vertices[b])
         steepest = np.maximum(chords, goals) if self.space.curvature > 0 else np.minimum(chords, goals)
         squares = 1 - self.space.curvature * steepest**2 / 4  # of the cosine, by which arcs grow faster
-        cosines = np.sqrt(np.where(squares > EQUATIONS.room, squares, 0.0))
+        cosines = np.sqrt(np.where(squares > NEARBY, squares, 0.0))
         with np.errstate(divide="ignore"):
             shares = GUARD**2 * self.divisors / (m[a] * m[b] * (chords + goals) * cosines)
         return 2 * residuals * shares + self._off[a] + self._off[b]
@@ -245,7 +232,7 @@ class LengthEquations:
         """Lower bound on how far, in the space, a move of this size takes a vertex that stays near."""
         if self.space.curvature <= 0:
             return move  # m is at most 1
-        return move / ((1 + EQUATIONS.room) * float(self._near_densities[1].max()))
+        return move / ((1 + NEARBY) * float(self._near_densities[1].max()))
 
     @cached_property
     def _off(self) -> Floats:

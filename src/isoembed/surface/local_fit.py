@@ -22,15 +22,16 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.surface.measures import edge_lengths, vertex_normals
-from isoembed.surface.normal_fits import FITS, fewest, normal_weights
+from isoembed.surface.normal_fits import KEPT, NEAR, TWO_RINGS, fewest, normal_weights
 from isoembed.surface.rows import copy, dot, multiply, subtract_multiple
-from isoembed.thresholds import compiled
+
+HUB_DEGREE = 32  # neighbors of a vertex with more edges need not be near each other
+
 
 Graph = tuple[NDArray[Any], NDArray[Any]]  # of a vertex i: indices[indptr[i]:indptr[i + 1]]
-_T = compiled(FITS)
 
 
-def neighborhoods(graph: Graph, least: int = FITS.two_rings, vertices: range | None = None) -> Graph:
+def neighborhoods(graph: Graph, least: int = TWO_RINGS, vertices: range | None = None) -> Graph:
     """The vertices within two edges of each vertex, or within three where two reach too few.
 
     Paths do not lead through vertices with more than 32 edges: all neighborhoods together stay within a fixed
@@ -208,7 +209,7 @@ def _reach(indptr: Indices, indices: Indices, v: int, least: int, seen: Indices,
         end = count
         for k in range(begin, end):
             u = reached[k]
-            if indptr[u + 1] - indptr[u] > _T.hub:
+            if indptr[u + 1] - indptr[u] > HUB_DEGREE:
                 continue
             for j in range(indptr[u], indptr[u + 1]):
                 w = indices[j]
@@ -234,7 +235,7 @@ def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
     root = np.empty(m)  # of the weights of least squares
     rest = np.empty(m)  # of the constant column
     for k in range(m):
-        root[k] = 1.0 / np.sqrt(_T.near + chart[k, 0] * chart[k, 0] + chart[k, 1] * chart[k, 1])
+        root[k] = 1.0 / np.sqrt(NEAR + chart[k, 0] * chart[k, 0] + chart[k, 1] * chart[k, 1])
         rest[k] = root[k]
     whole = dot(rest, rest)
     best, columns = rest.copy(), np.empty((most * (most + 3) // 2, m))
@@ -250,12 +251,12 @@ def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
             size = dot(column, column)
             _project_out(columns[:count], column)
             left = dot(column, column)
-            if left <= _T.dependent * size:
+            if left <= 1e-10 * size:  # what is left of a squared column is rounding
                 continue
             column /= np.sqrt(left)
             _project_out(columns[count : count + 1], rest)
             count += 1
-        if not dot(rest, rest) >= _T.kept * whole:
+        if not dot(rest, rest) >= KEPT * whole:
             break
         copy(rest, best)
     multiply(root, best, weights)

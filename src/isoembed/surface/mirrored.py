@@ -1,25 +1,10 @@
 """Patches in which two surfaces with the same lengths are mirror images: bumps of one, dents of the other."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.mesh.components import connected_parts
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class MirroredThresholds:
-    """Thresholds of the comparison of two surfaces with the same lengths."""
-
-    fewest: int = threshold(
-        3, "vertices", "Fewer that bend the other way are inverted vertices, not a patch."
-    )
-
-
-MIRRORED = MirroredThresholds()
 
 
 def mirrored_caps(
@@ -42,4 +27,4 @@ def mirrored_caps(
     """
     opposite = (deficits > 0) & (np.sign(first) * np.sign(second) < 0)
     caps = connected_parts(triangulation.adjacency, opposite)
-    return [cap for cap in caps if len(cap) >= MIRRORED.fewest]
+    return [cap for cap in caps if len(cap) >= 3]  # fewer are inverted vertices, not a patch

@@ -22,7 +22,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.linalg.rounding import GUARD, U
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
+from isoembed.surface.curvature import SHUT, dihedral_angles
 from isoembed.surface.length_equations import NotProven
 from isoembed.surface.measures import face_areas
 
@@ -64,7 +64,7 @@ class MovedTriangles:
         sizes = np.sort(np.linalg.norm(self._sides, axis=2), axis=1)
         with np.errstate(divide="ignore"):
             found = 16 * U * sizes[:, 1] * sizes[:, 2] / (2 * self.areas)
-        if not (found < DIHEDRAL.shut).all():
+        if not (found < SHUT).all():
             f = int(np.argmax(found))
             raise NotProven(f"face {f} {self.triangulation.faces[f].tolist()} is too low for floats")
         return found
@@ -119,7 +119,7 @@ class MovedTriangles:
     def may_jump(self) -> Floats:
         """Edges whose dihedral angle may pass pi, (E,)."""
         left, right = self.triangulation.edge_faces.T
-        shut = 2 * DIHEDRAL.shut / (4 * self.areas[left] * self.areas[right])
+        shut = 2 * SHUT / (4 * self.areas[left] * self.areas[right])
         return np.abs(self.dihedral_angles) + self.bends >= np.pi - shut
 
     def area_changes(self, squares: Floats) -> Floats:

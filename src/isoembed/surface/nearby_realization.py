@@ -66,22 +66,10 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.flexibility import described_flex
 from isoembed.surface.length_equations import LengthEquations, NotProven
 from isoembed.surface.projected import Projected
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class CertificateThresholds:
-    """Thresholds of certificates."""
-
-    most_vertices: int = threshold(100_000, "vertices", "For more, the factors of J J^T do not fit.")
-    reported: int = threshold(
-        1_200_000, "entries of J J^T", "Of 30,000 vertices: for more, a report does not ask for one."
-    )
-    largest_h: float = threshold(0.5, "relative", "Largest h; the theorem allows 1.")
-    farthest: float = threshold(1e-8, "mean edge lengths", "Farthest that vertices may be off.")
-
-
-CERTIFICATE = CertificateThresholds()
+MAX_VERTICES = 100_000  # for more, the factors of J J^T do not fit
+LARGEST_H = 0.5  # the theorem allows 1
+FARTHEST = 1e-8  # mean edge lengths that vertices may be off
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +110,8 @@ class NearbyRealization:
         NotProven
             The vertices are far from any, or J may be singular.
         """
-        if len(x) > CERTIFICATE.most_vertices:
-            raise NotProven(f"there are more than {CERTIFICATE.most_vertices:,} vertices")
+        if len(x) > MAX_VERTICES:
+            raise NotProven(f"there are more than {MAX_VERTICES:,} vertices")
         _check_near(metric, x, length_errors)
         equations = LengthEquations.of(metric, x)
         values, errors = equations.residuals(np.zeros_like(x))
@@ -165,10 +153,9 @@ class NearbyRealization:
             float(self.equations.weights.min()) / GUARD,
         )
         h = GUARD * 4 * rho / (least * sigma**2) if sigma > 0 else np.inf
-        if not h <= CERTIFICATE.largest_h:
+        if not h <= LARGEST_H:
             raise NotProven(
-                f"the residuals are too large: h = 2 K rho / sigma^2 is {h:.1e}, "
-                f"more than {CERTIFICATE.largest_h}"
+                f"the residuals are too large: h = 2 K rho / sigma^2 is {h:.1e}, more than {LARGEST_H}"
             )
         return h, GUARD * 2 * rho / (sigma * (1 + float(np.sqrt(1 - h)))) / least
 
@@ -193,7 +180,7 @@ class NearbyRealization:
             They are not so near, or the vertices are too far off.
         """
         distance, near = self.equations.distance(self.steps, radius), min(near, self.equations.room)
-        largest = CERTIFICATE.farthest * self.mean_length
+        largest = FARTHEST * self.mean_length
         if not (GUARD * (self.step + radius) <= near and distance <= largest):
             raise NotProven(
                 f"the exact vertices may be {distance / self.mean_length:.1e} mean edge lengths away, "
@@ -218,7 +205,7 @@ def _check_near(metric: PolyhedralMetric, x: Floats, length_errors: Floats) -> N
     """Vertices that are near enough to exact ones have almost their lengths."""
     a, b = metric.edges.T
     missed = np.abs(metric.space.distances(x[a], x[b]) - metric.lengths)
-    wrong = ~(missed <= 2 * CERTIFICATE.farthest * metric.mean_length + length_errors)
+    wrong = ~(missed <= 2 * FARTHEST * metric.mean_length + length_errors)
     if wrong.any():
         e = int(np.argmax(wrong))
         raise NotProven(

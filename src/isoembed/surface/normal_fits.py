@@ -7,47 +7,25 @@ of the normal equations, and the weights.  The normal equations square the condi
 might spoil is left to the other way.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.kernel import kernel
 from isoembed.surface.rows import add, copy, invert_root, multiply, subtract_product
-from isoembed.thresholds import compiled, threshold
 
-
-@dataclass(frozen=True)
-class FitThresholds:
-    """Thresholds of the polynomials that are fitted to the neighbors of a vertex."""
-
-    near: float = threshold(0.5, "squared edges", "A point p has the weight 1 / (near + |p|^2).")
-    spare: int = threshold(3, "points", "More than coefficients: with fewer a fit follows the noise.")
-    kept: float = threshold(
-        0.02, "relative", "Left of the squared constant column; less, and the neighbors' errors are blown up."
-    )
-    dependent: float = threshold(1e-10, "relative", "Left of a squared column; less is rounding.")
-    independent: float = threshold(
-        1e-3, "relative", "Left of a squared column; less, and normal equations lose more than three digits."
-    )
-    side_by_side: int = threshold(128, "fits", "Made at a time: their moments stay in a cache.")
-    most: int = threshold(128, "points", "Of fits that are made side by side.")
-    two_rings: int = threshold(14, "points", "Fewer in two rings, and a cubic gets a third: 4 to spare.")
-    three_rings: int = threshold(30, "points", "More than two rings have: a quintic gets a third.")
-    hub: int = threshold(32, "edges", "Neighbors of a vertex with more need not be near each other.")
-    at_once: int = threshold(1 << 16, "vertices", "Whose fits are made together: their charts take memory.")
-    robust: float = threshold(2 / 3, "exponent", "Of the mean of what quintics leave.")
-    plain: float = threshold(0.2, "relative", "Of the angles around; less, and an error may decide the sign.")
-
-
-FITS = FitThresholds()
-_T = compiled(FITS)
+NEAR = 0.5  # squared edges: a point p has the weight 1 / (NEAR + |p|^2)
+SPARE_POINTS = 3  # beyond the coefficients: with fewer a fit follows the noise
+KEPT = 0.02  # of the squared constant column: with less left, the neighbors' errors are blown up
+SIDE_BY_SIDE = 128  # fits made at a time: their moments stay in a cache
+MAX_POINTS = 128  # of fits that are made side by side
+TWO_RINGS = 14  # points: fewer in two rings, and a cubic gets a third: 4 to spare
+THREE_RINGS = 30  # points: more than two rings have, so that a quintic gets a third
 
 
 @kernel
 def fewest(degree: int) -> int:
     """Points without which a fit of this degree is not wanted."""
-    return (degree + 1) * (degree + 2) // 2 + _T.spare
+    return (degree + 1) * (degree + 2) // 2 + SPARE_POINTS
 
 
 def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats) -> Mask:
@@ -58,15 +36,15 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
     """
     counts, (abscissas, ordinates) = np.diff(indptr), charts.T.copy()
     done = np.zeros(len(counts), dtype=np.bool_)
-    fits = np.flatnonzero((fewest(degree) <= counts) & (counts <= FITS.most))
-    for first in range(0, len(fits), FITS.side_by_side):
-        mine = fits[first : first + FITS.side_by_side]
+    fits = np.flatnonzero((fewest(degree) <= counts) & (counts <= MAX_POINTS))
+    for first in range(0, len(fits), SIDE_BY_SIDE):
+        mine = fits[first : first + SIDE_BY_SIDE]
         k = np.arange(counts[mine].max())[:, None]
         there = k < counts[mine]
         at = indptr[mine] + k * there  # columns are filled up with their first point, without weight
         x, y = abscissas.take(at), ordinates.take(at)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            w = there / (FITS.near + x * x + y * y)
+            w = there / (NEAR + x * x + y * y)
             sound = _weigh(x, y, w, degree)
             w /= w.sum(axis=0)
         done[mine] = sound
@@ -87,7 +65,7 @@ def _weigh(x: Floats, y: Floats, w: Floats, degree: int) -> Mask:
     _solve(factor, terms)
     _evaluate(x, y, w, degree, terms)
     for lane in range(lanes):
-        sound[lane] &= rest[lane] >= _T.kept * moments[0, lane]
+        sound[lane] &= rest[lane] >= KEPT * moments[0, lane]
     return sound
 
 
@@ -137,7 +115,8 @@ def _factorize(moments: Floats, degree: int, factor: Floats, rest: Floats, sound
             for k in range(j):
                 subtract_product(factor[i, k], factor[j, k], entry)
             if i == j:
-                invert_root(product, _T.independent, inverse, sound)
+                # with less left of a column, normal equations lose more than three digits
+                invert_root(product, 1e-3, inverse, sound)
         for i in range(j + 1, columns + 1):
             multiply(factor[i, j], inverse, factor[i, j])
         subtract_product(factor[columns, j], factor[columns, j], rest)

@@ -8,7 +8,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
-from isoembed.surface.curvature import DIHEDRAL
+from isoembed.surface.curvature import FLAT_ANGLE
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.flat_faces import coplanar_faces, outlines
 from isoembed.surface.measures import triangle_areas
@@ -76,4 +76,4 @@ class Polyhedron(Embedding):
     @property
     def _flat(self) -> Mask:
         """The vertices that lie inside faces and edges, shape (V,)."""
-        return deficits(self.metric) <= DIHEDRAL.flat
+        return deficits(self.metric) <= FLAT_ANGLE

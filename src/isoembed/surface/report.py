@@ -10,24 +10,24 @@ import numpy as np
 from isoembed.metric.curvature import negative_deficits
 from isoembed.strict_json import plain
 from isoembed.surface.certificate import NO_SPHERE, NOT_ASKED
-from isoembed.surface.nearby_realization import CERTIFICATE
-from isoembed.surface.rigidity_matrix import RIGIDITY
 from isoembed.surface.sentence import mirrored_dents
 from isoembed.version import __version__
 
 if TYPE_CHECKING:
     from isoembed.surface.embedding import Embedding
 
+MAX_REPORTED_ENTRIES = 800_000  # of J J^T, of 20,000 vertices: more are not factored only for a report
+
 
 def report(surface: Embedding) -> dict[str, Any]:
     """The `Embedding.report`."""
     triangulation = surface.triangulation
     entries = np.sum(triangulation.degrees**2)  # of J J^T
-    is_small = triangulation.is_sphere and entries <= RIGIDITY.reported
+    is_small = triangulation.is_sphere and entries <= MAX_REPORTED_ENTRIES
     certificate = NOT_ASKED
     if not triangulation.is_sphere:
         certificate = NO_SPHERE
-    elif entries <= CERTIFICATE.reported:
+    elif entries <= 1_200_000:  # of J J^T, of 30,000 vertices: for more, a report asks for no certificate
         certificate = surface.certificate
     found = {
         "status": surface.status,

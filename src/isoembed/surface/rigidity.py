@@ -24,7 +24,7 @@ from isoembed.linalg.superlu import checked_lu
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix, coupled_edges
+from isoembed.surface.rigidity_matrix import DIAGONAL_SHIFT, RigidityMatrix, coupled_edges
 from isoembed.surface.two_level import TwoLevel
 
 MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
@@ -125,7 +125,8 @@ class LengthSystem:
             linear = LinearizedLengths(J, self._factor(J, damping), self._order)
         except OutOfMemory:
             two_level = TwoLevel(J, surface.positions, self._dissection, damping)
-            return surface.motion(two_level.step(r, RIGIDITY.residual, RIGIDITY.iterations).x)
+            # relative; where K < 0, hundreds of iterations are needed
+            return surface.motion(two_level.step(r, 1e-10, 500).x)
         d = J.forces(linear.solve(r))
         if mu == 0:
             # Refined through J: refining the solution of J J^T alone would not reduce this residual.
@@ -177,8 +178,10 @@ class LengthSystem:
         factor = self._factor(J)
         n = len(lengths)
         inverse = LinearOperator((n, n), matvec=self._inverse(surface, J, factor), dtype=np.float64)
-        start, kept = np.random.default_rng(0).standard_normal(n), min(n, RIGIDITY.vectors + count)
-        _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=kept, tol=RIGIDITY.eigenvalue)
+        # Lanczos vectors between restarts, beyond those wanted
+        start, kept = np.random.default_rng(0).standard_normal(n), min(n, 8 + count)
+        # a measure, not a solution
+        _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=kept, tol=1e-3)
         changes = np.empty((count, n))
         changes[:, self._order] = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)
         # Rayleigh's quotient, through J: rounding in J J^T would hide values below 1e-8.
@@ -327,7 +330,7 @@ class VertexSystem:
         values = np.tile(entries.data, 3)
         self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
         self._diagonal = pattern.indices == column
-        self._hold = RIGIDITY.hold * MEAN_DIAGONAL * self._diagonal
+        self._hold = DIAGONAL_SHIFT * MEAN_DIAGONAL * self._diagonal
 
     def _slot(self, row: Indices, column: Indices) -> Indices:
         return np.searchsorted(
@@ -350,7 +353,7 @@ class VertexSystem:
 
         S is the Laplacian of the triangulation with the tensions, (E,), for the weights of its edges.  For a
         surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.  Rigid motions
-        are held at all vertices, a little, or by a triangle: where the weight is below `RIGIDITY.hold`, the
+        are held at all vertices, a little, or by a triangle: where the weight is below `DIAGONAL_SHIFT`, the
         former would be more than P.
         """
         penalty = weight * self._penalty
@@ -359,7 +362,7 @@ class VertexSystem:
             penalty *= w[pattern.indices] * np.repeat(w, np.diff(pattern.indptr))
         hold = self._hold
         if held is not None:
-            hold = RIGIDITY.negligible / RIGIDITY.hold * hold
+            hold = 1e-16 / DIAGONAL_SHIFT * hold  # where a triangle fixes the motions, 1e-16 is enough
             hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(3, 9)
         return self._factor(rows, penalty, tensions, hold)
 

@@ -12,29 +12,8 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.kernel import kernel
 from isoembed.linalg.memory import OutOfMemory, require_memory
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class RigidityThresholds:
-    """Thresholds of steps on the edge lengths and of what they leave open."""
-
-    hold: float = threshold(1e-10, "relative", "Added to J^T J: fixes the motions that change no edge.")
-    negligible: float = threshold(1e-16, "relative", "The same where a triangle does.")
-    residual: float = threshold(1e-10, "relative", "Of the equations of a step that is made without factors.")
-    iterations: int = threshold(500, "count", "Of such a step: where K < 0 they take hundreds.")
-    aggregate: int = threshold(48, "vertices", "Of a body of the coarse level, at most.")
-    degree: int = threshold(4, "degree", "Of the polynomial in J^T J that smooths.")
-    smoothed: float = threshold(2.0 / 30, "eigenvalues of D^-1 J^T J", "From here to 2, the largest.")
-    vectors: int = threshold(8, "count", "Of Lanczos' iteration between restarts, beyond those wanted.")
-    eigenvalue: float = threshold(1e-3, "relative", "Of 1 / (J J^T), the largest: a measure, not a solution.")
-    reported: int = threshold(
-        800_000, "entries of J J^T", "Of 20,000 vertices: more are not factored only for a report."
-    )
-    entry: int = threshold(25, "bytes", "Of an entry of J J^T, with its place in elimination order.")
-
-
-RIGIDITY = RigidityThresholds()
+DIAGONAL_SHIFT = 1e-10  # relative, added to J^T J: it fixes the motions that change no edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +76,8 @@ def coupled_edges(ends: Indices32, vertices: int) -> tuple[Indices32, Indices32]
     entries = int((degrees**2).sum()) - len(ends)
     if entries > np.iinfo(np.int32).max:
         raise OutOfMemory(f"J J^T would have {entries} entries, more than can be numbered in 32 bits")
-    require_memory(RIGIDITY.entry * entries, f"the products of {len(ends)} edges")
+    # bytes of an entry of J J^T, with its place in elimination order
+    require_memory(25 * entries, f"the products of {len(ends)} edges")
     return _coupled(ends, degrees, entries)
 
 

@@ -6,8 +6,6 @@ Quartics leave errors of third order in the edge length, and of fourth where the
 of second.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats
@@ -17,28 +15,9 @@ from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.surface.local_fit import Graph, Surroundings
 from isoembed.surface.measures import edge_lengths, vertex_normals
-from isoembed.surface.normal_fits import FITS, fewest
+from isoembed.surface.normal_fits import NEAR, fewest
 from isoembed.surface.rows import dot, subtract_multiple
 from isoembed.surface.tangent_frames import directions, seen_from
-from isoembed.thresholds import compiled, threshold
-
-
-@dataclass(frozen=True)
-class ShapeThresholds:
-    """Thresholds of second derivatives, and of the integrals that are corrected by them."""
-
-    three_rings: int = threshold(60, "points", "More than two rings hold, but where degrees are high.")
-    at_once: int = threshold(10_000, "vertices", "Whose neighborhoods are held together.")
-    graph: float = threshold(0.3, "cosine", "Of normals; with less, a neighbor is around the bend.")
-    steep: float = threshold(0.5, "squared cosine", "Edges that rise more cut through a tip.")
-    dependent: float = threshold(1e-6, "relative", "Left of a column; with less, the fit is not determined.")
-    next_order: float = threshold(0.1, "(kappa l)^2", "Of a correction: what comes next.")
-    deviations: float = threshold(2.5, "standard deviations", "Of noise in values that are integrated.")
-    alike: float = threshold(36.0, "faces", "About a vertex: in them the errors of the fits are alike.")
-
-
-SHAPES = ShapeThresholds()
-_T, _FITS = compiled(SHAPES), compiled(FITS)
 
 
 def shape_operators(
@@ -94,7 +73,8 @@ def second_derivatives(
     surface = Surroundings.of(triangulation, (vertices - origin) / unit, space.scaled(1 / unit))
     operators, hessians = np.zeros((n, 3, 3)), np.zeros((n, values.shape[1], 3, 3))
     columns = np.ascontiguousarray(values, dtype=np.float64)
-    for first, near in surface.neighborhoods(SHAPES.three_rings, SHAPES.at_once):
+    # points: more than two rings hold, but where degrees are high; the chunks bound the memory
+    for first, near in surface.neighborhoods(60, 10_000):
         _fit(first, near, surface, columns, degree, operators, hessians)
     return operators / unit, hessians / unit / unit
 
@@ -114,7 +94,7 @@ def normal_curvatures(
         along = directions(space, vertices[here], vertices[there])
         rise = np.einsum("ei,ei->e", along, normals[here])
         form = np.einsum("ei,eij,ej->e", along, operators[here], along)
-        curvatures += form / np.maximum(1.0 - rise**2, SHAPES.steep) / 2
+        curvatures += form / np.maximum(1.0 - rise**2, 0.5) / 2  # steeper edges cut through a tip
     return curvatures
 
 
@@ -146,7 +126,7 @@ def _fit(
         count = 1
         for k in range(indptr[i], indptr[i + 1]):
             w = indices[k]
-            if dot(normals[w], normal) < _T.graph:
+            if dot(normals[w], normal) < 0.3:  # normals that turn more: the neighbor is around the bend
                 continue
             d = seen_from(v, w, points, heights, curvature) / spacing[v]
             chart[count, 0], chart[count, 1], chart[count, 2] = dot(d, x), dot(d, y), dot(d, normal)
@@ -191,7 +171,7 @@ def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
     rows = size + 1 + known.shape[1]
     for k in range(m):
         p, q = chart[k, 0], chart[k, 1]
-        root = 1.0 / np.sqrt(_FITS.near + p * p + q * q)
+        root = 1.0 / np.sqrt(NEAR + p * p + q * q)
         system[0, k] = root
         at = 1
         for d in range(1, degree + 1):
@@ -205,7 +185,7 @@ def _solved(chart: Floats, known: Floats, degree: int, system: Floats) -> bool:
     for c in range(size):
         column = system[c]
         whole, left = dot(column, column), dot(column[c:], column[c:])
-        if left <= _T.dependent * _T.dependent * whole:
+        if left <= 1e-6 * 1e-6 * whole:  # with less left of a column, the fit is not determined
             return False
         diagonal = -np.sqrt(left) if column[c] > 0 else np.sqrt(left)
         column[c] -= diagonal

@@ -30,7 +30,7 @@ from isoembed.surface.bulges import Bulges
 from isoembed.surface.chords import chord_lengths
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.rigidity import LengthSystem
-from isoembed.surface.shape_operator import SHAPES, normal_curvatures, second_derivatives
+from isoembed.surface.shape_operator import normal_curvatures, second_derivatives
 from isoembed.surface.smoothness import misfits
 from isoembed.surface.tangent_frames import sides
 
@@ -201,7 +201,8 @@ class SmoothIntegrals:
             means * cubic - missed[1],
             np.abs(means) * sizes + np.abs(missed[0]),
         )
-        noise = SHAPES.deviations * float(np.linalg.norm(self._cells * self.misfits(data)))
+        # standard deviations of the noise
+        noise = 2.5 * float(np.linalg.norm(self._cells * self.misfits(data)))
         estimate = Estimate(estimate.value, max(estimate.error, noise))
         return _scaled(estimate, size, self._unit, self._unit)
 
@@ -303,8 +304,10 @@ class SmoothIntegrals:
 
     def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
         lost = quartic - cubic
-        error = abs(float(lost.sum())) + float(np.sqrt(SHAPES.alike * np.sum(lost**2)))
-        error += SHAPES.next_order * float(sizes @ self._quartic.turns) + self._unseen * abs(raw)
+        # faces about a vertex, in which the errors of the fits are alike
+        error = abs(float(lost.sum())) + float(np.sqrt(36.0 * np.sum(lost**2)))
+        # the next order in (kappa l)^2
+        error += 0.1 * float(sizes @ self._quartic.turns) + self._unseen * abs(raw)
         return Estimate(raw + float(quartic.sum()), error)
 
 

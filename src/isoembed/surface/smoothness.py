@@ -18,11 +18,15 @@ from scipy.sparse import csr_array, vstack
 from isoembed.arrays import Floats, Indices, Indices32, Mask
 from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.curvature import DIHEDRAL, dihedral_angles
+from isoembed.surface.curvature import FLAT_ANGLE, dihedral_angles
 from isoembed.surface.local_fit import FitResiduals, Graph, Surroundings, edge_lengths_about, sums_at_ends
 from isoembed.surface.measures import edge_lengths
-from isoembed.surface.normal_fits import FITS
+from isoembed.surface.normal_fits import THREE_RINGS, TWO_RINGS
 from isoembed.surface.spatial_order import spatial_order
+
+CHUNK = 1 << 16  # vertices fitted together: their charts take memory
+ROBUST_EXPONENT = 2 / 3  # of the mean of the residuals of quintics, which discounts outliers
+
 
 Ordered = tuple[Indices, Surroundings]
 
@@ -126,8 +130,8 @@ def misfits(triangulation: Triangulation, vertices: Floats, values: Floats, degr
 
 def _residuals(surface: Surroundings, degree: int = 3) -> Iterator[FitResiduals]:
     """`fit_residuals` of some vertices after the other: the charts of all at once take much memory."""
-    least = FITS.two_rings if degree <= 3 else FITS.three_rings
-    for first, near in surface.neighborhoods(least, FITS.at_once):
+    least = TWO_RINGS if degree <= 3 else THREE_RINGS
+    for first, near in surface.neighborhoods(least, CHUNK):
         yield FitResiduals.of(first, near, _polar_charts(first, near, surface), degree)
 
 
@@ -152,7 +156,7 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats, ordered: Orde
 
 def _robust_mean(values: Floats) -> float:
     """Of sizes; few large ones do not outweigh all others."""
-    return float(np.mean(values**FITS.robust) ** (1 / FITS.robust))
+    return float(np.mean(values**ROBUST_EXPONENT) ** (1 / ROBUST_EXPONENT))
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
@@ -184,10 +188,11 @@ def rough_edges(
     squares = sums_at_ends(triangulation, expected**2) / degrees
     around = (triangulation.adjacency @ squares + squares) / (degrees + 1)
     typical = np.sqrt(around[triangulation.edges].mean(axis=1))
-    plain = np.minimum(np.abs(found), np.abs(expected)) > np.maximum(DIHEDRAL.flat, FITS.plain * typical)
+    # of the angles around; with less, an error may decide the sign
+    plain = np.minimum(np.abs(found), np.abs(expected)) > np.maximum(FLAT_ANGLE, 0.2 * typical)
     meets_convex, meets_concave = (
         (sums_at_ends(triangulation, bent) > 0)[triangulation.edges].any(axis=1)
-        for bent in (found > DIHEDRAL.flat, found < -DIHEDRAL.flat)
+        for bent in (found > FLAT_ANGLE, found < -FLAT_ANGLE)
     )
     opposed = np.where(found > 0, meets_concave, meets_convex)
     return plain & opposed & ((found > 0) != (expected > 0))

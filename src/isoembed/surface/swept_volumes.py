@@ -9,27 +9,12 @@ norm.  So a triangle sweeps the volume ``sum of c_i phi_i``,
 over the simplex of the s; in Euclidean space it is a third of the area.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import Space
 from isoembed.surface.measures import amplitudes, edge_lengths
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class SweptThresholds:
-    """Thresholds of the derivatives of volumes in curved space."""
-
-    points: int = threshold(6, "points", "Of Gauss's formula, in either direction of a triangle.")
-    longer: float = threshold(6.0, "points", "More for every radius of curvature of the longest edge.")
-    most: int = threshold(80, "points", "At most.")
-
-
-SWEPT = SweptThresholds()
 
 
 def curved_volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space) -> Floats:
@@ -53,8 +38,9 @@ def curved_volume_gradient(triangulation: Triangulation, vertices: Floats, space
 def _shares(t: Triangulation, vertices: Floats, space: Space) -> Floats:
     """c, (F, 3)."""
     lengths = edge_lengths(t.edges, vertices, space)[t.face_edges]  # from each corner to the next one
-    wanted = SWEPT.points + SWEPT.longer * space.root * float(lengths.max())
-    nodes, weights = np.polynomial.legendre.leggauss(int(min(wanted, SWEPT.most)))
+    # nodes of Gauss's formula: 6, and 6 more for every radius of curvature of the longest edge
+    wanted = 6 + 6.0 * space.root * float(lengths.max())
+    nodes, weights = np.polynomial.legendre.leggauss(int(min(wanted, 80)))  # nodes at most
     nodes, weights = (nodes + 1) / 2, weights / 2
     short = 2 * (1 - space.cs(lengths))
     found = np.zeros((t.n_faces, 3))

@@ -19,11 +19,13 @@ from isoembed.arrays import Floats, Indices, Indices32
 from isoembed.kernel import kernel
 from isoembed.linalg import Dissection, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import Approximation, conjugate_gradients
-from isoembed.surface.rigidity_matrix import RIGIDITY, RigidityMatrix
-from isoembed.thresholds import compiled
+from isoembed.surface.rigidity_matrix import DIAGONAL_SHIFT, RigidityMatrix
+
+MAX_AGGREGATE = 48  # vertices of a body of the coarse level
+SMOOTHED = 2.0 / 30  # least eigenvalue of D^-1 J^T J that is smoothed
+
 
 LARGEST = 2.0  # an edge couples two blocks: no eigenvalue of D^-1 J^T J is larger
-_T = compiled(RIGIDITY)
 
 
 class TwoLevel:
@@ -77,17 +79,17 @@ class TwoLevel:
         return motion
 
     def _smoothed(self, forces: Floats) -> Floats:
-        """Chebyshev's iteration from zero for the eigenvalues from `RIGIDITY.smoothed` to LARGEST.
+        """Chebyshev's iteration from zero for the eigenvalues from `SMOOTHED` to LARGEST.
 
         Source: Saad, Iterative methods for sparse linear systems, 2003, algorithm 12.1.
         """
-        theta, delta = (LARGEST + RIGIDITY.smoothed) / 2, (LARGEST - RIGIDITY.smoothed) / 2
+        theta, delta = (LARGEST + SMOOTHED) / 2, (LARGEST - SMOOTHED) / 2
         sigma = theta / delta
         rho = 1 / sigma
         left = forces.copy()
         step = _times_blocks(self._inverses, left) / theta
         motion = step.copy()
-        for _ in range(RIGIDITY.degree - 1):
+        for _ in range(3):  # Chebyshev polynomial of degree 4 in J^T J
             left -= self._times(step)
             before, rho = rho, 1 / (2 * sigma - rho)
             step *= rho * before
@@ -141,7 +143,7 @@ class _Bodies:
         indptr, indices = pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)
         blocks = _coarse_blocks(J.ends, J.rows, self.of_vertex, self.arms, indptr, indices, damping)
         matrix = bsr_array((blocks, indices, indptr), shape=(6 * self.count, 6 * self.count)).tocsr()
-        matrix.setdiag(matrix.diagonal() + RIGIDITY.hold * matrix.diagonal().mean())
+        matrix.setdiag(matrix.diagonal() + DIAGONAL_SHIFT * matrix.diagonal().mean())
         solver = analyze(matrix.T, dissect(graph).block_order(6))  # rows are columns: it is symmetric
         return solver.factor(matrix.data)
 
@@ -188,7 +190,7 @@ def _aggregates(cells: Indices) -> Indices32:
     waiting = [(0, n, depth)]
     while waiting:
         start, end, bit = waiting.pop()
-        if end - start <= _T.aggregate or bit == 0:
+        if end - start <= MAX_AGGREGATE or bit == 0:
             for p in range(start, end):
                 of_vertex[order[p]] = count
             count += 1
@@ -207,7 +209,7 @@ def _inverses(J: RigidityMatrix, damping: float) -> Floats:
     """The inverses of the diagonal blocks of ``J^T J + damping I``, (V, 3, 3), held at flat vertices."""
     blocks = _diagonal_blocks(J.ends, J.rows, J.vertices)
     trace = np.einsum("iaa->i", blocks)
-    blocks[:, np.arange(3), np.arange(3)] += (damping + RIGIDITY.hold * trace)[:, None]
+    blocks[:, np.arange(3), np.arange(3)] += (damping + DIAGONAL_SHIFT * trace)[:, None]
     inverses = np.linalg.inv(blocks)
     return (inverses + inverses.transpose(0, 2, 1)) / 2
 

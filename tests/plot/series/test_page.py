@@ -9,7 +9,7 @@ import pytest
 
 from isoembed.errors import InvalidParameter
 from isoembed.io import FileError
-from isoembed.plot.series.page import SERIES_PAGE, write_series_page
+from isoembed.plot.series.page import MAX_FRAMES, write_series_page
 from series_results import embedded, missing
 
 
@@ -100,10 +100,10 @@ def test_one_mesh_of_many_times_is_there_once(tmp_path):
 
 
 def test_of_many_times_evenly_many_are_taken(tmp_path):
-    write_series_page(tmp_path / "a.html", [embedded("ah1", k, k) for k in range(2 * SERIES_PAGE.frames)])
+    write_series_page(tmp_path / "a.html", [embedded("ah1", k, k) for k in range(2 * MAX_FRAMES)])
     _, data, _ = read(tmp_path / "a.html")
-    assert len(data["frames"]) == SERIES_PAGE.frames
-    assert data["frames"][-1]["stage"] == f"t = {2 * SERIES_PAGE.frames - 1}.0"
+    assert len(data["frames"]) == MAX_FRAMES
+    assert data["frames"][-1]["stage"] == f"t = {2 * MAX_FRAMES - 1}.0"
 
 
 def test_the_same_results_make_the_same_bytes(page, tmp_path):

@@ -22,7 +22,6 @@ from isoembed.plot.series.labels import AXIS, SYMBOLS, colors_of, escaped, power
 from isoembed.plot.series.outcomes import MARKS, draw_outcomes
 from isoembed.relativity.series.table import ERRORS, SeriesTable
 from isoembed.runs.result import Result
-from isoembed.thresholds import threshold
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,17 +40,8 @@ WIDTHS = (1.9, 0.9, 1.2)  # points, of lines of one series after the other: one 
 WIDTH, PANEL, STRIP = 6.4, 1.55, 0.17  # inches: of a figure, the height of a panel, and of a line of outcomes
 
 
-@dataclass(frozen=True)
-class CurveThresholds:
-    """Thresholds of plots against time."""
-
-    level: float = threshold(1e-5, "relative", "Least range of an axis: below, a number is constant.")
-    band: float = threshold(1.0, "ranges", "What error bands may reach beyond the values.")
-    margin: float = threshold(0.06, "ranges", "Room above and below the lines.")
-    dots: int = threshold(60, "count", "Horizons of a series that are dots on the line, at most.")
-
-
-CURVE = CurveThresholds()
+BAND = 1.0  # ranges that error bands may reach beyond the values
+MARGIN = 0.06  # ranges of room above and below the lines
 
 
 def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
@@ -195,7 +185,7 @@ def _draw_panel(axes: Axes, name: str, curves: Sequence[_Curve]) -> None:
 
     for curve in curves:
         y = np.where(curve.known, curve.values, np.nan)
-        marker = "o" if curve.known.sum() <= CURVE.dots else ""
+        marker = "o" if curve.known.sum() <= 60 else ""  # with more horizons, dots would cover the line
         axes.plot(curve.x, y, linestyle=STYLES.get(curve.column, "-"), marker=marker, **curve.style)
         if curve.column in ERRORS:
             edges = y - curve.band, y + curve.band
@@ -227,11 +217,12 @@ def _limits(curves: Sequence[_Curve]) -> tuple[float, float]:
         return 0.0, 1.0
     low, high = float(values.min()), float(values.max())
     typical = float(np.median(bands))
-    span = max(high - low, CURVE.level * max(abs(low), abs(high)), 2.0 * typical) or 1.0
-    lower = max(float((values - bands).min()), low - CURVE.band * span)
-    upper = min(float((values + bands).max()), high + CURVE.band * span)
+    # below a range of 1e-5 a number is constant
+    span = max(high - low, 1e-5 * max(abs(low), abs(high)), 2.0 * typical) or 1.0
+    lower = max(float((values - bands).min()), low - BAND * span)
+    upper = min(float((values + bands).max()), high + BAND * span)
     middle, half = 0.5 * (lower + upper), 0.5 * max(upper - lower, span)
-    return middle - (1 + 2 * CURVE.margin) * half, middle + (1 + 2 * CURVE.margin) * half
+    return middle - (1 + 2 * MARGIN) * half, middle + (1 + 2 * MARGIN) * half
 
 
 def _draw_legend(

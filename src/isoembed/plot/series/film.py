@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,7 +23,6 @@ from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
 from isoembed.plot.series.scenes import Scene, evenly, scenes
 from isoembed.plot.view import Pose, View, camera
 from isoembed.runs.result import Result
-from isoembed.thresholds import threshold
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,20 +36,9 @@ WIDE = PLACE[2] * SIZE[0] / (PLACE[3] * SIZE[1])
 LINES = 3  # below, of each column
 
 
-@dataclass(frozen=True)
-class SeriesFilmThresholds:
-    """Thresholds of films of a run."""
-
-    images: int = threshold(240, "count", "Images of a film, at most: of more times evenly many are taken.")
-    length: float = threshold(16.0, "seconds", "What a film takes, if it has many images.")
-    step: float = threshold(0.4, "seconds", "Time from one image to the next, at most.")
-    rest: float = threshold(2.0, "seconds", "How long the last image stays.")
-    margin: float = threshold(1.15, "relative", "Size of the picture over what is in it.")
-    calm: float = threshold(0.12, "films", "Time within which the picture grows or shrinks.")
-    veil: float = threshold(0.35, "opacity", "Of a horizon that holds others.")
-
-
-SERIES_FILM = SeriesFilmThresholds()
+STEP = 0.4  # seconds from one image to the next, at most
+REST = 2.0  # seconds that the last image stays
+MARGIN = 1.15  # size of the picture over its contents
 
 
 def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -> None:
@@ -78,11 +65,11 @@ def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -
     check_output(path, ANIMATION_ENDINGS)
     check_animation(path)
     placed = PlacedHorizons.of(results, [SHOWN])
-    shown = evenly(scenes(placed), SERIES_FILM.images)
+    shown = evenly(scenes(placed), 240)  # images at most
     if not shown:
         raise InvalidParameter("no horizon of the run is embedded: there is nothing to film")
-    each = min(SERIES_FILM.step, SERIES_FILM.length / len(shown))
-    seconds = [each] * (len(shown) - 1) + [SERIES_FILM.rest]
+    each = min(STEP, 16.0 / len(shown))  # a film of many images takes 16 seconds
+    seconds = [each] * (len(shown) - 1) + [REST]
     write_atomically({Path(path): pixels_writer(path, _drawn(placed, shown), seconds)})
 
 
@@ -100,7 +87,7 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
         _draw_scene(axes, scene, pose, scale, colors)
         axes.set_aspect("equal")
         axes.axis("off")
-        tall = SERIES_FILM.margin
+        tall = MARGIN
         axes.set_xlim(-WIDE * tall, WIDE * tall)
         axes.set_ylim(-tall, tall)
         draw_triad(axes, tall * np.array([-0.85 * WIDE, -0.78]))
@@ -116,7 +103,7 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
 
 def _poses(shown: Sequence[Scene]) -> list[Pose]:
     """Where the viewer looks, and how much is seen: nothing leaves the picture, and it does not jump."""
-    calm = round(0.5 * SERIES_FILM.calm * len(shown))
+    calm = round(0.5 * 0.12 * len(shown))  # the part of the film within which the picture grows or shrinks
     boxes = _filled([_box(scene) for scene in shown])
     low, high = boxes[:, :3], boxes[:, 3:]
     lower, higher = -_around(-low, calm).max(axis=-1), _around(high, calm).max(axis=-1)
@@ -157,7 +144,8 @@ def _draw_scene(axes: Axes, scene: Scene, pose: Pose, scale: ScalarMappable, col
     shells = scene.shells
     _draw_surfaces(axes, [one for one in scene.shown if one not in shells], pose, scale, 1.0)
     for shell in shells:
-        _draw_surfaces(axes, [shell], pose, scale, SERIES_FILM.veil)
+        # opacity of a horizon that contains others
+        _draw_surfaces(axes, [shell], pose, scale, 0.35)
     for horizon in scene.shown:
         points = pose.put(np.vstack([horizon.vertices, horizon.center]))
         if horizon.axis is not None:

@@ -17,7 +17,7 @@ from isoembed.io.registry import check_output
 from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
-from isoembed.plot.coloring import QUANTITY, Quantity
+from isoembed.plot.coloring import SMALLEST_RESIDUAL, Quantity
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.page import COLORS
 from isoembed.plot.series.labels import known_of
@@ -26,7 +26,6 @@ from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
 from isoembed.plot.series.scenes import Scene, evenly, scenes
 from isoembed.plot.view import Pose, camera
 from isoembed.runs.result import Result
-from isoembed.thresholds import threshold
 
 FIELDS = {
     "mean_curvature": ("mean curvature", "mean curvature H = (k₁ + k₂)/2", "1 / length", "linear"),
@@ -37,17 +36,7 @@ FIELDS = {
 """What a page shows of the data at the vertices, if all horizons have it: name, label, unit and scale."""
 
 
-@dataclass(frozen=True)
-class SeriesPageThresholds:
-    """Thresholds of pages of a run."""
-
-    frames: int = threshold(200, "count", "Times on the slider, at most; of more evenly many are taken.")
-    size: int = threshold(12_000_000, "bytes", "Size of all of them; as text a third more.")
-    length: float = threshold(12.0, "seconds", "What playing them takes, if they are many.")
-    pause: float = threshold(0.4, "seconds", "Time from one to the next, at most.")
-
-
-SERIES_PAGE = SeriesPageThresholds()
+MAX_FRAMES = 200  # times on the slider; of more, evenly many are taken
 
 
 def write_series_page(path: str | os.PathLike[str], results: Iterable[Result], *, title: str = "") -> None:
@@ -88,7 +77,7 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
     shades = [_Shade.of(name, shown) for name in names]
     meshes = dict[bytes, int]()
     entries, frames = list[dict[str, Any]](), list[dict[str, Any]]()
-    pause = round(1000 * min(SERIES_PAGE.pause, SERIES_PAGE.length / len(shown)))
+    pause = round(1000 * min(0.4, 12.0 / len(shown)))  # milliseconds; to play many takes 12 seconds
     for scene in shown:
         shells = scene.shells
         horizons = [one for one in scene.shown if one not in shells] + list(shells)
@@ -138,7 +127,8 @@ def _most(shown: Sequence[Scene], fields: int) -> int:
         for scene in shown
         for one in scene.shown
     ]
-    return max(1, int(min(SERIES_PAGE.frames, SERIES_PAGE.size * len(shown) // sum(sizes))))
+    # bytes of all frames; as text a third more
+    return max(1, int(min(MAX_FRAMES, 12_000_000 * len(shown) // sum(sizes))))
 
 
 def _pose(shown: Sequence[Scene]) -> Pose:
@@ -172,12 +162,12 @@ class _Shade:
         logarithmic = scale == "log"
         values = np.concatenate([one.fields[field] for scene in scenes_ for one in scene.shown])
         if logarithmic:
-            bounds = Quantity("", "", np.maximum(values, QUANTITY.smallest), "log").bounds
+            bounds = Quantity("", "", np.maximum(values, SMALLEST_RESIDUAL), "log").bounds
             return cls(field, name, True, np.log10(bounds).tolist())
         return cls(field, name, False, list(Quantity("", "", values).bounds))
 
     def packed(self, packed: Packed, horizons: Sequence[PlacedHorizon]) -> dict[str, Any]:
         values: Floats = np.concatenate([one.fields[self.field] for one in horizons] or [np.empty(0)])
         if self.logarithmic:
-            values = np.log10(np.maximum(values, QUANTITY.smallest))
+            values = np.log10(np.maximum(values, SMALLEST_RESIDUAL))
         return {**packed.add_short(values), "bounds": self.bounds}

@@ -15,21 +15,8 @@ from isoembed.relativity.series.table import AXIS, Row, SeriesTable
 from isoembed.runs.result import Result
 from isoembed.smooth.start import SURFACE, Start
 from isoembed.surface.alignment import best_rotation
-from isoembed.thresholds import threshold
 
 FIELD, IN_SLICE = "field/", "slice_coordinates"
-
-
-@dataclass(frozen=True)
-class PlacingThresholds:
-    """Thresholds of the places of horizons beside each other."""
-
-    directions: int = threshold(500, "count", "Directions in which one surface is turned onto another.")
-    told: float = threshold(0.05, "relative", "Stretch of distances that a picture tells.")
-    apart: float = threshold(2.5, "radii", "Distance of horizons side by side, of which no center is known.")
-
-
-PLACING = PlacingThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +80,7 @@ class PlacedHorizons:
     @property
     def note(self) -> str:
         """What a picture tells of distances, if they are not those of coordinates."""
-        if abs(self.stretch - 1.0) <= PLACING.told:
+        if abs(self.stretch - 1.0) <= 0.05:  # a picture does not show less
             return ""
         return f"distances of centers: coordinates \N{MULTIPLICATION SIGN} {self.stretch:.2f}"
 
@@ -117,7 +104,8 @@ class PlacedHorizons:
         ratios = [pair for result in there.values() if (pair := _ratio(result.report)) is not None]
         _, stretch = max(ratios, default=(0.0, 1.0))
         radii = [np.linalg.norm(result.arrays["vertices"], axis=1).max() for result in there.values()]
-        apart, parts = PLACING.apart * float(max(radii, default=0.0)), table.series
+        # radii between horizons whose centers are unknown
+        apart, parts = 2.5 * float(max(radii, default=0.0)), table.series
         horizons = dict[str, PlacedHorizon]()
         for k, part in enumerate(parts.values()):
             aside = np.array([(k - 0.5 * (len(parts) - 1)) * apart, 0.0, 0.0])
@@ -161,7 +149,8 @@ def _turn(arrays: Mapping[str, NDArray[Any]], before: Floats | None) -> tuple[Fl
     """The rotation of a surface onto points of the one before, and its own points after it."""
     if f"{SURFACE}/degrees" not in arrays or FIELD + IN_SLICE in arrays:
         return np.eye(3), before
-    start, u = Start.restored(arrays), fibonacci_directions(PLACING.directions)
+    # directions in which one surface is turned onto another
+    start, u = Start.restored(arrays), fibonacci_directions(500)
     own = u if start.coordinates is None else start.coordinates.inverse(u)
     points = start.harmonics.derivatives(own, start.coefficients)[0]
     turn = np.eye(3) if before is None else best_rotation(points, before)

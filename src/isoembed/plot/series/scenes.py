@@ -11,20 +11,6 @@ from isoembed.arrays import Floats
 from isoembed.plot.series.abscissa import Abscissa
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
 from isoembed.relativity.series.table import Row
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class SceneThresholds:
-    """Thresholds of what is seen together."""
-
-    lasting: float = threshold(
-        0.5, "spacings", "Time for which a horizon is seen before and after its own, of its series' spacing."
-    )
-    rounding: float = threshold(1e-9, "relative", "Difference of two spacings that are the same.")
-
-
-SCENE = SceneThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +76,9 @@ class _Track:
         known = np.isfinite(times)
         there = tuple(row for row, yes in zip(rows, known, strict=True) if yes)
         steps = np.diff(times[known])
-        lasting = SCENE.lasting * float(np.median(steps)) if steps.size else 0.0
-        return cls(times[known], there, (1.0 + SCENE.rounding) * lasting)
+        # a horizon is seen for half a spacing before and after its own time
+        lasting = 0.5 * float(np.median(steps)) if steps.size else 0.0
+        return cls(times[known], there, (1.0 + 1e-9) * lasting)  # spacings that are equal but for rounding
 
     def nearest(self, at: float) -> Row | None:
         """The row at this time, or the nearest if that is not too far."""

@@ -14,7 +14,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.io.files import FileError
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.meshing.surface_mesh import SURFACE_MESH, checked_count
+from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
 from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
 from isoembed.relativity.energies.report import checked_report, unembedded_report, wang_yau_report
 from isoembed.relativity.horizons.conformal_multipoles import checked_order, conformal_multipoles
@@ -67,7 +67,7 @@ class HorizonOptions:
     multipoles: int | None = None
 
     def __post_init__(self) -> None:
-        checked_count("the number of vertices", self.vertices, SURFACE_MESH.fewest, MOST_VERTICES)
+        checked_count("the number of vertices", self.vertices, MIN_VERTICES, MOST_VERTICES)
         if self.axis is not None and not any(vector("the axis", self.axis)):
             raise InvalidParameter("the axis must not be zero")
         if self.multipoles is not None:
