@@ -9,7 +9,7 @@ import zoo
 from curved import apart
 from isoembed import GluedMetric, PolyhedralMetric, embed
 from isoembed.alexandrov.doubly_covered import (
-    FLAT_LIMIT,
+    THIN,
     doubly_covered,
     doubly_covered_triangle,
     flat_limit,
@@ -41,7 +41,7 @@ def flat_body(tables, seed):
     deficits = 2 * np.pi - np.bincount(tables.corners, triangles.angles.ravel())
     with Log().stage("polytope") as recorder:
         for p in follow_path(tables, deficits, recorder):
-            found = flat_limit(p) if p.lowest < FLAT_LIMIT.thin else None
+            found = flat_limit(p) if p.lowest < THIN else None
             if found is not None:
                 return found
     return None

@@ -1,7 +1,5 @@
 """From a metric to its polytope and its vertices, compared with discarded coordinates."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,15 @@ import zoo
 from curved import apart, body, metric_in
 from isoembed import PolyhedralMetric, embed
 from isoembed.alexandrov import homotopy
-from isoembed.alexandrov.homotopy import HOMOTOPY, Stalled, Waypoint, follow_path
+from isoembed.alexandrov.homotopy import (
+    EXACT,
+    FORCING,
+    NEWTON_CURVATURE,
+    START_RADII,
+    Stalled,
+    Waypoint,
+    follow_path,
+)
 from isoembed.alexandrov.newton import Analyses, Solution, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished, realized
@@ -152,7 +158,7 @@ def test_a_path_that_ends_within_reach_of_newtons_method(monkeypatch):
     def ended(here, deficits, *rest):
         for p in whole(here, deficits, *rest):
             yield p
-            if np.abs(p.curvatures).max() <= HOMOTOPY.close * deficits.max():
+            if np.abs(p.curvatures).max() <= NEWTON_CURVATURE * deficits.max():
                 return
 
     monkeypatch.setattr(homotopy, "_path", ended)
@@ -177,14 +183,14 @@ def test_the_path_says_where_newtons_method_stalls_and_goes_on(monkeypatch):
     with Log().stage("polytope") as recorder:
         path = follow_path(tables, deficits, recorder)
         largest = [np.abs(p.polytope.curvatures).max() for p in path if isinstance(p, Stalled)]
-    ladder = len(HOMOTOPY.ladder)
+    ladder = len(START_RADII)
     assert len(largest) > ladder
-    assert largest[0] <= HOMOTOPY.close * deficits.max()
-    assert largest[1] <= HOMOTOPY.close / 10 * deficits.max()
+    assert largest[0] <= NEWTON_CURVATURE * deficits.max()
+    assert largest[1] <= NEWTON_CURVATURE / 10 * deficits.max()
 
 
 def test_after_a_step_that_was_too_short_equations_are_solved_more_exactly(monkeypatch):
-    monkeypatch.setattr(homotopy, "HOMOTOPY", replace(HOMOTOPY, too_short=-1))
+    monkeypatch.setattr(homotopy, "TOO_SHORT", -1)
     asked, kept, roughly = [], [], homotopy._solved
 
     def solved(p, inverse, b, residual):
@@ -197,8 +203,8 @@ def test_after_a_step_that_was_too_short_equations_are_solved_more_exactly(monke
     with Log().stage("polytope") as recorder:
         *_, last = follow_path(tables, deficits, recorder, kept.append)
     assert isinstance(last, Solution)
-    assert asked[0] == HOMOTOPY.forcing
-    assert set(asked[1:]) == {HOMOTOPY.exact}
-    exact = [here for here in kept if here.residual == HOMOTOPY.exact]
+    assert asked[0] == FORCING
+    assert set(asked[1:]) == {EXACT}
+    exact = [here for here in kept if here.residual == EXACT]
     assert exact
-    assert Waypoint.of_arrays(exact[0].arrays()).residual == HOMOTOPY.exact
+    assert Waypoint.of_arrays(exact[0].arrays()).residual == EXACT

@@ -265,8 +265,8 @@ def test_a_glued_metric_needs_this_method():
 
 
 def test_failure_is_reported_with_what_there_is(monkeypatch):
-    monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, steps=0))
-    monkeypatch.setattr(relaxation, "NEARLY_FLAT", replace(relaxation.NEARLY_FLAT, relaxations=0))
+    monkeypatch.setattr(newton, "MAX_STEPS", 0)
+    monkeypatch.setattr(relaxation, "MAX_STEPS", 0)
     vertices, faces = grid_cube(2)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature") as failure:
@@ -311,8 +311,8 @@ def test_shallow_caps_are_finished_by_their_lengths_where_newton_stalls(seed):
 
 
 def test_what_failed_is_no_success_however_near_its_lengths(monkeypatch):
-    monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, steps=0))
-    monkeypatch.setattr(relaxation, "NEARLY_FLAT", replace(relaxation.NEARLY_FLAT, relaxations=0))
+    monkeypatch.setattr(newton, "MAX_STEPS", 0)
+    monkeypatch.setattr(relaxation, "MAX_STEPS", 0)
     with pytest.raises(isoembed.NotEmbedded, match="no polytope without curvature"):
         embed(PolyhedralMetric.from_mesh(*zoo.icosahedron()), method="alexandrov", tolerance=1.0)
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.aim.radii_newton import RADII_NEWTON, inverted_vertices, without_curvature
-from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
-from isoembed.alexandrov.homotopy import HOMOTOPY, Stalled, Waypoint, follow_path
+from isoembed.alexandrov.doubly_covered import THIN
+from isoembed.alexandrov.homotopy import NEWTON_CURVATURE, Stalled, Waypoint, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
@@ -83,7 +83,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
     if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths, convex.curvature)).any():
         return None
     deficits, kept = convex.deficits, log.resumed_at("polytopes")
-    close = np.minimum(HOMOTOPY.close * deficits.max(), RADII_LEAP.resolved * deficits)
+    close = np.minimum(NEWTON_CURVATURE * deficits.max(), RADII_LEAP.resolved * deficits)
     with log.stage("polytopes") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         path = follow_path(
@@ -104,7 +104,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
             if isinstance(found, Solution):
                 vertices = realized(found, recorder) if convex is given else placed(found)
                 return convex.space.centered(vertices)
-            if p.lowest < FLAT_LIMIT.thin:
+            if p.lowest < THIN:
                 return None
     return None
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isoembed.alexandrov.homotopy import CONVEX, HOMOTOPY, Waypoint, follow_path_without_flips
+from isoembed.alexandrov.homotopy import CONVEX, NEWTON_CURVATURE, Waypoint, follow_path_without_flips
 from isoembed.alexandrov.newton import Analyses, Solution, forcing_term, pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
@@ -69,7 +69,7 @@ def newton_on_radii_at_once(
     flat = np.mean(np.abs(deficits) <= rounding)  # where nothing determines a radius
     if not deficits.max() > 0 or flat > RADII_NEWTON.flat:
         return None
-    near = np.full(deficits.size, HOMOTOPY.close * deficits.max())
+    near = np.full(deficits.size, NEWTON_CURVATURE * deficits.max())
     if (deficits > rounding).all():
         near = np.minimum(near, RADII_NEWTON.followed * deficits)
     kept = log.resumed_at("radii")

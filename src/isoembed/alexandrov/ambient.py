@@ -5,23 +5,10 @@ pyramid with the same dihedral angles at its radii.  Coordinates about the apex 
 ``2 tn(r / 2) u``, which of the sphere leave out the antipode of the apex only.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.space import Space
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class EnclosureThresholds:
-    """Thresholds of the ball around a body on the sphere."""
-
-    rounds: int = threshold(200, "count", "Each brings the center nearer to the vertex that is farthest.")
-
-
-ENCLOSURE = EnclosureThresholds()
 
 
 def ambient_lengths(space: Space, lengths: Floats, a: Floats, b: Floats) -> Floats:
@@ -67,7 +54,7 @@ def away_from_apex(space: Space, about: Floats) -> Floats:
     part = k * np.einsum("ij,ij->i", about, about) / 4
     x, w = about / (1 + part)[:, None], (1 - part) / (1 + part)
     center, height = x.mean(axis=0), w.mean()
-    for n in range(1, ENCLOSURE.rounds if k > 0 else 0):
+    for n in range(1, 200 if k > 0 else 0):  # each brings the center nearer to the farthest vertex
         size = np.sqrt(height * height + k * (center @ center))
         far = int(np.argmin(w * height + k * (x @ center)))
         center = (n * center / size + x[far]) / (n + 1)

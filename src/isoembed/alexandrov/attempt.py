@@ -1,7 +1,5 @@
 """What to show where no polyhedron was found: the nearest polytope, its vertices placed as they may be."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import spsolve
@@ -13,17 +11,6 @@ from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class AttemptThresholds:
-    """Thresholds of what is shown of a failure."""
-
-    widest: float = threshold(0.5, "radii of curvature", "Coordinates of an attempt on the sphere.")
-
-
-ATTEMPT = AttemptThresholds()
 
 
 def attempted(
@@ -46,7 +33,7 @@ def attempted(
     known[core] = True
     found = _spread(core.size) if nearest is None else _placed(nearest, recorder)
     if metric.curvature > 0:  # all of it in the half of the sphere that has coordinates
-        found = found * min(1.0, ATTEMPT.widest * metric.space.radius / float(np.abs(found).max()))
+        found = found * min(1.0, 0.5 * metric.space.radius / float(np.abs(found).max()))  # radii of curvature
     vertices[core] = found
     if not known.all():  # each of the others at the mean of its neighbors
         adjacency = metric.triangulation.adjacency

@@ -34,18 +34,8 @@ from isoembed.metric.variation import deficit_derivative
 from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class PolyhedronDerivativeThresholds:
-    """Thresholds of the derivatives of convex polyhedra."""
-
-    flat: float = threshold(1e-7, "relative", "Change of the angle at a flat vertex that is none.")
-    broken: float = threshold(1e-7, "relative", "Velocity of a corner out of its face that is none.")
-
-
-POLYHEDRON_DERIVATIVES = PolyhedronDerivativeThresholds()
+ROUNDING = 1e-7  # relative velocity of a corner out of its face that is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +125,7 @@ class GivenLengthDerivatives:
         """
         dl = self.own_changes(changes)
         rates, sizes = self._deficits @ dl, abs(self._deficits) @ np.abs(dl)
-        bent = np.abs(rates) > POLYHEDRON_DERIVATIVES.flat * sizes
+        bent = np.abs(rates) > 1e-7 * sizes  # relative change of the angle at a flat vertex that is rounding
         if bent.any():
             k = int(np.argmax(bent))
             raise InvalidParameter(
@@ -147,7 +137,7 @@ class GivenLengthDerivatives:
         dx = self._motion.solve(right)[: self._planes.shape[1]]
         dx -= self._rigid @ (self._rigid.T @ dx)
         off = np.abs(self._faces @ dx)
-        if (off > POLYHEDRON_DERIVATIVES.broken * np.abs(dx).max(initial=0.0)).any():
+        if (off > ROUNDING * np.abs(dx).max(initial=0.0)).any():
             raise self._one_sided(int(np.argmax(off)))
         return dx.reshape(-1, 3)
 
@@ -164,7 +154,7 @@ class GivenLengthDerivatives:
         g = gradient.ravel() - self._rigid @ (self._rigid.T @ gradient.ravel())
         for k, v in enumerate(self._broken):
             normal = self._planes[[int(np.searchsorted(self.inside, v))]].toarray()[0, 3 * v : 3 * v + 3]
-            if abs(normal @ g[3 * v : 3 * v + 3]) > POLYHEDRON_DERIVATIVES.broken * np.linalg.norm(g):
+            if abs(normal @ g[3 * v : 3 * v + 3]) > ROUNDING * np.linalg.norm(g):
                 raise self._one_sided(k)
         right = np.zeros(self._motion.shape[0])
         right[: g.size] = g

@@ -18,24 +18,10 @@ from isoembed.intrinsic.halfedges import HalfEdges, set_directions
 from isoembed.mesh.components import components
 from isoembed.metric.curvature import Triangles
 from isoembed.space import Space
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class FlatLimitThresholds:
-    """Thresholds for polytopes that are turning flat."""
-
-    thin: float = threshold(1e-4, "squared radii", "Squared height of the apex of a body that may turn flat.")
-    fold: float = threshold(0.5, "relative", "Apex' feet beside an edge: 1 at a fold, 0 if it is flat.")
-    rounding: float = threshold(1e-8, "edge lengths", "Error of the feet by rounding.")
-    not_yet_flat: float = threshold(30.0, "edge lengths", "Error of the feet, over the squared height.")
-    exact: float = threshold(
-        1e-13, "mean edge lengths", "Error of the lengths of a body that is flat in floats."
-    )
-    even: float = threshold(1e-7, "radians", "The two sheets' angles agree, and the polygon closes.")
-
-
-FLAT_LIMIT = FlatLimitThresholds()
+THIN = 1e-4  # squared radii: a body whose apex is lower may turn flat
+FLAT_IN_FLOATS = 1e-13  # mean edge lengths: error of the lengths of a polygon up to rounding
+ROUNDING = 1e-7  # radians, or relative: angles of the two sheets agree, and the polygon closes
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +49,10 @@ def flat_limit(p: Polytope) -> DoublyCovered | None:
     feet = cosine * tilts(p.tables, weights)[0]
     other = feet[p.tables.twins]
     # An apex right above a flat edge has both feet on it, up to rounding and to how flat the body is by now.
-    on_edge = (FLAT_LIMIT.rounding + FLAT_LIMIT.not_yet_flat * p.lowest) * p.tables.lengths
-    least = FLAT_LIMIT.fold * (np.abs(feet) + np.abs(other)) + on_edge
+    # Edge lengths: rounding, and the height of a body that is not yet flat.
+    on_edge = (1e-8 + 30.0 * p.lowest) * p.tables.lengths
+    # The feet of the apex beside an edge add up to 1 at a fold, to 0 at a flat edge.
+    least = 0.5 * (np.abs(feet) + np.abs(other)) + on_edge
     return doubly_covered(p.tables, feet + other > least)
 
 
@@ -98,11 +86,11 @@ def doubly_covered(tables: HalfEdges, folds: Mask) -> DoublyCovered | None:
     of_front, of_back = (
         np.bincount(corner[sheet], every[sheet], minlength=n)[start] for sheet in (front, ~front)
     )
-    if np.abs(of_front - of_back).max() > FLAT_LIMIT.even:
+    if np.abs(of_front - of_back).max() > ROUNDING:
         return None
     exterior = np.pi - (of_front + of_back) / 2
     bend = triangles.space.curvature * triangles.areas.sum() / 2
-    if abs(exterior.sum() - (2 * np.pi - bend)) > FLAT_LIMIT.even:
+    if abs(exterior.sum() - (2 * np.pi - bend)) > ROUNDING:
         return None
     points = _laid_out(Space(tables.curvature), tables.lengths[boundary], exterior)
     if points is None:
@@ -117,7 +105,7 @@ def _laid_out(space: Space, sides: Floats, exterior: Floats) -> Floats | None:
     if space.is_euclidean:
         heading = np.cumsum(exterior) - exterior[0]
         steps = sides[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
-        if np.abs(steps.sum(axis=0)).max() > FLAT_LIMIT.even * whole:
+        if np.abs(steps.sum(axis=0)).max() > ROUNDING * whole:
             return None
         steps -= sides[:, None] * steps.sum(axis=0) / whole  # what rounding left open
         return np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)[:-1]])
@@ -132,7 +120,7 @@ def _laid_out(space: Space, sides: Floats, exterior: Floats) -> Floats | None:
         motion[:, :2] @= np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     places[-1] = motion[:, 2]
     gap = places[-1] - places[0]
-    if np.abs(gap[:2]).max() > FLAT_LIMIT.even * whole:
+    if np.abs(gap[:2]).max() > ROUNDING * whole:
         return None
     places = places[:-1] - (np.cumsum(sides) - sides)[:, None] / whole * gap
     places /= np.sqrt(places[:, 2] ** 2 + space.curvature * (places[:, :2] ** 2).sum(axis=1))[:, None]

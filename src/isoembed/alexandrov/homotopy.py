@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.alexandrov.newton import NEWTON, Analyses, Solution, newton
+from isoembed.alexandrov.newton import DECREASE, GMRES_ITERATIONS, STALE, Analyses, Solution, newton
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.alexandrov.starts import equal_radii
 from isoembed.arrays import Floats
@@ -28,53 +28,14 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import Factor, SingularMatrix, SymmetricFactor
 from isoembed.linalg.krylov import gmres
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class HomotopyThresholds:
-    """Thresholds of the homotopy, chosen on random bodies up to 10,000 : 1; none is delicate."""
-
-    ladder: tuple[float, ...] = threshold(
-        (2.0, 16.0, 64.0, 256.0), "least radii", "Radii of the starts, until one arrives."
-    )
-    forcing: float = threshold(0.03, "relative", "Residual of the linear equations on the way.")
-    exact: float = threshold(1e-4, "relative", "The same once a step was too short: small deficits need it.")
-    too_short: int = threshold(
-        4, "count", "Halvings of a step with a fresh factorization: beyond, it is solved for again."
-    )
-    first_step: float = threshold(1.0, "log odds", "By which a first step is to lower epsilon.")
-    longest_step: float = threshold(2.5, "log odds", "Of a step at most.")
-    shortest_step: float = threshold(
-        1e-3, "log odds", "Of a step at least: a path that needs less is given up."
-    )
-    aligned: float = threshold(
-        0.1,
-        "relative",
-        "What is unlike the deficits falls to this, in hyperbolic space after a first failure.",
-    )
-    growth: float = threshold(1.5, "relative", "Of a step after one that was accepted whole.")
-    tracked: float = threshold(0.6, "relative", "Of the way to an aim may be left when the next aim is set.")
-    corrected: float = threshold(0.7, "relative", "Of a step remain if its aim needs another try.")
-    most_odds: float = threshold(1e9, "odds", "Of epsilon where it is near 1, or beyond.")
-    halvings: int = threshold(30, "count", "Of a step with a fresh factorization.")
-    halvings_if_stale: int = threshold(
-        3, "count", "Of a step with an older factorization, together with those of the step before."
-    )
-    lenient: int = threshold(20, "steps", "From here on a step with an older factorization is not halved.")
-    close: float = threshold(3e-3, "largest deficits", "Largest curvature at which Newton's method is tried.")
-    closest: float = threshold(1e-9, "largest deficits", "After failures, down to this.")
-    beyond: float = threshold(0.01, "relative", "Of that, where the path is to be followed farther.")
-    enough: float = threshold(0.01, "relative", "Of where that ends, for the end of Newton's method.")
-    most_steps: int = threshold(1000, "count", "Steps of a path at most.")
-    creep: int = threshold(50, "count", "Steps in which the odds or the norm have to fall.")
-    crept_odds: float = threshold(0.9, "relative", "Of the odds of epsilon may be left after these.")
-    crept_norm: float = threshold(0.999, "relative", "Of the norm of the curvatures may be left.")
-    arrived: float = threshold(0.7, "relative", "Share of all work done where Newton's method begins.")
-
-
-HOMOTOPY = HomotopyThresholds()
-
+START_RADII = (2.0, 16.0, 64.0, 256.0)  # in least radii, tried in turn until a path arrives
+FORCING = 0.03  # relative residual of the linear equations on the way
+EXACT = 1e-4  # the same after a step that was too short: small deficits need it
+TOO_SHORT = 4  # halvings with a fresh factorization after which the equations are solved again
+SHORTEST_STEP = 1e-3  # log odds: a path that needs a shorter step is given up
+MOST_ODDS = 1e9  # of epsilon, where it is near 1 or beyond
+NEWTON_CURVATURE = 3e-3  # largest deficits: curvatures from which Newton's method is tried
 CONVEX = 1
 """Negative eigenvalues of ``-d kappa / d r`` of convex polytopes, by the Alexandrov-Fenchel inequalities.
 
@@ -110,13 +71,13 @@ class Waypoint:
     polytope: Polytope
     start: int
     close: float
-    step: float = HOMOTOPY.first_step
+    step: float = 1.0  # log odds, by which the first step is to lower epsilon
     count: int = 0
     odds: float = np.inf
     norm: float = np.inf
     target: float = np.nan
     way: float = 0.0
-    residual: float = HOMOTOPY.forcing
+    residual: float = FORCING
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Waypoint | None:
@@ -171,14 +132,14 @@ def follow_path(
         To go on from, exactly as the path that kept it.
     near : ndarray, shape (V,), optional
         Curvatures to which the path is followed before Newton's method begins, if need be some way beyond
-        `HomotopyThresholds.close`; that may then end at a share of them.
+        `NEWTON_CURVATURE`; that may then end at a share of them.
     analyses : Analyses, optional
         Of triangulations of this metric, or of one nearby.
     """
     analyses = analyses or Analyses.of(tables)
     tables = tables.copy()
     make_delaunay(tables, np.zeros(deficits.size))
-    for number, radius in enumerate(equal_radii(tables, HOMOTOPY.ladder)):
+    for number, radius in enumerate(equal_radii(tables, START_RADII)):
         if resumed is not None and number <= resumed.start:
             here = resumed if number == resumed.start else None
         else:
@@ -232,7 +193,7 @@ def follow_path_without_flips(
     """
     here = resumed
     if here is None:
-        radius = equal_radii(tables, HOMOTOPY.ladder)[0]
+        radius = equal_radii(tables, START_RADII)[0]
         p = Polytope.over(tables, np.full(deficits.size, radius), flips=False)
         here = None if p is None else _start(p, 0, deficits)
     if here is None:
@@ -251,14 +212,15 @@ def _start(p: Polytope, number: int, deficits: Floats) -> Waypoint:
     among which are some with any share of the deficits (Bobenko, Pinkall and Springborn, Discrete conformal
     maps and ideal hyperbolic polyhedra, Geometry and Topology 19, 2015).
     """
-    here = Waypoint(p, number, HOMOTOPY.close)
+    here = Waypoint(p, number, NEWTON_CURVATURE)
     if p.tables.curvature >= 0:
         return here
     target = float(p.curvatures.sum() / deficits.sum())
     if number == 0 and _lowered(_share(p.curvatures, deficits), here.step) <= target:
         return here
     way = float(np.linalg.norm(p.curvatures - target * deficits))
-    return replace(here, target=target, way=way * (HOMOTOPY.aligned if number else 1.0))
+    # The part unlike the deficits falls to a tenth, in hyperbolic space after a failure.
+    return replace(here, target=target, way=way * (0.1 if number else 1.0))
 
 
 def _attempt(
@@ -270,13 +232,14 @@ def _attempt(
     near: Floats | None,
 ) -> Generator[Polytope | Stalled | Solution, None, bool]:
     """Go on to the solution, trying Newton's method whenever it may work; return if it did."""
-    while here.close >= HOMOTOPY.closest:
+    while here.close >= 1e-9:  # largest deficits
         path = _path(here, deficits, analyses, recorder, keep)
         for p in path:
             yield p
             largest, close = np.abs(p.curvatures).max(), here.close * deficits.max()
             if largest <= close and (
-                near is None or largest <= HOMOTOPY.beyond * close or (np.abs(p.curvatures) <= near).all()
+                # Of `close`, where the path is to be followed farther.
+                near is None or largest <= 0.01 * close or (np.abs(p.curvatures) <= near).all()
             ):
                 break
         else:
@@ -284,7 +247,8 @@ def _attempt(
                 return False
         path.close()  # lets its factor go, which is as large as the next one
         keep(Waypoint(p, here.start, here.close))
-        solution = newton(p, deficits, analyses, recorder, None if near is None else HOMOTOPY.enough * near)
+        # Of the curvatures where the path ends.
+        solution = newton(p, deficits, analyses, recorder, None if near is None else 0.01 * near)
         if solution is not None:
             yield solution
             return True
@@ -308,16 +272,16 @@ def _path(
     inverse: SymmetricFactor | None = None
     fresh, halving, shown = True, 0, epsilon
     yield p
-    for count in range(here.count, HOMOTOPY.most_steps):
+    for count in range(here.count, 1000):
         if inverse is None:
             here = replace(here, polytope=p, count=count)
             keep(here)
             inverse, fresh = _factor(p, analyses, recorder), True
             if not flips and inverse.negative_pivots != CONVEX:
                 return
-        if count % HOMOTOPY.creep == 0:
+        if count % 50 == 0:  # steps in which the odds or the norm have to fall
             odds, norm = _odds(epsilon), float(np.linalg.norm(p.curvatures))
-            if odds > HOMOTOPY.crept_odds * here.odds and norm > HOMOTOPY.crept_norm * here.norm:
+            if odds > 0.9 * here.odds and norm > 0.999 * here.norm:  # a path that creeps is given up
                 return
             here = replace(here, odds=odds, norm=norm)
         if np.isnan(here.target):
@@ -325,16 +289,18 @@ def _path(
             here = replace(here, target=target, way=float(np.linalg.norm(p.curvatures - target * deficits)))
         missing = p.curvatures - here.target * deficits
         dr, iterations = _solved(p, inverse, missing, here.residual)
-        if iterations > NEWTON.stale and not fresh:
+        if iterations > STALE and not fresh:
             inverse = None
             continue
         # Less is allowed after a step, with the same factorization, that was halved itself.
-        stale = max(HOMOTOPY.halvings_if_stale - halving, 1) if count < HOMOTOPY.lenient else 1
-        goal, most = here.target * deficits, HOMOTOPY.halvings if fresh else stale
+        # Together with those of the step before; from here on a step with an older factorization is not
+        # halved.
+        stale = max(3 - halving, 1) if count < 20 else 1
+        goal, most = here.target * deficits, 30 if fresh else stale
         stepped = _halved(p, dr, goal, most, flips)
-        too_short = stepped is None or stepped.halving > HOMOTOPY.too_short
-        if too_short and fresh and here.residual > HOMOTOPY.exact:
-            here = replace(here, residual=HOMOTOPY.exact)
+        too_short = stepped is None or stepped.halving > TOO_SHORT
+        if too_short and fresh and here.residual > EXACT:
+            here = replace(here, residual=EXACT)
             dr, _ = _solved(p, inverse, missing, here.residual)
             stepped = _halved(p, dr, goal, most, flips) or stepped
         if stepped is None:
@@ -343,21 +309,24 @@ def _path(
                 inverse = None
                 continue
             here = replace(here, step=here.step / 4, target=np.nan)
-            if here.step < HOMOTOPY.shortest_step:
+            if here.step < SHORTEST_STEP:
                 return
             continue
         q, halving, left = stepped
         fraction = 0.5**halving
         p, fresh = q, False
         epsilon = _share(p.curvatures, deficits)
-        if left <= HOMOTOPY.tracked * here.way:
-            step, target = here.step * (HOMOTOPY.growth if halving == 0 else 2 * fraction), np.nan
+        if left <= 0.6 * here.way:  # share of the way that may be left when the next epsilon is set
+            # A step accepted whole is followed by a longer one.
+            step, target = here.step * (1.5 if halving == 0 else 2 * fraction), np.nan
         else:
-            step, target = here.step * max(fraction, HOMOTOPY.corrected), here.target
-        step = min(max(step, HOMOTOPY.shortest_step), HOMOTOPY.longest_step)
+            # Share of a step that is kept for another try.
+            step, target = here.step * max(fraction, 0.7), here.target
+        step = min(max(step, SHORTEST_STEP), 2.5)
         here = replace(here, step=step, target=target)
         recorder.iterations += 1
-        done = np.log(max(epsilon, HOMOTOPY.close)) / np.log(HOMOTOPY.close) * HOMOTOPY.arrived
+        # Share of the work that is done where Newton's method begins.
+        done = np.log(max(epsilon, NEWTON_CURVATURE)) / np.log(NEWTON_CURVATURE) * 0.7
         shown = min(shown, epsilon)
         recorder.show(t=shown, residual=float(np.abs(p.curvatures).max()), done=float(done))
         yield p
@@ -366,7 +335,7 @@ def _path(
 def _odds(epsilon: float) -> float:
     if epsilon <= 0:
         return 0.0
-    return min(epsilon / (1 - epsilon), HOMOTOPY.most_odds) if epsilon < 1 else HOMOTOPY.most_odds
+    return min(epsilon / (1 - epsilon), MOST_ODDS) if epsilon < 1 else MOST_ODDS
 
 
 def _lowered(epsilon: float, step: float) -> float:
@@ -397,7 +366,7 @@ def _halved(p: Polytope, dr: Floats, goal: Floats, most: int, flips: bool) -> _S
         q = Polytope.over(p.tables, p.radii + fraction * dr, flips=flips)
         if q is not None:
             left = float(np.linalg.norm(q.curvatures - goal))
-            if left <= (1 - NEWTON.decrease * fraction) * size:
+            if left <= (1 - DECREASE * fraction) * size:
                 return _Step(q, halving, left)
     return None
 
@@ -409,7 +378,7 @@ def _solved(p: Polytope, inverse: Factor, b: Floats, residual: float) -> tuple[F
         lambda v: inverse.solve(v, sweeps=0),
         b,
         residual,
-        NEWTON.most_iterations,
+        GMRES_ITERATIONS,
     )
 
 

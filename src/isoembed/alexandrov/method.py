@@ -12,14 +12,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
-from isoembed.alexandrov.doubly_covered import FLAT_LIMIT, DoublyCovered, doubly_covered_triangle, flat_limit
+from isoembed.alexandrov.doubly_covered import (
+    FLAT_IN_FLOATS,
+    THIN,
+    DoublyCovered,
+    doubly_covered_triangle,
+    flat_limit,
+)
 from isoembed.alexandrov.homotopy import Stalled, Waypoint, follow_path
 from isoembed.alexandrov.lengths import rounding_size, worst_length
 from isoembed.alexandrov.newton import Solution
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron, metric_on
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.alexandrov.relaxation import NEARLY_FLAT, Relaxed, relaxed, relaxed_polytope
+from isoembed.alexandrov.relaxation import RELAXED, SHALLOW, Relaxed, relaxed, relaxed_polytope
 from isoembed.alexandrov.tetrahedron import tetrahedron
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
@@ -38,22 +44,7 @@ from isoembed.space.models import to_model
 from isoembed.surface.curvature import FLAT_ANGLE
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
-from isoembed.thresholds import rounded_up, threshold
-
-
-@dataclass(frozen=True)
-class SolutionThresholds:
-    """Thresholds of what counts as the polyhedron."""
-
-    accepted: float = threshold(64 * 2.0**-52, "radii", "Error of lengths that needs no Newton step.")
-    dented: float = threshold(1e-6, "mean edge lengths", "Depth of a dent; rounding makes 1e-8.")
-    folded: float = threshold(
-        1e-10, "extents", "Depth of an edge that is hardly bent and yet is not flipped."
-    )
-    tried: int = threshold(4_000, "vertices", "Of bodies whose lengths are tried where Newton stalls.")
-
-
-SOLUTION = SolutionThresholds()
+from isoembed.thresholds import rounded_up
 
 NEAREST = "nearest "  # before the names of its arrays
 
@@ -246,7 +237,7 @@ class _Search:
             uniqueness=ONLY_CONVEX,
         )
         depths = polyhedron.dents
-        if polyhedron.converged and depths.max() > SOLUTION.dented:
+        if polyhedron.converged and depths.max() > 1e-6:  # mean edge lengths; rounding makes 1e-8
             e = int(np.argmax(depths))
             message = f"the surface found is not convex at edge {e} {result.edges[e].tolist()}"
             return self._failure(curved, nearest, message)
@@ -258,9 +249,9 @@ class _Search:
         A polygon whose lengths are right to twelve digits swells, and has dents where it should be flat.
         """
         body = relaxed_polytope(nearest, recorder)
-        if body is not None and body.dent <= NEARLY_FLAT.shallow:
+        if body is not None and body.dent <= SHALLOW:
             return body
-        flat, most = flat_limit(nearest), self.tolerance if body is None else NEARLY_FLAT.exact
+        flat, most = flat_limit(nearest), self.tolerance if body is None else RELAXED
         return flat if flat is not None and flat.error <= most else body
 
     def _failure(self, core: Indices, nearest: Polytope | None, message: str) -> Embedding:
@@ -282,7 +273,7 @@ class _Search:
 class _Watch:
     """What is remembered of a path: how thin its polytopes became, and the one with the least curvatures."""
 
-    thin: float = FLAT_LIMIT.thin
+    thin: float = THIN
     nearest: Polytope | None = None
 
     @classmethod
@@ -315,7 +306,7 @@ def _polyhedron(
         if isinstance(found, Solution):
             return found
         if isinstance(found, Stalled):
-            if found.polytope.radii.size <= SOLUTION.tried:
+            if found.polytope.radii.size <= 4_000:  # vertices: on larger bodies following the path is cheaper
                 body = relaxed_polytope(found.polytope, recorder)
                 if body is not None and body.is_sure:
                     return body
@@ -323,7 +314,7 @@ def _polyhedron(
         if found.lowest < watch.thin:
             watch.thin = found.lowest / 10
             polygon = flat_limit(found)
-            if polygon is not None and polygon.error <= FLAT_LIMIT.exact:
+            if polygon is not None and polygon.error <= FLAT_IN_FLOATS:
                 return polygon
         nearest = watch.nearest
         if nearest is None or np.abs(found.curvatures).max() < np.abs(nearest.curvatures).max():
@@ -343,7 +334,8 @@ def _diagnosis(nearest: Polytope | None, curved: Indices) -> str:
 
 def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
     vertices, p = realized(solution, recorder), solution.polytope
-    if worst_length(p.tables, vertices) > SOLUTION.accepted * rounding_size(p.space, vertices):
+    # Rounding: no Newton step is needed.
+    if worst_length(p.tables, vertices) > (64 * 2.0**-52) * rounding_size(p.space, vertices):
         vertices = relaxed(p.tables, vertices, recorder)
     return vertices
 
@@ -363,7 +355,8 @@ def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
     with np.errstate(divide="ignore", invalid="ignore"):  # of ends that coincide: not a number, no crease
         altitudes = np.linalg.norm(here, axis=1) / np.linalg.norm(along, axis=2).ravel()
     depths = angles * np.minimum(altitudes, altitudes[tables.twins])
-    return (angles > FLAT_ANGLE) | (depths > SOLUTION.folded * np.ptp(straight, axis=0).max())
+    # Extents: such an edge is hardly bent and yet is not flipped.
+    return (angles > FLAT_ANGLE) | (depths > 1e-10 * np.ptp(straight, axis=0).max())
 
 
 def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> Indices:

@@ -18,26 +18,12 @@ from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.linalg import Dissection, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class NewtonThresholds:
-    """Thresholds of Newton's method on the radii; the first three are those of the homotopy, too."""
-
-    stale: int = threshold(10, "GMRES iterations", "More of them cost more than a fresh factorization.")
-    most_iterations: int = threshold(30, "GMRES iterations", "At most.")
-    decrease: float = threshold(0.25, "relative", "Least decrease, of what the linear model promises.")
-    halvings: int = threshold(8, "count", "Of a step that has not arrived.")
-    steps: int = threshold(40, "count", "At most.")
-    loosest: float = threshold(1e-2, "relative", "Largest residual of the linear equations.")
-    tightest: float = threshold(1e-6, "relative", "Smallest residual of the linear equations.")
-    exact: float = threshold(1e-9, "radians", "Largest curvature of a solution.")
-    floor: float = threshold(1e-4, "smallest deficits", "Largest curvature of a solution, too.")
-    rounding: float = threshold(1e-13, "radians", "Smaller curvatures are rounding.")
-
-
-NEWTON = NewtonThresholds()
+STALE = 10  # GMRES iterations: more cost as much as a fresh factorization
+GMRES_ITERATIONS = 30
+DECREASE = 0.25  # least decrease over that of the linear model
+MAX_STEPS = 40
+LOOSEST = 1e-2  # largest residual of the linear equations, relative
 
 
 @dataclass(eq=False)
@@ -151,7 +137,7 @@ class Solution:
             self.inverse.solve,
             kept_at_pins(b.copy()),
             tolerance,
-            NEWTON.most_iterations,
+            GMRES_ITERATIONS,
         )
 
 
@@ -175,21 +161,22 @@ def newton(
         Curvatures at which it may end before they vanish.
     """
     state, fresh = pinned(p, analyses, recorder), True
-    forcing, done = NEWTON.loosest, False
-    for _ in range(NEWTON.steps):
+    forcing, done = LOOSEST, False
+    for _ in range(MAX_STEPS):
         if enough is not None and (np.abs(p.curvatures) <= enough).all():
             return state
         largest = float(np.abs(p.curvatures).max())
-        done = largest <= min(NEWTON.exact, max(NEWTON.floor * float(deficits.min()), NEWTON.rounding))
+        # Radians, and in units of the smallest deficit; 1e-13 is rounding.
+        done = largest <= min(1e-9, max(1e-4 * float(deficits.min()), 1e-13))
         size = np.linalg.norm(p.curvatures)
         if size == 0:
             break
         dr, iterations = state.solve(p.curvatures, forcing)
-        renew = iterations > NEWTON.stale
-        for halving in range(0 if renew and not fresh else 1 if done else NEWTON.halvings):
+        renew = iterations > STALE
+        for halving in range(0 if renew and not fresh else 1 if done else 8):
             q = Polytope.over(p.tables, p.radii + 0.5**halving * dr)
-            if q is not None and np.linalg.norm(q.curvatures) <= (1 - NEWTON.decrease * 0.5**halving) * size:
-                forcing = forcing_term(float(np.linalg.norm(q.curvatures) / size), NEWTON.loosest)
+            if q is not None and np.linalg.norm(q.curvatures) <= (1 - DECREASE * 0.5**halving) * size:
+                forcing = forcing_term(float(np.linalg.norm(q.curvatures) / size), LOOSEST)
                 p, fresh = q, False
                 state = replace(state, polytope=p)
                 break
@@ -214,7 +201,7 @@ def forcing_term(ratio: float, loosest: float) -> float:
         Of the curvatures after a step and before it.
     loosest : float
     """
-    return float(np.clip(ratio**2, NEWTON.tightest, loosest))
+    return float(np.clip(ratio**2, 1e-6, loosest))
 
 
 def pinned(

@@ -1,7 +1,5 @@
 """Three vertices in independent directions from the apex of a polytope: their radii fix where the apex is."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg import qr
 
@@ -12,18 +10,6 @@ from isoembed.intrinsic.halfedges import following, preceding
 from isoembed.kernel import kernel
 from isoembed.linalg import Dissection
 from isoembed.space.trigonometry import twice_area
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class PinsThresholds:
-    """Thresholds of the choice of the pins."""
-
-    built: int = threshold(1000, "vertices", "Of bodies built pyramid by pyramid for their directions.")
-    tie: float = threshold(1e-3, "relative", "By which the farthest vertex has the longest direction.")
-
-
-PINS = PinsThresholds()
 
 
 def independent_directions(p: Polytope, directions: Floats) -> Indices:
@@ -33,7 +19,8 @@ def independent_directions(p: Polytope, directions: Floats) -> Indices:
     are a full turn.
     """
     # All are of length 1: the farthest is the first, not one that rounding or the numbering picks.
-    longer = directions * (1 + PINS.tie * p.radii / p.radii.max())[:, None]
+    # The farthest of vertices alike has the longest direction.
+    longer = directions * (1 + 1e-3 * p.radii / p.radii.max())[:, None]
     _, pivots = qr(longer.T, mode="r", pivoting=True, check_finite=False)
     return np.sort(pivots[:3]).astype(np.int64)
 
@@ -45,7 +32,7 @@ def rough_directions(p: Polytope, dissection: Dissection) -> Floats:
     vertices are where they were put when the triangles were dissected.
     """
     tables = p.tables
-    if p.radii.size <= PINS.built:
+    if p.radii.size <= 1000:  # vertices of bodies that are built pyramid by pyramid for their directions
         i, j = tables.ends
         lengths = ambient_lengths(p.space, tables.lengths, p.radii[i], p.radii[j])
         return _built(tables.corners, tables.twins, lengths, p.space.sn(p.radii))

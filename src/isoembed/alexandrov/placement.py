@@ -5,8 +5,6 @@ columns that one factor gives for all vertices alike.  Building the body up pyra
 lose all digits on large ones.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.alexandrov.ambient import (
@@ -20,22 +18,8 @@ from isoembed.alexandrov.newton import Solution
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class PlacementThresholds:
-    """Thresholds of the placement of a polytope's vertices."""
-
-    precise: float = threshold(1e-12, "relative", "Residual of linear equations for a kernel.")
-    rough: float = threshold(1e-4, "relative", "Residual of linear equations for a correction.")
-    sample: int = threshold(20_000, "edges", "Edges that determine the six numbers of a linear map.")
-    polishes: int = threshold(3, "count", "Rounds of the polish at most.")
-    polished: float = threshold(8 * 2.0**-52, "radii", "Error of the lengths at which they may end.")
-    magnified: float = threshold(1e-6, "mean edge lengths", "Size to which errors are lifted above rounding.")
-
-
-PLACEMENT = PlacementThresholds()
+ROUGH = 1e-4  # relative residual of linear equations for a correction
 
 
 def realized(solution: Solution, recorder: StageRecorder) -> Floats:
@@ -48,9 +32,9 @@ def realized(solution: Solution, recorder: StageRecorder) -> Floats:
         Counts the rounds of the polish.
     """
     about = around_apex(solution)
-    for _ in range(PLACEMENT.polishes):
+    for _ in range(3):
         worst = worst_of_conformal(solution.polytope.tables, about)
-        if worst <= PLACEMENT.polished * float(np.abs(about).max()):
+        if worst <= (8 * 2.0**-52) * float(np.abs(about).max()):  # rounding
             break
         about = polished(solution, about)
         recorder.iterations += 1
@@ -67,7 +51,7 @@ def around_apex(solution: Solution) -> Floats:
     p = solution.polytope
     directions = np.zeros((p.radii.size, 3))
     directions[solution.pins] = np.eye(3)
-    directions += solution.solve(p.times_jacobian(directions), PLACEMENT.precise)[0]
+    directions += solution.solve(p.times_jacobian(directions), 1e-12)[0]  # residual for a kernel
     # They are so up to a linear map B: fit G = B B^T to |x_i| = sn(r_i) and |x_i - x_j|, known from l_ij.
     i, j, lengths = _edges(p)
     lengths = ambient_lengths(p.space, lengths, p.radii[i], p.radii[j])
@@ -104,17 +88,18 @@ def polished(solution: Solution, about: Floats) -> Floats:
     error = float(np.abs(missing).max())
     if error == 0:
         return about
-    scale = PLACEMENT.magnified * float(tables.lengths.mean()) / error
+    # Mean edge lengths, to which errors are lifted above rounding.
+    scale = 1e-6 * float(tables.lengths.mean()) / error
     wrong = tables._replace(lengths=actual + scale * missing)
     p = Polytope.on(wrong, radii)
     if p is None:
         return about
-    dr, _ = solution.solve(p.curvatures, PLACEMENT.rough)
+    dr, _ = solution.solve(p.curvatures, ROUGH)
     q = Polytope.on(wrong, radii + dr)
     if q is None:
         return about
     directions = about / np.linalg.norm(about, axis=1)[:, None]
-    turned = directions + solution.solve(q.times_jacobian(directions), PLACEMENT.rough)[0] / scale
+    turned = directions + solution.solve(q.times_jacobian(directions), ROUGH)[0] / scale
     radii = radii + dr / scale
     moved = turned * space.sn(radii)[:, None]
     # Up to a linear map again, which now is near the identity.
@@ -143,5 +128,5 @@ def _edges(p: Polytope) -> tuple[Indices, Indices, Floats]:
     """Ends and lengths of the edges, or of an even sample of them."""
     tables = p.tables
     h = np.flatnonzero(np.arange(tables.twins.size) < tables.twins)
-    h = h[:: -(-h.size // PLACEMENT.sample)]
+    h = h[:: -(-h.size // 20_000)]  # edges that determine the six numbers of a linear map
     return tables.corners[h], tables.corners[tables.twins[h]], tables.lengths[h]

@@ -31,19 +31,6 @@ from isoembed.kernel import kernel
 from isoembed.metric.curvature import Triangles
 from isoembed.space import Space
 from isoembed.space.trigonometry import twice_area
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class PolytopeThresholds:
-    """Thresholds of generalized polytopes."""
-
-    longest: float = threshold(
-        100.0, "radii of curvature", "Longer radii in hyperbolic space, whose sines overflow, are refused."
-    )
-
-
-POLYTOPE = PolytopeThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +69,8 @@ class Polytope:
         space = Space(tables.curvature)
         if not radii.min() > 0:  # not a number is no radius either
             return None
-        if not radii.max() * space.root < (np.pi if space.curvature > 0 else POLYTOPE.longest):
+        # Radii of curvature: hyperbolic sines of longer radii overflow.
+        if not radii.max() * space.root < (np.pi if space.curvature > 0 else 100.0):
             return None
         if not flips:
             return cls.on(tables, radii)

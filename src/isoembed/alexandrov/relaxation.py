@@ -10,7 +10,7 @@ from itertools import count
 
 import numpy as np
 
-from isoembed.alexandrov.doubly_covered import FLAT_LIMIT
+from isoembed.alexandrov.doubly_covered import FLAT_IN_FLOATS
 from isoembed.alexandrov.lengths import worst_length
 from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import placed
@@ -27,22 +27,11 @@ from isoembed.space import Space
 from isoembed.surface.convexity import dent_depths
 from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem, length_residuals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class NearlyFlatThresholds:
-    """Thresholds of the relaxation of nearly flat polytopes."""
-
-    relaxations: int = threshold(20, "count", "Newton steps on the lengths at most.")
-    diagonals: int = threshold(8, "edges", "Of those that are repeated, to be kept one after the other.")
-    dented: float = threshold(1e-8, "mean edge lengths", "Deeper dents are never rounding.")
-    shallow: float = threshold(1e-13, "mean edge lengths", "Less deep dents are always rounding.")
-    exact: float = threshold(1e-12, "mean edge lengths", "Error of the lengths of a solution.")
-    thick: float = threshold(10.0, "errors of the lengths", "That one which is no polygon has, flattened.")
-
-
-NEARLY_FLAT = NearlyFlatThresholds()
+MAX_STEPS = 20  # of Newton's method on the lengths
+DENTED = 1e-8  # mean edge lengths: deeper dents are never rounding
+SHALLOW = 1e-13  # mean edge lengths: less deep dents are always rounding
+RELAXED = 1e-12  # mean edge lengths: error of the lengths of a solution
 
 
 def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Floats:
@@ -75,7 +64,7 @@ def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Flo
         before, worst = worst_length(tables, best), worst_length(tables, vertices)
         if worst < before:
             best = vertices
-        ended = before <= NEARLY_FLAT.exact or step >= NEARLY_FLAT.relaxations
+        ended = before <= RELAXED or step >= MAX_STEPS
         if ended and not worst < before / 2:
             break  # the rounding floor; where the body is thin, each step halves the errors, at least
     return best
@@ -103,8 +92,9 @@ class Relaxed:
         centered = self.vertices - self.vertices.mean(axis=0)
         normal = np.linalg.svd(centered, full_matrices=False)[2][2]
         flattened = worst_length(self.tables, self.vertices - (centered @ normal)[:, None] * normal)
-        error = max(worst_length(self.tables, self.vertices), FLAT_LIMIT.exact)
-        return self.dent <= NEARLY_FLAT.dented and flattened > NEARLY_FLAT.thick * error
+        error = max(worst_length(self.tables, self.vertices), FLAT_IN_FLOATS)
+        # Errors of the lengths, by which a body that is no polygon misses them when flattened.
+        return self.dent <= DENTED and flattened > 10.0 * error
 
 
 def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | None:
@@ -139,17 +129,17 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | No
 def relaxed_without_dents(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Relaxed | None:
     """Relax and flip in turn, as long as that mends dents; None if lengths are missed."""
     best = None
-    for _ in range(NEARLY_FLAT.relaxations):
+    for _ in range(MAX_STEPS):
         if repeated(tables).size:  # made by flips on both sides of what is nearly flat
             break
         vertices = relaxed(tables, vertices, recorder)
-        if not worst_length(tables, vertices) <= NEARLY_FLAT.exact:
+        if not worst_length(tables, vertices) <= RELAXED:
             break
         depths = _dents(tables, outward(tables.faces, vertices, Space(tables.curvature)))
         dent = float(depths.max())
-        if dent <= NEARLY_FLAT.dented and (best is None or dent < best.dent):
+        if dent <= DENTED and (best is None or dent < best.dent):
             best = Relaxed(tables.copy(), vertices, dent)
-        if not _flipped(tables, depths, NEARLY_FLAT.dented if best is None else NEARLY_FLAT.shallow):
+        if not _flipped(tables, depths, DENTED if best is None else SHALLOW):
             return best or Relaxed(tables, vertices, dent)
     return best
 
@@ -162,7 +152,7 @@ def _simplicial(tables: HalfEdges) -> Iterator[HalfEdges]:
     edges = repeated(tables)
     if not edges.size:
         yield tables.copy()
-    for h in edges[: NEARLY_FLAT.diagonals]:
+    for h in edges[:8]:  # repeated edges that are kept one after the other
         mesh, kept = tables.copy(), np.zeros(tables.corners.size, dtype=np.bool_)
         kept[[h, tables.twins[h]]] = True
         remove_multi_edges(mesh, kept)

@@ -10,20 +10,10 @@ from scipy.spatial.distance import pdist
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron
 from isoembed.arrays import Floats
 from isoembed.space import Space
-from isoembed.thresholds import threshold
 
 PREFIXES = {4: "tetra", 5: "penta", 6: "hexa", 7: "hepta", 8: "octa", 12: "dodeca", 20: "icosa"}
 SIDES = {3: "triangle", 4: "quadrilateral", 5: "pentagon", 6: "hexagon"}
-
-
-@dataclass(frozen=True)
-class SolidThresholds:
-    """Thresholds of the comparison of solids."""
-
-    same: float = threshold(1e-6, "relative", "Difference up to which lengths or deficits are the same.")
-
-
-SOLID = SolidThresholds()
+SAME = 1e-6  # relative difference of equal lengths or deficits
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +57,7 @@ class Solid:
     def is_congruent(self, other: Solid) -> bool:
         """Whether the two are the same up to motions and mirror images, as far as distances tell."""
         return len(self.distances) == len(other.distances) and np.allclose(
-            self.distances, other.distances, rtol=0, atol=SOLID.same * self.distances[-1]
+            self.distances, other.distances, rtol=0, atol=SAME * self.distances[-1]
         )
 
 
@@ -84,7 +74,7 @@ def _name(loops: list[list[int]], vertices: Floats, space: Space, deficits: Floa
         return f"doubly covered {SIDES.get(len(deficits), f'{len(deficits)}-gon')}"
     lengths = np.concatenate([space.distances(vertices[loop], vertices[np.roll(loop, 1)]) for loop in loops])
     name = f"{PREFIXES.get(len(loops), f'{len(loops)}-')}hedron"
-    alike = np.ptp(lengths) < SOLID.same * lengths.max() and np.ptp(deficits) < SOLID.same
+    alike = np.ptp(lengths) < SAME * lengths.max() and np.ptp(deficits) < SAME
     if alike and len({len(loop) for loop in loops}) == 1:
         return "cube" if len(loops) == 6 else f"regular {name}"
     return name

@@ -15,22 +15,8 @@ from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class TetrahedronThresholds:
-    """Thresholds of tetrahedra."""
-
-    flips: int = threshold(3, "count", "From the Delaunay triangulation to that of the tetrahedron.")
-    flat: float = threshold(1e-5, "longest edges", "Height of bodies that may be polygons but for rounding.")
-    thinnest: float = threshold(
-        1e-3, "longest sides", "Height of triangles on the way: thin ones lose digits."
-    )
-    exact: float = threshold(1e-13, "mean edge lengths", "Error of a length.")
-
-
-TETRAHEDRON = TetrahedronThresholds()
+FLAT = 1e-5  # longest edges: a lower body may be a polygon but for rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +40,10 @@ def tetrahedron(core: HalfEdges) -> Tetrahedron | None:
     first = core.copy()
     make_delaunay(first, np.zeros(4))
     layer = [first]
-    for _ in range(TETRAHEDRON.flips + 1):
+    for _ in range(3 + 1):  # from the Delaunay triangulation to that of the tetrahedron
         for tables in layer:
             vertices = _placed(tables)
-            if vertices is not None and worst_length(tables, vertices) <= TETRAHEDRON.exact:
+            if vertices is not None and worst_length(tables, vertices) <= 1e-13:  # mean edge lengths
                 return Tetrahedron(tables, vertices)
         layer = [after for tables in layer for after in _flipped(tables)]
     return None
@@ -68,7 +54,7 @@ def _flipped(tables: HalfEdges) -> list[HalfEdges]:
     found = []
     for h in tables.edges.tolist():
         after = tables.copy()
-        if flip(h, after, TETRAHEDRON.thinnest):
+        if flip(h, after, 1e-3):  # longest sides: thinner triangles lose digits
             found.append(after)
     return found
 
@@ -83,11 +69,11 @@ def _placed(tables: HalfEdges) -> Floats | None:
     a, b, c, d = lengths[0, 1], lengths[0, 2], lengths[1, 2], lengths[:, 3]
     x = (a * a + (b - c) * (b + c)) / (2 * a)
     y = np.sqrt(max((b - x) * (b + x), 0.0))
-    if not y > TETRAHEDRON.flat * lengths.max():
+    if not y > FLAT * lengths.max():
         return None
     u = (a * a + (d[0] - d[1]) * (d[0] + d[1])) / (2 * a)
     v = ((d[0] - d[2]) * (d[0] + d[2]) + x * (x - 2 * u) + y * y) / (2 * y)
     square = (d[0] - u) * (d[0] + u) - v * v
-    if not square > (TETRAHEDRON.flat * lengths.max()) ** 2:
+    if not square > (FLAT * lengths.max()) ** 2:
         return None
     return np.array([[0, 0, 0], [a, 0, 0], [x, y, 0], [u, v, np.sqrt(square)]])
