@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from isoembed import PolyhedralMetric
-from isoembed.aim.levels import LEVELS
+from isoembed.aim.levels import HELD
 from isoembed.io import write_metric
 from stages import aligned
 
@@ -127,7 +127,7 @@ def of_edges(vertices, faces):
     system = LengthSystem(metric.triangulation)
     x, lengths = vertices / metric.unit, metric.lengths / metric.unit
     # Analyzed once; of many vertices J J^T may be singular to rounding.
-    return least_seconds(lambda: system.linearized(x, lengths, LEVELS.held))
+    return least_seconds(lambda: system.linearized(x, lengths, HELD))
 
 
 def of_vertices(vertices, faces):

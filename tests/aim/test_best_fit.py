@@ -1,7 +1,5 @@
 """The best fit to noisy lengths: near the surface they came from, with the noise that was put in."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -71,15 +69,15 @@ def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
 def test_no_other_weight_is_tried_when_no_more_may_be_spent():
     metric, start, _ = noisy(*BODIES["peanut"], 1e-4)
     energy, recorder = RegularizedEnergy(metric, start), smooth_bodies.recorder()
-    assert best_fit(metric, energy, start, recorder, 1.0).weight == module.BEST_FIT.weight
-    assert recorder.factorizations <= module.BEST_FIT.steps + 1
+    assert best_fit(metric, energy, start, recorder, 1.0).weight == module.WEIGHT
+    assert recorder.factorizations <= module.MAX_STEPS + 1
     most = 25
-    assert best_fit(metric, energy, start, recorder, most).weight < module.BEST_FIT.weight
-    assert recorder.factorizations <= most + module.BEST_FIT.steps + 1
+    assert best_fit(metric, energy, start, recorder, most).weight < module.WEIGHT
+    assert recorder.factorizations <= most + module.MAX_STEPS + 1
 
 
 def test_degrees_of_freedom_are_a_trace(monkeypatch):
-    monkeypatch.setattr(module, "BEST_FIT", replace(module.BEST_FIT, probes=200))
+    monkeypatch.setattr(module, "PROBES", 200)
     metric, _, x = noisy(*zoo.icosphere(1), 1e-3)
     fits, mu = module.Fits(metric, RegularizedEnergy(metric, x), smooth_bodies.recorder(), np.inf), 5.0
     n = x.size

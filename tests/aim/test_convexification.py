@@ -6,7 +6,7 @@ import pytest
 import curved_bodies
 import smooth_bodies
 import zoo
-from isoembed.aim.convexification import CONVEXIFICATION, Convexification
+from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN, Convexification
 from isoembed.gallery import CassiniPeanut, Ergosphere, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.curvature import deficits
@@ -16,7 +16,7 @@ from isoembed.space import Space
 
 
 def convexified(metric, recorder):
-    return Convexification(metric).metric(CONVEXIFICATION.far, recorder)
+    return Convexification(metric).metric(FAR_MARGIN, recorder)
 
 
 def is_convex(metric):
@@ -43,7 +43,7 @@ def test_it_is_convex_with_a_margin_and_near(surface):
     assert recorder.factorizations <= 10
     areas = convex.triangles.areas
     share = 4 * np.pi / 3 * np.bincount(convex.faces.ravel(), np.repeat(areas / areas.sum(), 3))
-    assert (convex.deficits > CONVEXIFICATION.far / 4 * share).all()
+    assert (convex.deficits > FAR_MARGIN / 4 * share).all()
     # Large shapes stay: the curvature of each half of the body has hardly changed.
     assert convex.deficits.sum() == pytest.approx(4 * np.pi, abs=1e-9)
     assert np.abs(convex.deficits - metric.deficits).max() < np.abs(metric.deficits).max()
@@ -51,7 +51,7 @@ def test_it_is_convex_with_a_margin_and_near(surface):
 
 def test_the_first_step_needs_no_factor():
     metric, recorder = glued(*smooth_bodies.drum()), smooth_bodies.recorder()
-    convex = Convexification(metric).metric(CONVEXIFICATION.near, recorder)
+    convex = Convexification(metric).metric(NEAR_MARGIN, recorder)
     assert is_convex(convex)
     assert recorder.factorizations == 0
 
@@ -101,9 +101,9 @@ def test_where_the_laplacian_is_singular_there_is_none(monkeypatch):
 def test_a_larger_margin_goes_on_from_a_smaller_one():
     metric = glued(*triangulate(CassiniPeanut(), 300))
     both, recorders = Convexification(metric), [smooth_bodies.recorder() for _ in range(3)]
-    near = both.metric(CONVEXIFICATION.near, recorders[0])
-    far = both.metric(CONVEXIFICATION.far, recorders[1])
-    alone = Convexification(metric).metric(CONVEXIFICATION.far, recorders[2])
+    near = both.metric(NEAR_MARGIN, recorders[0])
+    far = both.metric(FAR_MARGIN, recorders[1])
+    alone = Convexification(metric).metric(FAR_MARGIN, recorders[2])
     assert (far.face_lengths == alone.face_lengths).all()
     assert (far.faces == alone.faces).all()
     assert recorders[1].iterations < recorders[2].iterations
@@ -120,7 +120,7 @@ def test_in_curved_space_it_has_a_margin_over_the_curvature_of_space_and_the_sam
     )
     convexification = Convexification(metric)
     assert not convexification.is_convex
-    convex = convexification.metric(CONVEXIFICATION.far, recorder)
+    convex = convexification.metric(FAR_MARGIN, recorder)
     assert convex.curvature == metric.curvature
     assert is_convex(convex)
     assert recorder.factorizations <= 5
@@ -128,7 +128,7 @@ def test_in_curved_space_it_has_a_margin_over_the_curvature_of_space_and_the_sam
     assert convex.deficits.sum() == pytest.approx(total, abs=1e-9)
     areas = convex.triangles.areas
     share = total / 3 * np.bincount(convex.faces.ravel(), np.repeat(areas / areas.sum(), 3))
-    assert (convex.deficits > CONVEXIFICATION.far / 4 * share).all()
+    assert (convex.deficits > FAR_MARGIN / 4 * share).all()
     assert np.abs(convex.deficits - metric.deficits).max() < np.abs(metric.deficits).max()
 
 

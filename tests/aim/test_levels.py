@@ -6,7 +6,7 @@ import pytest
 import smooth_bodies
 from isoembed import Aim, embed
 from isoembed.aim import levels
-from isoembed.aim.levels import PullBackLevels, goes_by_levels, pulled_back_by_levels
+from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
 from isoembed.aim.search import Search
 from isoembed.aim.strategies import Strategies
 from isoembed.gallery import CassiniPeanut, triangulate
@@ -28,7 +28,8 @@ def peanut():
 @pytest.fixture
 def small(monkeypatch):
     """Levels of a surface of 3,000 vertices: two after the guided path."""
-    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=2000, guided=600, finest=5.15, growth=1.2))
+    for name, value in {"LEAST_VERTICES": 2000, "GUIDED": 600, "FINEST": 5.15, "GROWTH": 1.2}.items():
+        monkeypatch.setattr(levels, name, value)
 
 
 def test_the_peanut_is_brought_near_also_if_interrupted(peanut, small, monkeypatch):
@@ -70,8 +71,15 @@ def test_the_default_method_goes_by_levels(peanut, small):
     assert smooth_bodies.misfit(found.vertices, x) < 1e-9
 
 
-def test_where_levels_fail_the_path_of_all_vertices_is_followed(small, monkeypatch):
-    monkeypatch.setattr(levels, "LEVELS", PullBackLevels(many=500, landed=0.0, guided=200))
+def test_where_levels_fail_the_path_of_all_vertices_is_followed(monkeypatch):
+    for name, value in {
+        "LEAST_VERTICES": 500,
+        "LANDED": 0.0,
+        "GUIDED": 200,
+        "FINEST": 4.5,
+        "GROWTH": 3.1,
+    }.items():
+        monkeypatch.setattr(levels, name, value)
     x, faces = triangulate(CassiniPeanut(), 600)
     metric = PolyhedralMetric.from_mesh(x, faces)
     found = embed(metric, method=Aim())
@@ -80,10 +88,10 @@ def test_where_levels_fail_the_path_of_all_vertices_is_followed(small, monkeypat
 
 @pytest.mark.parametrize("n", [16_000, 40_000, 160_000, 1_000_000])
 def test_no_level_has_many_times_the_vertices_of_the_one_before(n):
-    counts = np.array([levels.LEVELS.guided, *levels._counts(n)])
+    counts = np.array([levels.GUIDED, *levels._counts(n)])
     assert (counts[1:] > counts[:-1]).all()
-    assert (counts[1:] < 1.01 * levels.LEVELS.growth * counts[:-1]).all()
-    assert counts[-1] == pytest.approx(levels.LEVELS.finest * n ** (5 / 8), abs=1)
+    assert (counts[1:] < 1.01 * levels.GROWTH * counts[:-1]).all()
+    assert counts[-1] == pytest.approx(levels.FINEST * n ** (5 / 8), abs=1)
 
 
 def test_last_steps_are_held_where_rounding_makes_the_matrix_singular(peanut, monkeypatch):
@@ -101,7 +109,7 @@ def test_last_steps_are_held_where_rounding_makes_the_matrix_singular(peanut, mo
     found = levels._ended(system, metric.lengths, nearby, smooth_bodies.recorder())
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-12
     assert asked[0] == 0
-    assert set(asked[1:]) == {levels.LEVELS.held}
+    assert set(asked[1:]) == {levels.HELD}
 
 
 def test_last_steps_end_where_they_cannot_be_held(peanut, monkeypatch):

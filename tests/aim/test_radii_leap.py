@@ -5,7 +5,7 @@ import pytest
 
 import smooth_bodies
 from convex import CONVEX, in_units
-from isoembed.aim.convexification import CONVEXIFICATION, Convexification
+from isoembed.aim.convexification import NEAR_MARGIN, Convexification
 from isoembed.aim.radii_leap import _reflected, newton_on_radii, radii_start
 from isoembed.aim.radii_newton import inverted_vertices, without_curvature
 from isoembed.alexandrov.newton import Analyses, pinned
@@ -24,7 +24,7 @@ def solved(metric):
     """The start, the solution, and the log."""
     given, log = GluedMetric.of(metric), Log()
     with log.stage("waypoint") as recorder:
-        convex = Convexification(given).metric(CONVEXIFICATION.near, recorder)
+        convex = Convexification(given).metric(NEAR_MARGIN, recorder)
     analyses = Analyses.of(given.half_edges())
     start = radii_start(given, convex, analyses, log)
     return start, newton_on_radii(given, start, analyses, log), log

@@ -10,7 +10,7 @@ import isoembed
 import smooth_bodies
 import zoo
 from isoembed.aim.length_expansion import LengthExpansion
-from isoembed.aim.nearby_motions import MOTIONS, Motions, nearby_motions
+from isoembed.aim.nearby_motions import MOST_MOTIONS, SMOOTHER_MOTIONS, Motions, nearby_motions
 from isoembed.aim.nearby_realizations import softest_motions
 from isoembed.aim.realization_leads import leads
 from isoembed.aim.realization_search import RealizationSearch
@@ -196,15 +196,15 @@ def test_of_the_far_motions_those_that_smooth_are_kept():
     pushed = x.copy()
     pushed[20] *= 0.9
     charts = QuinticResiduals.of(PolyhedralMetric.from_mesh(x, faces).triangulation, pushed)
-    motions = np.zeros((MOTIONS.most + 2 * MOTIONS.smoother, *x.shape))
+    motions = np.zeros((MOST_MOTIONS + 2 * SMOOTHER_MOTIONS, *x.shape))
     vertex = np.arange(len(motions)) % 20
     motions[range(len(motions)), vertex] = np.linspace(0.01, 0.05, len(motions))[:, None] * x[vertex]
     motions[-1] = x - pushed
     reach = np.linalg.norm(motions, axis=2).max(axis=1)
     kept = Motions(motions, reach, np.zeros(len(motions))).chosen(charts, pushed)
-    assert len(kept.motions) == MOTIONS.most + MOTIONS.smoother
-    assert np.array_equal(kept.reach[: MOTIONS.most], np.sort(reach)[: MOTIONS.most])
-    assert np.array_equal(kept.motions[MOTIONS.most], motions[-1])
+    assert len(kept.motions) == MOST_MOTIONS + SMOOTHER_MOTIONS
+    assert np.array_equal(kept.reach[:MOST_MOTIONS], np.sort(reach)[:MOST_MOTIONS])
+    assert np.array_equal(kept.motions[MOST_MOTIONS], motions[-1])
 
 
 def test_motions_end_where_realizations_are(saddle):

@@ -1,7 +1,5 @@
 """Reflections of vertices, and which are tried."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,7 @@ from isoembed.aim import side_changes as module
 from isoembed.aim.condensed_patch import Condensation
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.aim.side_changes import SIDES, SideChanges, reflections
+from isoembed.aim.side_changes import PROMISE, SHALLOW, SIDE_RINGS, SideChanges, reflections
 from isoembed.gallery import Ellipsoid, HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 
@@ -58,9 +56,9 @@ def test_shallow_vertices_change_the_lengths_little_and_to_the_better(surface):
         y = x.copy()
         y[v] += moved[v]
         d = surface.energy.residuals(y, surface.lengths) - r
-        if SIDES.promise[0] < -(r @ d) / (r @ r) < SIDES.promise[1]:
+        if PROMISE[0] < -(r @ d) / (r @ r) < PROMISE[1]:
             promised[v] = d @ d
-    expected = sorted(promised, key=promised.__getitem__)[: SIDES.shallow]
+    expected = sorted(promised, key=promised.__getitem__)[:SHALLOW]
     assert len(expected) > 0
     assert SideChanges(surface, never)._shallow() == expected
 
@@ -72,7 +70,7 @@ def test_the_lengths_are_missed_most_at_centers_which_are_apart(surface):
     around = [squares[surface.energy.triangulation.incidence[[v]].indices].sum() for v in range(150)]
     assert centers[0] == np.argmax(around)
     for i, center in enumerate(centers):
-        assert not np.isin(centers[:i], changes._about(center, SIDES.sides)).any()
+        assert not np.isin(centers[:i], changes._about(center, SIDE_RINGS)).any()
 
 
 def test_what_promises_more_than_all_energy_is_not_believed(surface):
@@ -95,7 +93,7 @@ def test_nothing_is_tried_once_all_is_spent(surface):
 
 
 def test_shallow_vertices_that_are_tried_together_have_patches_apart(surface, monkeypatch):
-    monkeypatch.setattr(module, "SIDES", replace(SIDES, rings=1))
+    monkeypatch.setattr(module, "RINGS", 1)
     together = SideChanges(surface, never).shallow()
     vertices = np.concatenate([change.patch.vertices for change in together])
     assert len(together) > 1
@@ -103,7 +101,8 @@ def test_shallow_vertices_that_are_tried_together_have_patches_apart(surface, mo
 
 
 def test_pairs_are_two_near_a_center(surface, monkeypatch):
-    monkeypatch.setattr(module, "SIDES", replace(SIDES, patches=((1, 2),), sides=1))
+    monkeypatch.setattr(module, "PATCHES", ((1, 2),))
+    monkeypatch.setattr(module, "SIDE_RINGS", 1)
     (changes,) = SideChanges(surface, never).pairs()
     (center,) = SideChanges(surface, never)._most_missed(1)
     near = SideChanges(surface, never)._about(center, 2)
@@ -112,5 +111,5 @@ def test_pairs_are_two_near_a_center(surface, monkeypatch):
 
 
 def test_large_patches_are_left_out(surface, monkeypatch):
-    monkeypatch.setattr(module, "SIDES", replace(SIDES, largest=10))
+    monkeypatch.setattr(module, "LARGEST", 10)
     assert list(SideChanges(surface, never).singles(2)) == [[], []]

@@ -44,8 +44,8 @@ def dense_rows(system, lengths, x):
 
 def test_a_step_is_that_of_least_squares_in_both_unknowns(peanut, monkeypatch):
     system, lengths, truth, weights, P, coarse, cells = peanut
-    exact = split_newton.SplitNewtonThresholds(solved=1e-10, most=2000)
-    monkeypatch.setattr(split_newton, "SPLIT_NEWTON", exact)
+    monkeypatch.setattr(split_newton, "SOLVED", 1e-10)
+    monkeypatch.setattr(split_newton, "MAX_ITERATIONS", 2000)
     rng, mu = np.random.default_rng(0), 1e-2
     z = truth[cells.vertices] * [1.02, 1.0, 0.99]
     x = P @ z + 1e-3 * rng.normal(size=truth.shape)
@@ -79,7 +79,7 @@ def test_quintics_hold_the_smooth_surface_among_its_neighbors(peanut):
 @pytest.mark.parametrize(("many", "least", "most"), [(1000, 1e-3, 5e-2), (100, 0.0, 1e-3)])
 def test_steps_of_many_vertices_are_solved_for_more_exactly(peanut, monkeypatch, many, least, most):
     system, lengths, truth, _, P, coarse, _ = peanut
-    monkeypatch.setattr(split_newton, "SPLIT_NEWTON", split_newton.SplitNewtonThresholds(many=many))
+    monkeypatch.setattr(split_newton, "MANY", many)
     x, mu = truth + 3e-3 * np.random.default_rng(2).normal(size=truth.shape), 1e-4
     quintics = QuinticResiduals.of(system.triangulation, truth)
     found = SplitNewton(system, lengths, P, coarse).smooth_step(x, quintics, mu, smooth_bodies.recorder())

@@ -8,24 +8,13 @@ from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class AnnealingThresholds:
-    """Thresholds of annealing."""
-
-    diverged: float = threshold(10.0, "mean edge lengths", "No Newton iteration returns from more.")
-    rounding: float = threshold(1e-9, "mean edge lengths", "Below this, a residual that grows is rounding.")
-    polished: float = threshold(1e-13, "mean edge lengths", "Residual asked of the last steps.")
-    polish: int = threshold(10, "count", "Last Newton steps at most.")
-    settled: float = threshold(1e-3, "mean edge lengths", "A shorter step ends the fit to the sphere.")
-    damping: float = threshold(1e-2, "relative", "Levenberg-Marquardt damping at first.")
-    stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
-    softer: float = threshold(0.3, "relative", "Factor of the damping after a step that halves the energy.")
-
-
-ANNEALING = AnnealingThresholds()
+POLISH_STEPS = 10  # Newton steps of the last stage
+# Factors of Levenberg-Marquardt damping after a step uphill, and after one downhill.
+STIFFER, SOFTER = 5.0, 0.2
+REALIZED = 1e-11  # mean edge lengths: the largest residual of a realization
+SAME = 1e-7  # mean edge lengths: realizations as near as this are one
+NEWTON_BASIN = 1e-6  # mean edge lengths: Newton's method does not get lost from here
 
 
 @dataclass(frozen=True)
@@ -52,9 +41,9 @@ def anneal(
     lengths: Floats,
     recorder: StageRecorder,
     *,
-    residual_tolerance: float = ANNEALING.polished,
+    residual_tolerance: float = 1e-13,  # mean edge lengths
     step_tolerance: float = 0.0,
-    max_iterations: int = ANNEALING.polish,
+    max_iterations: int = POLISH_STEPS,
 ) -> Annealed:
     """Bring the edges of a surface to given lengths by Newton's method; by default to the rounding floor.
 
@@ -84,11 +73,13 @@ def anneal(
         recorder.show(residual=residual)
         if residual < best.residual:
             best = Annealed(x, residual, False)
-        elif best.residual < ANNEALING.rounding and iteration:
+        # Mean edge lengths: a smaller residual that grows is rounding.
+        elif best.residual < 1e-9 and iteration:
             return best
         if residual <= residual_tolerance:
             return Annealed(x, residual, True)
-        if not residual < ANNEALING.diverged or iteration == max_iterations:
+        # Mean edge lengths, from which no Newton iteration returns.
+        if not residual < 10.0 or iteration == max_iterations:
             return best
         try:
             step = system.step(x, lengths, r)
@@ -142,7 +133,7 @@ def anneal_on_sphere(
         recorder.iterations += 1
         recorder.factorizations += 1
         x = x - step
-        if np.abs(step).max() < ANNEALING.settled:
+        if np.abs(step).max() < 1e-3:  # mean edge lengths
             break
     return x
 
@@ -161,7 +152,7 @@ def anneal_damped(
     It finds some surface nearby, be it crumpled.  Parameters and result as of `anneal`.
     """
     triangulation = system.triangulation
-    x, mu = vertices, ANNEALING.damping
+    x, mu = vertices, 1e-2  # Levenberg-Marquardt
     r = length_residuals(triangulation, x, lengths)
     energy = r @ r
     for _ in range(max_iterations):
@@ -170,17 +161,17 @@ def anneal_damped(
         try:
             trial = x - system.step(x, lengths, r, mu)
         except SingularMatrix:
-            mu *= ANNEALING.stiffer
+            mu *= STIFFER
             continue
         recorder.iterations += 1
         recorder.factorizations += 1
         r_trial = length_residuals(triangulation, trial, lengths)
         energy_trial = r_trial @ r_trial
         if energy_trial < energy:
-            mu *= ANNEALING.softer if energy_trial < energy / 2 else 1.0
+            mu *= 0.3 if energy_trial < energy / 2 else 1.0
             x, r, energy = trial, r_trial, energy_trial
             recorder.show(residual=float(np.abs(r).max()))
         else:
-            mu *= ANNEALING.stiffer
+            mu *= STIFFER
     residual = float(np.abs(r).max())
     return Annealed(x, residual, residual <= residual_tolerance)

@@ -27,24 +27,10 @@ from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class BestFitThresholds:
-    """Thresholds of the best fit."""
-
-    weight: float = threshold(10.0, "mean edge lengths^2", "mu at first: no dimple catches it.")
-    factor: float = threshold(10.0, "relative", "From one mu to the next: the score has a broad minimum.")
-    levels: int = threshold(8, "count", "Such steps at most, down or up.")
-    better: float = threshold(0.995, "relative", "Share of the best score so far that is worth another mu.")
-    settled: float = threshold(0.99, "relative", "Share of the energy that a step leaves at the minimum.")
-    steps: int = threshold(8, "count", "Gauss-Newton steps at most, for each mu.")
-    collapsed: float = threshold(0.3, "mean edge lengths", "Mean miss of a surface that has lost its shape.")
-    probes: int = threshold(4, "count", "Random vectors that estimate degrees of freedom, to a percent.")
-
-
-BEST_FIT = BestFitThresholds()
+WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
+MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
+PROBES = 4  # random vectors that estimate degrees of freedom, to a percent
 
 
 @dataclass(frozen=True)
@@ -98,21 +84,23 @@ def best_fit(
         None if nothing as smooth comes near to the lengths.
     """
     fits = Fits(metric, energy, recorder, most)
-    best = first = fits.fit(start, BEST_FIT.weight)
+    best = first = fits.fit(start, WEIGHT)
     for direction in (-1, 1):
         last = first
-        for level in range(1, BEST_FIT.levels + 1):
+        for level in range(1, 8 + 1):  # values of mu, down or up
             if fits.exhausted:
                 break
-            last = fits.fit(last.vertices, BEST_FIT.weight * BEST_FIT.factor ** (direction * level))
-            if not last.score < BEST_FIT.better * best.score:
+            # From one mu to the next: the score has a broad minimum.
+            last = fits.fit(last.vertices, WEIGHT * 10.0 ** (direction * level))
+            if not last.score < 0.995 * best.score:  # a smaller gain is not worth another mu
                 break
             best = last
         if best is not first:
             break
     a, b = metric.edges.T
     missed = metric.space.distances(best.vertices[a], best.vertices[b]) - metric.lengths
-    near = np.sqrt(np.mean(missed**2)) < BEST_FIT.collapsed * metric.mean_length
+    # Mean edge lengths: the mean miss of a surface that has lost its shape.
+    near = np.sqrt(np.mean(missed**2)) < 0.3 * metric.mean_length
     return best if best.score < np.inf and near else None
 
 
@@ -128,23 +116,23 @@ class Fits:
     ) -> None:
         self._metric, self._energy, self._recorder = metric, energy, recorder
         self._last = recorder.factorizations + most
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(BEST_FIT.probes, len(metric.lengths)))
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(PROBES, len(metric.lengths)))
         self._probes = signs[:, np.argsort(np.argsort(metric.lengths))]  # whatever the numbers of the edges
 
     @property
     def exhausted(self) -> bool:
         """Whether another fit might take more than is left."""
-        return self._recorder.factorizations + BEST_FIT.steps + 1 > self._last
+        return self._recorder.factorizations + MAX_STEPS + 1 > self._last
 
     def fit(self, vertices: Floats, weight: float) -> BestFit:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""
         lengths, unit = self._metric.lengths, self._metric.mean_length
         mu = weight * unit**2
         x, value = vertices, self._energy.value(vertices, lengths, mu)
-        for _ in range(BEST_FIT.steps):
+        for _ in range(MAX_STEPS):
             x = self._energy.relaxed(x, lengths, mu, 0.0, self._recorder)
             before, value = value, self._energy.value(x, lengths, mu)
-            if not value < BEST_FIT.settled * before:
+            if not value < 0.99 * before:  # share of the energy that a step leaves at the minimum
                 break
         r = self._energy.residuals(x, lengths)
         try:
@@ -167,4 +155,4 @@ class Fits:
         for z in self._probes:
             d = solve(energy.forces(x, lengths, z))
             left += float(z @ (z - energy.rates(x, lengths, d)))
-        return max(left / BEST_FIT.probes, 1.0)  # the estimate is not good enough to tell less from none
+        return max(left / PROBES, 1.0)  # the estimate is not good enough to tell less from none

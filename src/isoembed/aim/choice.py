@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from isoembed.aim.anneal import anneal
-from isoembed.aim.nearby_realizations import NEARBY, nearby_realizations
+from isoembed.aim.nearby_realizations import NEAR, SOFTEST, nearby_realizations
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
@@ -26,7 +26,7 @@ REALIZED = 1e-11
 """Largest residual of a realization beside another one, in mean edge lengths."""
 
 SOUGHT = (
-    f"others were sought along the {NEARBY.motions} softest motions, within {NEARBY.near:g} mean edge "
+    f"others were sought along the {SOFTEST} softest motions, within {NEAR:g} mean edge "
     "lengths, which need not find all: isoembed realizations searches further"
 )
 

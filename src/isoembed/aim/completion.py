@@ -21,40 +21,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from isoembed.aim.anneal import anneal
+from isoembed.aim.anneal import REALIZED, SOFTER, STIFFER, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSystem, edge_rows
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class CompletionThresholds:
-    """Thresholds of the completion."""
-
-    motions: tuple[int, ...] = threshold((2, 3, 4, 5, 6, 8), "count", "The softest motions, so many in turn.")
-    damping: float = threshold(1e-11, "relative", "Added to J J^T, which is singular; little beside others.")
-    spare: int = threshold(20, "count", "Lanczos vectors beyond twice the motions.")
-    eigenvalue: float = threshold(1e-4, "relative", "Of the softest motions.")
-    starts: int = threshold(60, "count", "Random starts of the cubic equations.")
-    scales: tuple[float, ...] = threshold(
-        (0.5, 1.0, 2.0, 4.0), "relative", "Of a start, to where quadratic terms match the errors."
-    )
-    steps: int = threshold(60, "count", "Levenberg-Marquardt steps from a start at most.")
-    first: float = threshold(1e-3, "relative", "Damping of the first.")
-    stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
-    softer: float = threshold(0.2, "relative", "Factor of the damping after a step downhill.")
-    stiffest: float = threshold(1e8, "relative", "Damping of the last.")
-    settled: float = threshold(1e-8, "relative", "Decrease of the squares that is none.")
-    alike: float = threshold(1e-3, "relative", "Nearer, two roots are one.")
-    tried: int = threshold(6, "count", "Roots, the best, from which Newton's method is tried.")
-    newton: int = threshold(4, "count", "Newton steps that tell whether one leads anywhere.")
-    exact: float = threshold(1e-11, "mean edge lengths", "Largest residual of a realization.")
-
-
-COMPLETION = CompletionThresholds()
+MOTIONS = (2, 3, 4, 5, 6, 8)  # numbers of softest motions, in turn
 
 
 def completed(
@@ -77,15 +51,15 @@ def completed(
     is_done : callable
         Whether no more may be spent, asked with a surface.
     """
-    exact = COMPLETION.exact * float(lengths.mean())
+    exact = REALIZED * float(lengths.mean())
     if is_done(vertices):
         return vertices
     recorder.factorizations += 2
     try:
-        soft = _SoftMotions.of(system, vertices, lengths, COMPLETION.motions[-1])
+        soft = _SoftMotions.of(system, vertices, lengths, MOTIONS[-1])
     except (SingularMatrix, ArpackError):  # the latter where Lanczos' iteration does not converge
         return vertices
-    for count in COMPLETION.motions:
+    for count in MOTIONS:
         for start in soft.equations(count).roots():
             if is_done(vertices):
                 return vertices
@@ -95,7 +69,7 @@ def completed(
                 lengths,
                 recorder,
                 residual_tolerance=exact,
-                max_iterations=COMPLETION.newton,
+                max_iterations=4,  # steps that tell whether a root leads anywhere
             )
             if found.converged:
                 return found.vertices
@@ -129,7 +103,8 @@ class _SoftMotions:
         Where J is singular the motions cannot be had from the stresses: both are eigenvectors.
         """
         triangulation, m = system.triangulation, len(lengths)
-        linear = system.linearized(vertices, lengths, COMPLETION.damping)
+        # A little damping: J J^T is singular.
+        linear = system.linearized(vertices, lengths, 1e-11)
         factor = VertexSystem(triangulation).penalized(edge_rows(triangulation, vertices, lengths), 0.0)
         count = min(most, m - 1)
         moved = vertices - vertices.mean(axis=0)
@@ -173,8 +148,8 @@ def _softest(inverse: Callable[[Floats], Floats], n: int, count: int) -> Floats:
         k=count,
         which="LA",
         v0=np.random.default_rng(0).standard_normal(n),
-        ncv=min(n, 2 * count + COMPLETION.spare),
-        tol=COMPLETION.eigenvalue,
+        ncv=min(n, 2 * count + 20),
+        tol=1e-4,  # enough for the softest motions
     )
     return np.asarray(vectors.T[::-1])
 
@@ -214,9 +189,10 @@ class _SoftEquations:
         if not np.isfinite(size).all():
             return []
         met: list[tuple[float, Floats]] = []
-        for _ in range(COMPLETION.starts):
-            value, s = self._least(rng.standard_normal(k) * size * rng.choice(COMPLETION.scales))
-            close = COMPLETION.alike * np.abs(s).max()
+        for _ in range(60):  # random starts of the cubic equations
+            # Starts about where quadratic terms match the errors.
+            value, s = self._least(rng.standard_normal(k) * size * rng.choice((0.5, 1.0, 2.0, 4.0)))
+            close = 1e-3 * np.abs(s).max()  # relative distance of equal roots
             if all(np.abs(s - other).max() > close for _, other in met):
                 met.append((value, s))
         met.sort(key=lambda pair: pair[0])
@@ -224,7 +200,7 @@ class _SoftEquations:
             self.vertices
             + np.tensordot(s, self.motions, axes=1)
             + np.einsum("i,j,ijvc->vc", s, s, self.followed) / 2
-            for _, s in met[: COMPLETION.tried]
+            for _, s in met[:6]  # the best roots
         ]
 
     def _evaluated(self, s: Floats) -> tuple[Floats, Floats]:
@@ -236,9 +212,9 @@ class _SoftEquations:
 
     def _least(self, s: Floats) -> tuple[float, Floats]:
         """The least sum of squares that Levenberg-Marquardt steps lead to, and where it is."""
-        (f, J), damping = self._evaluated(s), COMPLETION.first
+        (f, J), damping = self._evaluated(s), 1e-3  # Levenberg-Marquardt
         value = float(f @ f)
-        for _ in range(COMPLETION.steps):
+        for _ in range(60):
             gram = J.T @ J
             gram[np.diag_indices(len(s))] *= 1 + damping
             try:
@@ -248,13 +224,13 @@ class _SoftEquations:
             f_trial, slopes = self._evaluated(trial)
             reached = float(f_trial @ f_trial)
             if reached < value:
-                enough = value - reached < COMPLETION.settled * value
+                enough = value - reached < 1e-8 * value  # relative decrease of the squares that is rounding
                 s, f, J, value = trial, f_trial, slopes, reached
-                damping *= COMPLETION.softer
+                damping *= SOFTER
                 if enough:
                     break
             else:
-                damping *= COMPLETION.stiffer
-                if damping > COMPLETION.stiffest:
+                damping *= STIFFER
+                if damping > 1e8:  # above it no step helps
                     break
         return value, s

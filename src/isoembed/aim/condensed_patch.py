@@ -21,28 +21,11 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.surface.rigidity import HeldTriangle, edge_rows
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class CondensedPatchThresholds:
-    """Thresholds of the relaxation of a patch with the rest of its surface."""
-
-    columns: int = threshold(96, "count", "Columns of the inverse that are solved for at once.")
-    solve: float = threshold(0.015, "factorizations", "Cost of a column.")
-    dense: float = threshold(0.15, "factorizations", "Cost of a step whose matrix is that of all vertices.")
-    steps: int = threshold(15, "count", "Newton steps at most.")
-    early: int = threshold(4, "count", "Steps after which those that lead nowhere are given up.")
-    nowhere: float = threshold(3e3, "relative", "Growth of the energy that leads nowhere then.")
-    falling: float = threshold(0.25, "relative", "Factor of that with each further step.")
-    damping: float = threshold(1e-6, "stiffness of an edge", "Added to the first step's matrix.")
-    stiffer: float = threshold(4.0, "relative", "Factor of the damping after a step uphill.")
-    softer: float = threshold(0.125, "relative", "Factor of the damping after a step downhill.")
-    stiffest: float = threshold(10.0, "stiffness of an edge", "Damping that ends the relaxation.")
-    settled: float = threshold(1e-3, "relative", "Decrease by a step that is none, to the energy's change.")
-
-
-CONDENSED_PATCH = CondensedPatchThresholds()
+COLUMNS = 96  # of the inverse that are solved for at once
+EARLY = 4  # steps after which those that lead nowhere are given up
+STIFFER = 4.0  # factor of the damping after a step uphill
+SETTLED = 1e-3  # relative decrease, to the energy's change, of a step that is the last
 
 
 class Condensation:
@@ -92,15 +75,15 @@ class Condensation:
     def solve(self, forces: Floats) -> Floats:
         """The motions, (V, 3, k), that these forces, (V, 3, k), cause."""
         flat = forces.reshape(-1, forces.shape[-1])
-        self.spend(CONDENSED_PATCH.solve * flat.shape[1])
+        self.spend(0.015 * flat.shape[1])  # factorizations that a column costs
         return self._factor.solve(flat, sweeps=0).reshape(forces.shape)
 
     def patch(self, vertices: Indices) -> CondensedPatch:
         """That of some vertices, ascending; raises SingularMatrix."""
         n, of = len(self.vertices), (3 * vertices[:, None] + np.arange(3)).ravel()
         block = np.empty((of.size, of.size))  # of the inverse
-        for first in range(0, of.size, CONDENSED_PATCH.columns):
-            chosen = of[first : first + CONDENSED_PATCH.columns]
+        for first in range(0, of.size, COLUMNS):
+            chosen = of[first : first + COLUMNS]
             forces = np.zeros((3 * n, chosen.size))
             forces[chosen, np.arange(chosen.size)] = 1.0
             moved = self.solve(forces.reshape(n, 3, -1)).reshape(3 * n, -1)
@@ -191,35 +174,37 @@ class CondensedPatch:
     def relaxed(self, motion: Floats) -> tuple[Floats, float]:
         """The local minimum near a motion, (n, 3), and by how much the energy has grown there."""
         matrix, forces = self._outside
-        d, value, damping = motion, self.change(motion), CONDENSED_PATCH.damping
+        d, value, damping = motion, self.change(motion), 1e-6  # stiffness of an edge
         share = len(self.vertices) / len(self.surface.vertices)
         diagonal = np.diag_indices(matrix.shape[0])
-        for step in range(CONDENSED_PATCH.steps):
+        for step in range(15):
             r, rows = self._errors(d)
             gradient = self._forces(rows, r).ravel() + forces.ravel() + matrix @ d.ravel()
             hessian = matrix + self._assembled(rows, r / self.surface.lengths[self.inside])
-            while damping <= CONDENSED_PATCH.stiffest:
-                self.surface.spend(CONDENSED_PATCH.dense * share)
+            while damping <= 10.0:  # stiffness of an edge: above it no step helps
+                # Factorizations that a step costs whose matrix is that of all vertices.
+                self.surface.spend(0.15 * share)
                 damped = hessian.copy()
                 damped[diagonal] += damping
                 try:
                     factor = cho_factor(damped, lower=True, overwrite_a=True, check_finite=False)
                 except LinAlgError:
-                    damping *= CONDENSED_PATCH.stiffer
+                    damping *= STIFFER
                     continue
                 trial = d - cho_solve(factor, gradient, check_finite=False).reshape(-1, 3)
                 reached = self.change(trial)
                 if reached < value:
                     break
-                damping *= CONDENSED_PATCH.stiffer
+                damping *= STIFFER
             else:
                 break
             gained, d, value = value - reached, trial, reached
-            damping *= CONDENSED_PATCH.softer
-            if gained < CONDENSED_PATCH.settled * (abs(value) + self.surface.value * CONDENSED_PATCH.settled):
+            damping *= 0.125
+            if gained < SETTLED * (abs(value) + self.surface.value * SETTLED):
                 break
-            limit = CONDENSED_PATCH.nowhere * CONDENSED_PATCH.falling ** (step - CONDENSED_PATCH.early)
-            if step >= CONDENSED_PATCH.early and value > limit * self.surface.value:
+            # Growth of the energy that leads nowhere, and its factor with each further step.
+            limit = 3e3 * 0.25 ** (step - EARLY)
+            if step >= EARLY and value > limit * self.surface.value:
                 break
         return d, value
 

@@ -26,28 +26,11 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian, deficit_laplacian
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
 
 SHARE = "deficit of a vertex's area on a sphere"
-
-
-@dataclass(frozen=True)
-class ConvexificationThresholds:
-    """Thresholds of the convexification."""
-
-    far: float = threshold(0.05, SHARE, "Margin of the metric from which a continuation starts.")
-    near: float = threshold(0.005, SHARE, "Margin of the metric from which Newton's method starts.")
-    enough: float = threshold(0.5, "margins", "Deficit at which the conformal change may end.")
-    pinned: float = threshold(1e-9, "Laplacian entries", "Added to the diagonal, which pins the mean.")
-    diffused: float = threshold(1e-7, "relative", "Residual of the conjugate gradients of the diffusion.")
-    most: int = threshold(150, "count", "Their iterations at most; beyond, the matrix is factored.")
-    doublings: int = threshold(50, "count", "Of the time: beyond, only rounding keeps curvature uneven.")
-    steps: int = threshold(100, "count", "Newton steps at most.")
-    shortest: float = threshold(1e-3, "Newton steps", "A shorter step ends the search for the metric.")
-    curved: float = threshold(0.01, "4 pi", "Curvature of space times area that is worth a smaller metric.")
-
-
-CONVEXIFICATION = ConvexificationThresholds()
+FAR_MARGIN = 0.05  # of a vertex's share of 4 pi: the metric from which a continuation starts
+NEAR_MARGIN = 0.005  # the same, of the metric from which Newton's method starts
+PINNED = 1e-9  # Laplacian entries, added to the diagonal, which pins the mean
 
 
 class Convexification:
@@ -118,7 +101,8 @@ class Convexification:
         With much of a sphere's area the derivative of the deficits may become singular on the way to the
         convex metric; and the smaller the metric, the less curvature it needs.
         """
-        if not 1 - _total(self.given) / (4 * np.pi) > CONVEXIFICATION.curved:
+        # Of 4 pi: curvature of space times area that is worth a smaller metric.
+        if not 1 - _total(self.given) / (4 * np.pi) > 0.01:
             return None
         half = np.full(self.given.n_vertices, -np.log(2.0))
         return Convexification(equivalent(self.given, half))
@@ -130,8 +114,8 @@ class Convexification:
         if diffused is None:
             return None
         goal, step = diffused
-        least = CONVEXIFICATION.enough * margin * reached.shares
-        for count in range(CONVEXIFICATION.steps):
+        least = 0.5 * margin * reached.shares  # the conformal change may end with half of the margin
+        for count in range(100):
             missing = goal - reached.metric.deficits
             recorder.show(residual=float(np.abs(missing).max()))
             if (reached.metric.deficits >= least).all():
@@ -145,7 +129,7 @@ class Convexification:
                 np.linalg.norm(goal - trial.metric.deficits) > (1 - s / 10) * np.linalg.norm(missing)
             ):
                 s /= 2
-                if s < CONVEXIFICATION.shortest:
+                if s < 1e-3:
                     return None
             reached = trial if s == 1.0 else _Delaunay.of(trial.metric)
         return None
@@ -164,7 +148,7 @@ class Convexification:
         shares = triangles.shares
         mass = shares / _total(triangles.metric) * shape.areas.sum() * shape.unit**2
         self._tau = self._tau or first
-        last = first * 2.0**CONVEXIFICATION.doublings
+        last = first * 2.0**50  # of the time: beyond, only rounding keeps curvature uneven
         while self._tau < last:
             recorder.iterations += 1
             sources = triangles.metric.deficits / self._tau
@@ -219,9 +203,10 @@ class _Delaunay:
         """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
         from scipy.sparse.linalg import cg  # slow to import, and convex metrics do without
 
-        matrix, t = self.shifted(cotangent_laplacian(self.metric), diagonal), CONVEXIFICATION
+        matrix = self.shifted(cotangent_laplacian(self.metric), diagonal)
         jacobi = diags_array(1 / matrix.diagonal())
-        found, failed = cg(matrix, sources, rtol=t.diffused, maxiter=t.most, M=jacobi)
+        # More iterations cost more than factors.
+        found, failed = cg(matrix, sources, rtol=1e-7, maxiter=150, M=jacobi)
         if failed:
             recorder.factorizations += 1
             return self.solver().factor(matrix.data).solve(sources)
@@ -230,7 +215,7 @@ class _Delaunay:
     def solved(self, missing: Floats) -> Floats:
         """The conformal factors that add this to the deficits, to first order."""
         # The curvature of space determines the mean, of this sign; hardly, if there is little of it.
-        pinned = -CONVEXIFICATION.pinned if self.metric.curvature > 0 else CONVEXIFICATION.pinned
+        pinned = -PINNED if self.metric.curvature > 0 else PINNED
         matrix = self.shifted(deficit_laplacian(self.metric), np.full(len(missing), pinned))
         step: Floats = self.solver().factor(matrix.data).solve(missing)
         return step - step.mean() if self.metric.space.is_euclidean else step

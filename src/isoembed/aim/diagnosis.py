@@ -1,7 +1,5 @@
 """What to say of lengths for which no surface was found: where they are missed, and what can be done."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from isoembed.arrays import Mask
@@ -10,20 +8,9 @@ from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
-from isoembed.thresholds import rounded_up, threshold
+from isoembed.thresholds import rounded_up
 
-
-@dataclass(frozen=True)
-class DiagnosisThresholds:
-    """Thresholds of the diagnosis."""
-
-    unlike: float = threshold(0.05, "mean edge lengths", "Larger errors are not those of a measured surface.")
-    stands_out: float = threshold(20.0, "mean squared residuals", "Even noise has less at any vertex.")
-    region: int = threshold(5, "vertices", "Noise makes fewer deficits negative side by side, on average.")
-    almost_convex: float = threshold(0.05, "4 pi", "Less negative curvature may be noise on a convex body.")
-
-
-DIAGNOSIS = DiagnosisThresholds()
+UNLIKE = 0.05  # mean edge lengths: larger errors are not those of a measured surface
 
 
 def diagnosis(attempt: Embedding, fit: FittedSurface | None, effort: float) -> str:
@@ -47,7 +34,7 @@ def diagnosis(attempt: Embedding, fit: FittedSurface | None, effort: float) -> s
         f"no surface with these lengths was found: the nearest misses {_worst_edge(attempt)} "
         f"by {attempt.residual:.1e} of the mean edge length"
     )
-    unlike = fit is None or fit.noise > DIAGNOSIS.unlike
+    unlike = fit is None or fit.noise > UNLIKE
     return ". ".join(
         [found, *_curvature(attempt.metric, unlike), _errors(fit), *_longer_search(attempt.metric, effort)]
     )
@@ -65,14 +52,14 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     found = _negative(metric, negative, regions)
     if unlike:
         return [found]
-    if regions * DIAGNOSIS.region <= negative.sum():
+    if regions * 5 <= negative.sum():  # noise makes fewer deficits negative side by side, on average
         return [
             found,
             "Negative curvature over whole regions is unlikely to be noise, and not every metric with it has "
             "a smooth surface",
         ]
     lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
-    if -total > DIAGNOSIS.almost_convex * 4 * np.pi:
+    if -total > 0.05 * 4 * np.pi:  # less negative curvature may be noise on a convex body
         return [found]
     return [
         found,
@@ -99,7 +86,7 @@ def _errors(fit: FittedSurface | None) -> str:
     """What the best fit tells of the lengths."""
     if fit is None:
         return "No smooth surface near to them was found: check that each length is with its edge"
-    if fit.noise > DIAGNOSIS.unlike:
+    if fit.noise > UNLIKE:
         return (
             f"No smooth surface near to them was found: the best fit misses {fit.residual_rms:.0%} of the "
             f"mean edge length (root mean square), most at {_worst_edge(fit)}: check that each length is "
@@ -108,7 +95,7 @@ def _errors(fit: FittedSurface | None) -> str:
     squares = fit.residuals**2
     at_vertices = np.bincount(fit.metric.edges.ravel(), np.repeat(squares, 2)) / fit.triangulation.degrees
     v = int(np.argmax(at_vertices))
-    if at_vertices[v] > DIAGNOSIS.stands_out * squares.mean():
+    if at_vertices[v] > 20.0 * squares.mean():  # even noise has less at any vertex
         return (
             f"Smooth surfaces miss them most at the edges of vertex {v}, with "
             f"{at_vertices[v] / squares.mean():.0f} times the mean squared residual: check the lengths "

@@ -9,28 +9,12 @@ identity for each edge.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from isoembed.aim.anneal import SOFTER, STIFFER
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class DescentThresholds:
-    """Thresholds of the descent."""
-
-    steps: int = threshold(30, "count", "Newton steps at most.")
-    damping: float = threshold(1.0, "relative", "w, the weight of K beside R, of the first step's matrix.")
-    stiffer: float = threshold(5.0, "relative", "Factor of w after a step uphill.")
-    softer: float = threshold(0.2, "relative", "Factor of w after a step downhill.")
-    uphill: int = threshold(12, "count", "Steps uphill in turn that end it.")
-    settled: float = threshold(0.999, "relative", "Share of the energy that a step leaves at the minimum.")
-
-
-DESCENT = DescentThresholds()
 
 
 def descended(
@@ -59,28 +43,28 @@ def descended(
     -------
     ndarray, shape (V, 3)
     """
-    x, damping, value = vertices, DESCENT.damping, energy.value(vertices, lengths, mu)
-    for _ in range(DESCENT.steps):
+    x, damping, value = vertices, 1.0, energy.value(vertices, lengths, mu)  # weight of K beside R
+    for _ in range(30):
         r = energy.residuals(x, lengths)
         gradient = energy.forces(x, lengths, r) + mu * energy.roughness(x, 0.0)
         recorder.iterations += 1
-        for _ in range(DESCENT.uphill):
+        for _ in range(12):
             if is_done(x):
                 return x
             recorder.factorizations += 1
             try:
                 trial = x - energy.solver(x, lengths, mu, damping, r / lengths)(gradient)
             except SingularMatrix:
-                damping *= DESCENT.stiffer
+                damping *= STIFFER
                 continue
             reached = energy.value(trial, lengths, mu)
             if reached < value:
                 break
-            damping *= DESCENT.stiffer
+            damping *= STIFFER
         else:
             return x
         x, before, value = trial, value, reached
-        damping *= DESCENT.softer
-        if value > DESCENT.settled * before:
+        damping *= SOFTER
+        if value > 0.999 * before:  # at the minimum
             break
     return x

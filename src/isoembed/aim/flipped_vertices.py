@@ -9,41 +9,19 @@ balance of the two terms, and where nothing helps.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.aim.anneal import anneal
+from isoembed.aim.anneal import NEWTON_BASIN, REALIZED, anneal
 from isoembed.aim.condensed_patch import Condensation
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.length_search import LengthSearch
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.aim.side_changes import SIDES, SideChange, SideChanges
+from isoembed.aim.side_changes import GAIN, PATCHES, SideChange, SideChanges
 from isoembed.arrays import Floats
 from isoembed.linalg import OutOfMemory, SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class FlippedVerticesThresholds:
-    """Thresholds of the search by changes of sides."""
-
-    smoothness: float = threshold(2.0, "relative", "mu |R x|^2 over |r|^2 where mu is told by their balance.")
-    balanced: float = threshold(0.9, "relative", "mu falls to what is told if that is less than this of it.")
-    fade: float = threshold(0.3, "relative", "Factor of mu where nothing helps.")
-    fine: float = threshold(1e-8, "mean edge lengths^2", "mu below which every kind of change is tried.")
-    vain: int = threshold(2, "count", "Values of mu so small where nothing helps that end a search.")
-    patience: int = threshold(3, "count", "Descents in vain from changes of a kind.")
-    wild: float = threshold(1e4, "relative", "Growth of the energy from which no descent returns.")
-    descent: int = threshold(20, "count", "Factorizations of a descent at most.")
-    close: float = threshold(1e-6, "mean edge lengths", "From here Newton's method is tried.")
-    closer: float = threshold(0.5, "relative", "Share of the residual that is worth another try.")
-    exact: float = threshold(1e-11, "mean edge lengths", "Largest residual of a realization.")
-
-
-FLIPPED_VERTICES = FlippedVerticesThresholds()
 
 
 def with_flipped_vertices(
@@ -106,18 +84,18 @@ class _Flips(LengthSearch):
     @property
     def is_done(self) -> bool:
         """Whether there is no more to do, or may not be done."""
-        return self.missed <= FLIPPED_VERTICES.exact or self.exhausted
+        return self.missed <= REALIZED or self.exhausted
 
     def told(self, x: Floats) -> float:
         """The mu that balances the two terms of the energy."""
         r = self.energy.residuals(x, self.lengths)
         rough = max(np.sum((self.energy.fit_residuals @ x) ** 2), np.finfo(float).tiny)
-        return FLIPPED_VERTICES.smoothness * float(r @ r / rough)
+        return 2.0 * float(r @ r / rough)  # mu |R x|^2 over |r|^2 in balance
 
     def keep(self, x: Floats) -> float:
         """As of all searches; and keep where Newton's method leads from there."""
         missed = super().keep(x)
-        if missed <= min(FLIPPED_VERTICES.close, FLIPPED_VERTICES.closer * self._asked):
+        if missed <= min(NEWTON_BASIN, 0.5 * self._asked):  # share of the residual that is worth another try
             self._asked = missed
             super().keep(anneal(self.system, x, self.lengths, self.recorder).vertices)
         return missed
@@ -139,10 +117,11 @@ class _Flips(LengthSearch):
         x, vain, was_fine = self.descended(x, mu), 0, False
         while not self.is_done:
             told = self.told(x)
-            if told < FLIPPED_VERTICES.balanced * mu:
+            if told < 0.9 * mu:
                 x, mu = self.descended(x, told), told
                 continue
-            fine = mu < FLIPPED_VERTICES.fine * self.energy.unit**2
+            # Mean edge lengths^2: below it every kind of change is tried.
+            fine = mu < 1e-8 * self.energy.unit**2
             if fine and not was_fine:
                 vain, was_fine = 0, True
                 self.turn = self.turn or (x, mu)
@@ -151,9 +130,9 @@ class _Flips(LengthSearch):
                 x, vain = better, 0
                 continue
             vain += 1
-            if fine and vain >= FLIPPED_VERTICES.vain:
+            if fine and vain >= 2:  # values of mu for which nothing helps
                 return
-            mu *= FLIPPED_VERTICES.fade
+            mu *= 0.3
             x = self.descended(x, mu)
 
     def better(self, x: Floats, mu: float, kinds: int | None) -> Floats | None:
@@ -177,24 +156,25 @@ class _Flips(LengthSearch):
         vain = 0
         for changes in tries:
             trial = surface.vertices + sum(change.displacement for change in changes)
-            if self.energy.value(trial, self.lengths, surface.mu) > FLIPPED_VERTICES.wild * surface.value:
+            # No descent returns from such growth.
+            if self.energy.value(trial, self.lengths, surface.mu) > 1e4 * surface.value:
                 continue
-            end = self.descended(trial, surface.mu, FLIPPED_VERTICES.descent)
+            end = self.descended(trial, surface.mu, 20)  # factorizations of a descent
             if self.is_done:
                 return end
-            if self.energy.value(end, self.lengths, surface.mu) < (1 - SIDES.gain) * surface.value:
+            if self.energy.value(end, self.lengths, surface.mu) < (1 - GAIN) * surface.value:
                 if not self.pass_over:
                     return end
                 self.pass_over -= 1
             vain += 1
-            if vain == FLIPPED_VERTICES.patience:
+            if vain == 3:  # descents in vain from changes of a kind
                 break
         return None
 
 
 def _tries(changes: SideChanges, kinds: int | None) -> Iterator[list[list[SideChange]]]:
     """What to try, kind by kind: each time some changes together."""
-    for found in changes.singles(len(SIDES.patches) if kinds is None else kinds):
+    for found in changes.singles(len(PATCHES) if kinds is None else kinds):
         yield _one_by_one(found)
     if kinds is None:
         shallow = changes.shallow()

@@ -12,24 +12,9 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse import csr_array
 
+from isoembed.aim.anneal import SOFTER, STIFFER
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class HeldPatchThresholds:
-    """Thresholds of the relaxation of a patch."""
-
-    steps: int = threshold(12, "count", "Gauss-Newton steps of a patch at most.")
-    settled: float = threshold(0.002, "relative", "Decrease of the energy by a step at a minimum.")
-    damping: float = threshold(1e-3, "relative", "Levenberg-Marquardt damping of a patch at first.")
-    stiffer: float = threshold(5.0, "relative", "Factor of the damping after a step uphill.")
-    softer: float = threshold(0.2, "relative", "Factor of the damping after a step downhill.")
-    uphill: int = threshold(6, "count", "Steps uphill in turn that end the relaxation of a patch.")
-
-
-HELD_PATCH = HeldPatchThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,11 +85,11 @@ class HeldPatch:
     def relaxed(
         self,
         x: Floats,
-        steps: int = HELD_PATCH.steps,
-        settled: float = HELD_PATCH.settled,
+        steps: int = 12,
+        settled: float = 0.002,  # relative decrease of the energy
     ) -> tuple[Floats, float]:
         """The local minimum near x, and its part of the energy, by Levenberg-Marquardt."""
-        n, damping = len(self.vertices), HELD_PATCH.damping
+        n, damping = len(self.vertices), 1e-3  # Levenberg-Marquardt
         r, rough, directions = self._terms(x)
         value = float(r @ r + self.mu * np.sum(rough**2))
         held = np.kron(self.stiffness, np.eye(3))
@@ -120,14 +105,14 @@ class HeldPatch:
             blocks[self.place[:, 1], self.place[:, 0]] -= products
             matrix = blocks[:n, :n].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n) + held
             gradient = (gradient + pull[:n]).ravel()
-            for _ in range(HELD_PATCH.uphill):
+            for _ in range(6):
                 self.spend(n / len(x))
                 matrix_damped = matrix.copy()
                 matrix_damped[np.diag_indices(3 * n)] += damping
                 try:
                     factor = cho_factor(matrix_damped, overwrite_a=True, check_finite=False)
                 except LinAlgError:
-                    damping *= HELD_PATCH.stiffer
+                    damping *= STIFFER
                     continue
                 trial = x.copy()
                 trial[self.vertices] -= cho_solve(factor, gradient, check_finite=False).reshape(-1, 3)
@@ -135,12 +120,12 @@ class HeldPatch:
                 reached = float(r_trial @ r_trial + self.mu * np.sum(rough_trial**2))
                 if reached < value:
                     break
-                damping *= HELD_PATCH.stiffer
+                damping *= STIFFER
             else:
                 return x, value
             enough = value - reached < settled * value
             x, r, rough, directions, value = trial, r_trial, rough_trial, directions_trial, reached
-            damping *= HELD_PATCH.softer
+            damping *= SOFTER
             if enough:
                 break
         return x, value

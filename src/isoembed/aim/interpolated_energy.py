@@ -6,12 +6,10 @@ them.  There is no metric on these: the errors r are those of *given* edges, who
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import csr_array
 
-from isoembed.aim.regularized_energy import REGULARIZED_ENERGY, RegularizedEnergy
+from isoembed.aim.regularized_energy import MAX_ITERATIONS, RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SymmetricFactor
 from isoembed.linalg.krylov import Approximation, conjugate_gradients
@@ -21,22 +19,8 @@ from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
 from isoembed.surface.interpolation import Stencils
 from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.measures import edge_lengths
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class InterpolatedEnergyThresholds:
-    """Thresholds of the energy of a coarse surface."""
-
-    solved: float = threshold(1e-2, "relative", "Residual of a step's linear equations.")
-    refined: float = threshold(1e-4, "relative", "The same with factors of its own, which costs little more.")
-    stale: float = threshold(
-        1.1e-4, "iterations over the chosen vertices to the 3/2", "New factors are worth as many."
-    )
-    patience: int = threshold(3, "iterations", "Made before it is judged whether so many will do.")
-
-
-INTERPOLATED_ENERGY = InterpolatedEnergyThresholds()
+SOLVED = 1e-2  # relative residual of a step's linear equations
 
 
 class InterpolatedEnergy(RegularizedEnergy):
@@ -144,13 +128,14 @@ class InterpolatedEnergy(RegularizedEnergy):
             return conjugate_gradients(product, precondition, gradient, tolerance, most, patience=patience)
 
         if self.factor is not None:
-            worth = int(INTERPOLATED_ENERGY.stale * len(vertices) ** 1.5)
-            most = min(worth, REGULARIZED_ENERGY.most)
-            found = attempt(self.factor, INTERPOLATED_ENERGY.solved, most, INTERPOLATED_ENERGY.patience)
-            if found.residual <= INTERPOLATED_ENERGY.solved:
+            worth = int(1.1e-4 * len(vertices) ** 1.5)  # new factors are worth as many iterations
+            most = min(worth, MAX_ITERATIONS)
+            # Iterations before it is judged whether so many will do.
+            found = attempt(self.factor, SOLVED, most, 3)
+            if found.residual <= SOLVED:
                 return found.x
         self.factor = None  # its memory is free for the next
         penalty = csr_array(mu * (self._RR + w * self._KK))
         recorder.factorizations += 1
         self.factor, self._factored = self.edges.factor(self._differences, rows, penalty), vertices
-        return attempt(self.factor, INTERPOLATED_ENERGY.refined, REGULARIZED_ENERGY.most).x
+        return attempt(self.factor, 1e-4, MAX_ITERATIONS).x  # factors of its own cost little more

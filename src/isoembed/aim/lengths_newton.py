@@ -10,20 +10,8 @@ from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.rigidity import LengthSystem, length_residuals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class LengthsNewtonThresholds:
-    """Thresholds of Newton's method on the lengths."""
-
-    decided: float = threshold(1e-4, "mean edge lengths", "Residual below which it is decided where it goes.")
-    converging: float = threshold(0.5, "relative", "Share of the residual that each step leaves at most.")
-    lost: float = threshold(0.5, "mean edge lengths", "From a larger residual it is taken for lost.")
-    trusted: float = threshold(0.6, "heights, root mean square", "Largest branch deviation that is trusted.")
-
-
-LENGTHS_NEWTON = LengthsNewtonThresholds()
+LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +58,7 @@ def newton_on_lengths(
     if residual <= good:
         return LengthsSolution(start, 0.0)
     x, pointed, before = start, start, np.inf
-    while residual > LENGTHS_NEWTON.decided or x is start:
+    while residual > 1e-4 or x is start:  # mean edge lengths: below it is decided where the iteration goes
         recorder.iterations += 1
         recorder.factorizations += 1
         try:
@@ -83,7 +71,8 @@ def newton_on_lengths(
         r = length_residuals(triangulation, x, lengths, system.space)
         residual = float(np.abs(r).max()) / unit
         recorder.show(residual=residual)
-        if not residual < LENGTHS_NEWTON.converging * before or residual > LENGTHS_NEWTON.lost:
+        # Each step must halve the residual; from half a mean edge length on it is lost.
+        if not residual < 0.5 * before or residual > 0.5:
             return None
         before = residual
     expected, heights = (umbrella_heights(triangulation, y) for y in (pointed, x))

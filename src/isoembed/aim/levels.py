@@ -6,7 +6,6 @@ grows more slowly than the number of all: what quintics miss shrinks faster than
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import ceil, log
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.aim.interpolated_energy import InterpolatedEnergy
-from isoembed.aim.regularized_continuation import CONTINUATION, guided
+from isoembed.aim.regularized_continuation import FADE, SHORTEST, guided
 from isoembed.aim.split_newton import SplitNewton
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
@@ -24,43 +23,23 @@ from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolation import CellRows, Stencils
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class PullBackLevels:
-    """Thresholds of the pull-back by levels."""
-
-    many: int = threshold(16_000, "vertices", "Fewer are pulled back at once: that is as fast.")
-    guided: int = threshold(1_500, "vertices", "Chosen for the guided path.")
-    large: int = threshold(100_000, "vertices", "From so many on `guided_large` are chosen.")
-    guided_large: int = threshold(1_700, "vertices", "Chosen for the guided path of many.")
-    charts: int = threshold(2, "count", "Steps after it, mu falling, each in the charts of the last surface.")
-    finest: float = threshold(4.5, "vertices, by all to the 5/8", "Chosen for the last level.")
-    growth: float = threshold(3.1, "relative", "Most, from level to level: more is too far for a step.")
-    settling: float = threshold(1e-6, "mean edge lengths^2", "mu of the coarse steps of the levels after it.")
-    split: tuple[float, ...] = threshold((1e-2, 1e-4), "relative", "mu of split steps, in turn.")
-    close: float = threshold(
-        4e-3, "mean edge lengths over vertices", "Residual from which Newton's method does not get lost."
-    )
-    held: float = threshold(4e-15, "relative", "Damping of last steps where J J^T is singular to rounding.")
-    last: int = threshold(8, "count", "Such steps at most.")
-    reached: float = threshold(1e-12, "mean edge lengths", "Residual at which they end.")
-    landed: float = threshold(1e-4, "mean edge lengths", "A larger residual after the last step is lost.")
-    quintic: tuple[float, ...] = threshold(
-        (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
-        "relative",
-        "mu of the steps that quintics hold, in turn: where it falls faster, vertices stay on a wrong side.",
-    )
-
-
-LEVELS = PullBackLevels()
+LEAST_VERTICES = 16_000  # fewer are pulled back at once: that is as fast
+GUIDED = 1_500  # vertices that are chosen for the guided path
+FINEST = 4.5  # vertices of the last level, by all to the 5/8
+GROWTH = 3.1  # of levels: more is too far for a step
+SPLIT = (1e-2, 1e-4)  # mu of split steps, in turn
+NEWTON_CLOSE = 4e-3  # mean edge lengths over vertices: Newton's method does not get lost from here
+HELD = 4e-15  # damping of last steps where J J^T is singular to rounding
+LANDED = 1e-4  # mean edge lengths: a surface with a larger residual after the last step is lost
+# mu of the steps that quintics hold: where it falls faster, vertices stay on a wrong side
+QUINTIC = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 
 
 def goes_by_levels(metric: PolyhedralMetric, kept: Mapping[str, NDArray[Any]] | None) -> bool:
     """Whether vertices are many, space is Euclidean, and an interrupted run had not given this way up."""
     given_up = kept is not None and "split" not in kept
-    many = metric.triangulation.n_vertices >= LEVELS.many
+    many = metric.triangulation.n_vertices >= LEAST_VERTICES
     return metric.space.is_euclidean and many and not given_up
 
 
@@ -109,26 +88,26 @@ def pulled_back_by_levels(
         if stencils is None:
             return None
         energy = InterpolatedEnergy(metric, stencils, convex, x)
-        settling = LEVELS.settling * energy.unit**2
+        settling = 1e-6 * energy.unit**2  # mean edge lengths^2: mu of the coarse steps of the levels
         z = energy.relaxed(x[stencils.cells.vertices], energy.lengths, settling, 0.0, recorder)
         split = _split(system, metric.lengths, energy, stencils, x)
-        x, z = split.step(split.P @ z, z, LEVELS.split[0], recorder)
+        x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
         del energy
-    for mu in LEVELS.split[1:]:
+    for mu in SPLIT[1:]:
         x, z = split.step(x, z, mu, recorder)
     quintics = QuinticResiduals.of(metric.triangulation, x)
     residual = _error(metric, x)
-    for mu in LEVELS.quintic:
+    for mu in QUINTIC:
         if residual < mu:
             continue
         x = split.smooth_step(x, quintics, mu, recorder)
         residual = _error(metric, x)
         recorder.show(residual=residual, vertices=x)
-        if residual < LEVELS.close / n:
+        if residual < NEWTON_CLOSE / n:
             break
-    if not residual < LEVELS.landed:
+    if not residual < LANDED:
         return None
-    return _ended(system, metric.lengths, x, recorder) if residual < LEVELS.close / n else x
+    return _ended(system, metric.lengths, x, recorder) if residual < NEWTON_CLOSE / n else x
 
 
 def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageRecorder) -> Floats:
@@ -137,9 +116,9 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
     Where that is not enough, the polish may do better.
     """
     damping = 0.0
-    for _ in range(LEVELS.last):
+    for _ in range(8):
         r = length_residuals(system.triangulation, x, lengths)
-        if np.abs(r).max() < LEVELS.reached * lengths.mean():
+        if np.abs(r).max() < 1e-12 * lengths.mean():  # mean edge lengths
             break
         recorder.iterations += 1
         recorder.factorizations += 1
@@ -148,21 +127,21 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
         except SingularMatrix:
             if damping > 0:
                 break
-            damping = LEVELS.held
+            damping = HELD
     return x
 
 
 def _counts(n: int) -> list[int]:
     """How many of n vertices are chosen for the levels after the guided path, the last level's last."""
     first = _first(n)
-    growth = LEVELS.finest * n ** (5 / 8) / first
-    steps = max(ceil(log(growth) / log(LEVELS.growth)), 1)
+    growth = FINEST * n ** (5 / 8) / first
+    steps = max(ceil(log(growth) / log(GROWTH)), 1)
     return [round(first * growth ** (k / steps)) for k in range(1, steps + 1)]
 
 
 def _first(n: int) -> int:
     """How many of n vertices are chosen for the guided path."""
-    return LEVELS.guided if n < LEVELS.large else LEVELS.guided_large
+    return GUIDED if n < 100_000 else 1_700
 
 
 def _error(metric: PolyhedralMetric, x: Floats) -> float:
@@ -184,16 +163,16 @@ def _guided(
     energy = InterpolatedEnergy(metric, stencils, convex, convex)
     ends = metric.edges[energy.edges.edges]
     ratio = np.linalg.norm(convex[ends[:, 0]] - convex[ends[:, 1]], axis=1) / energy.lengths
-    ratio = np.maximum(ratio, CONTINUATION.shortest)
+    ratio = np.maximum(ratio, SHORTEST)
     chosen = convex[stencils.cells.vertices]
     recorder.show(level=f"{len(chosen):,} of {len(convex):,} vertices")
     z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder)
     x, z = _split_step(system, metric.lengths, energy, stencils, convex, z, recorder)
-    for _ in range(LEVELS.charts):
+    for _ in range(2):  # steps in the charts of the last surface, while mu falls
         energy.in_charts_of(x)
         z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
         x, z = _split_step(system, metric.lengths, energy, stencils, x, z, recorder)
-        mu *= CONTINUATION.fade
+        mu *= FADE
     return x
 
 
@@ -208,7 +187,7 @@ def _split_step(
 ) -> tuple[Floats, Floats]:
     """A step for all lengths from what is interpolated in these charts: the next x and z."""
     split = _split(system, lengths, energy, stencils, charts)
-    return split.step(split.P @ z, z, LEVELS.split[0], recorder)
+    return split.step(split.P @ z, z, SPLIT[0], recorder)
 
 
 def _split(

@@ -15,62 +15,30 @@ missed in the end, `isoembed.aim.completion` goes on.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
 
-from isoembed.aim.anneal import anneal
+from isoembed.aim.anneal import NEWTON_BASIN, REALIZED, anneal
 from isoembed.aim.completion import completed
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.held_patch import HeldPatch
 from isoembed.aim.length_search import LengthSearch
-from isoembed.aim.regularized_continuation import CONTINUATION, let_go
+from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, STALLED, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import sums_at_ends
 from isoembed.surface.rigidity import LengthSystem
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class LocalSearchThresholds:
-    """Thresholds of the local search."""
-
-    weights: tuple[float, ...] = threshold(
-        (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), "mean edge lengths^2", "mu, in turn."
-    )
-    known: float = threshold(1e-4, "mean edge lengths^2", "mu from which surfaces are let go, at most.")
-    rings: int = threshold(5, "count", "Radius of the disks at most, in edges; the least is a vertex.")
-    disks: int = threshold(12, "count", "Disks of each radius that are tried in a sweep.")
-    share: float = threshold(1e-4, "relative", "Share of |r|^2 in a disk that is worth a try.")
-    beyond: tuple[float, ...] = threshold(
-        (1.0, 2.0), "relative", "Moves of a disk, in its distances from where it is expected."
-    )
-    margin: int = threshold(2, "count", "Rings about a disk that are relaxed with it.")
-    wide: int = threshold(5, "count", "The same where this is too few to tell.")
-    doubtful: float = threshold(0.5, "relative", "Growth of the energy that may be for want of them.")
-    moved: float = threshold(
-        0.3, "relative", "Share of the root of the largest residual: a smaller move fell back."
-    )
-    gain: float = threshold(1e-4, "relative", "Decrease of the energy that counts.")
-    settled: float = threshold(0.998, "relative", "Share of the energy that a step leaves at a minimum.")
-    steps: int = threshold(20, "count", "Gauss-Newton steps of the surface at most.")
-    fade: float = threshold(0.1, "relative", "Factor of mu from step to step as a surface is let go.")
-    faded: int = threshold(12, "count", "Such steps at most.")
-    stalled: float = threshold(0.9, "relative", "Share of the residual that two steps leave if it is lost.")
-    exact: float = threshold(1e-11, "mean edge lengths", "Largest residual of a realization.")
-    coarse: int = threshold(150, "count", "Vertices of a surface at most that is searched for lengths alone.")
-    guided: float = threshold(0.5, "relative", "Share of its search that smoothness guides.")
-    dense: float = threshold(0.05, "relative", "Cost of a factorization of its patches, by their vertices.")
-    coarse_steps: int = threshold(25, "count", "Gauss-Newton steps after a vertex was mirrored at most.")
-    converged: float = threshold(1e-6, "relative", "Decrease of |r|^2 that is none.")
-    close: float = threshold(1e-6, "mean edge lengths", "From here Newton's method, or completion, is tried.")
-
-
-LOCAL_SEARCH = LocalSearchThresholds()
+WEIGHTS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)  # mean edge lengths^2: mu, in turn
+RINGS = 5  # radius of the largest disks, in edges; the least is a vertex
+DISKS = 12  # of each radius that are tried in a sweep
+MOVED = 0.3  # share of the root of the largest residual: a smaller move fell back
+COARSE = 150  # vertices of the largest surface that is searched for lengths alone
+COARSE_STEPS = 25  # of the Gauss-Newton method after a vertex was mirrored
+CONVERGED = 1e-6  # relative decrease of |r|^2 that is rounding
 
 
 class Searched(NamedTuple):
@@ -112,13 +80,15 @@ def local_search(
     """
     search = _LocalSearch(energy, system, vertices, lengths, recorder, most)
     x = vertices
-    search.most = LOCAL_SEARCH.guided * most if search.is_coarse else most - CONTINUATION.faded
-    for weight in LOCAL_SEARCH.weights:
+    # Share of the search that smoothness guides.
+    search.most = 0.5 * most if search.is_coarse else most - FADE_STEPS
+    for weight in WEIGHTS:
         mu = weight * energy.unit**2
         x = search.at(x, mu)
         if search.is_done(x):
             break
-        known = weight <= LOCAL_SEARCH.known and not search.is_coarse
+        # Mean edge lengths^2: from here on surfaces are let go.
+        known = weight <= 1e-4 and not search.is_coarse
         if known and search.ends_realized(x, mu):
             break
     search.most = most
@@ -138,8 +108,8 @@ def misses_locally(energy: RegularizedEnergy, vertices: Floats, lengths: Floats)
     Lengths with noise are missed everywhere; turning over a few of so many patches leads nowhere.
     """
     squares = energy.residuals(vertices, lengths) ** 2
-    rings = LOCAL_SEARCH.rings
-    reached = 3 * LOCAL_SEARCH.disks * (1 + 3 * rings * (rings + 1))  # edges, three for each vertex
+    rings = RINGS
+    reached = 3 * DISKS * (1 + 3 * rings * (rings + 1))  # edges, three for each vertex
     return len(squares) <= reached or bool(
         np.partition(squares, -reached)[-reached:].sum() > 0.9 * squares.sum()
     )
@@ -161,12 +131,14 @@ class _LocalSearch(LengthSearch):
         self.realization: Floats | None = None
         self.asked: Floats | None = None  # the surface from which Newton's method was tried last
         n = energy.triangulation.n_vertices
-        self.is_coarse = n <= LOCAL_SEARCH.coarse
-        self.patch_cost = LOCAL_SEARCH.dense if self.is_coarse else 1.0  # of one of all vertices
+        self.is_coarse = n <= COARSE
+        self.patch_cost = (
+            0.05 if self.is_coarse else 1.0
+        )  # factorizations of all vertices that one of a patch costs
         near = csr_array(energy.triangulation.adjacency + eye_array(n))
         near.data[:] = 1.0
         self.disks = [csr_array(eye_array(n))]
-        for _ in range(LOCAL_SEARCH.rings):
+        for _ in range(RINGS):
             wider = csr_array(self.disks[-1] @ near)
             wider.data[:] = 1.0
             self.disks.append(wider)
@@ -188,10 +160,10 @@ class _LocalSearch(LengthSearch):
     def is_realized(self, x: Floats) -> bool:
         """Whether a realization is found, now that the surface is this."""
         asked, self.asked = self.asked, x
-        if self.realization is None and x is not asked and self.largest_residual(x) <= LOCAL_SEARCH.close:
+        if self.realization is None and x is not asked and self.largest_residual(x) <= NEWTON_BASIN:
             found = anneal(self.system, x, self.lengths, self.recorder).vertices
             self.keep(found)
-            if self.largest_residual(found) <= LOCAL_SEARCH.exact:
+            if self.largest_residual(found) <= REALIZED:
                 self.realization = found
         return self.realization is not None
 
@@ -201,7 +173,7 @@ class _LocalSearch(LengthSearch):
             end = self.released(energy, x, mu)
             if self.is_done(end):
                 return True
-            if self.largest_residual(end) <= LOCAL_SEARCH.close:
+            if self.largest_residual(end) <= NEWTON_BASIN:
                 end = completed(self.system, end, self.lengths, self.recorder, lambda _: self.exhausted)
                 if self.is_done(end):
                     return True
@@ -210,15 +182,15 @@ class _LocalSearch(LengthSearch):
     def released(self, energy: RegularizedEnergy, x: Floats, mu: float) -> Floats:
         """Where a surface ends as mu vanishes, with a measure of smoothness."""
         before, slow = np.inf, 0
-        for _ in range(LOCAL_SEARCH.faded):
+        for _ in range(12):
             x = descended(energy, x, self.lengths, mu, self.recorder, lambda _: self.exhausted)
             self.show(x)
             residual = self.largest_residual(x)
-            slow = slow + 1 if residual > LOCAL_SEARCH.stalled * before else 0
-            if slow == 2 or residual <= LOCAL_SEARCH.exact or self.exhausted:
+            slow = slow + 1 if residual > STALLED * before else 0
+            if slow == 2 or residual <= REALIZED or self.exhausted:
                 break
             before = residual
-            mu *= LOCAL_SEARCH.fade
+            mu *= FADE
         return x
 
     def at(self, x: Floats, mu: float) -> Floats:
@@ -233,7 +205,7 @@ class _LocalSearch(LengthSearch):
             if turned is x:
                 break
             relaxed = self.settled(turned, mu)
-            moved = np.linalg.norm(relaxed - x, axis=1) > LOCAL_SEARCH.moved * self.reach(x)
+            moved = np.linalg.norm(relaxed - x, axis=1) > MOVED * self.reach(x)
             stale, x = np.asarray(self.near @ moved > 0), relaxed
         return x
 
@@ -244,16 +216,17 @@ class _LocalSearch(LengthSearch):
     def settled(self, x: Floats, mu: float) -> Floats:
         """The local minimum of the energy, as far as Gauss-Newton steps lead."""
         value = self.energy.value(x, self.lengths, mu)
-        for _ in range(LOCAL_SEARCH.steps):
+        for _ in range(20):
             x = self.energy.relaxed(x, self.lengths, mu, 0.0, self.recorder)
             before, value = value, self.energy.value(x, self.lengths, mu)
-            if self.exhausted or not value < LOCAL_SEARCH.settled * before:
+            # Share of the energy that a step leaves at a minimum.
+            if self.exhausted or not value < 0.998 * before:
                 break
         return x
 
     def sweep(self, x: Floats, mu: float, stale: Mask) -> Floats:
         """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""
-        found, enough = x, LOCAL_SEARCH.gain * self.energy.value(x, self.lengths, mu)
+        found, enough = x, 1e-4 * self.energy.value(x, self.lengths, mu)  # decrease of the energy that counts
         for disks in self.disks:
             self.show(found)
             for center in self.chosen(found, disks):
@@ -268,7 +241,7 @@ class _LocalSearch(LengthSearch):
         """Centers of disks in which the lengths are missed most; none is in the disk of another."""
         squares = self.energy.residuals(x, self.lengths) ** 2
         missed = disks @ sums_at_ends(self.energy.triangulation, squares / 2)
-        free, count = missed > LOCAL_SEARCH.share * squares.sum(), 0
+        free, count = missed > 1e-4 * squares.sum(), 0  # a disk with less of |r|^2 is not worth a try
         free &= np.diff(disks.indptr) <= len(x) / 2  # else it is the rest that would be turned
         for center in np.argsort(-missed, kind="stable").tolist():
             if not free[center]:
@@ -276,15 +249,16 @@ class _LocalSearch(LengthSearch):
             yield center
             free[disks[[center]].indices] = False
             count += 1
-            if count == LOCAL_SEARCH.disks:
+            if count == DISKS:
                 return
 
     def turned(self, x: Floats, disk: Indices, mu: float, enough: float) -> Floats:
         """The surface with a disk turned over, if that is better by ``enough``; else x itself."""
-        patch = self.patch(self.grown(disk, LOCAL_SEARCH.margin), mu)
+        patch = self.patch(self.grown(disk, 2), mu)  # rings about a disk that are relaxed with it
         offset = patch.offset(x, disk)
-        least = LOCAL_SEARCH.moved * self.reach(x)
-        for motion in (*(times * offset for times in LOCAL_SEARCH.beyond), self.reflection(x, disk)):
+        least = MOVED * self.reach(x)
+        # Distances of a disk from where it is expected.
+        for motion in (*(times * offset for times in (1.0, 2.0)), self.reflection(x, disk)):
             trial = x.copy()
             trial[disk] += motion
             if not np.isfinite(trial).all():
@@ -293,8 +267,8 @@ class _LocalSearch(LengthSearch):
             found, after = patch.relaxed(trial)
             if np.linalg.norm(found - x, axis=1).max() < least:
                 continue
-            if enough > before - after > -LOCAL_SEARCH.doubtful * before:
-                wide = self.patch(self.grown(disk, LOCAL_SEARCH.wide), mu)
+            if enough > before - after > -0.5 * before:  # growth of the energy that may be for want of rings
+                wide = self.patch(self.grown(disk, 5), mu)  # the same where this is too few to tell
                 before = wide.value(x)
                 found, after = wide.relaxed(found)
             if before - after > enough:
@@ -308,7 +282,7 @@ class _LocalSearch(LengthSearch):
         """
         whole = self.patch(np.arange(len(x)), 0.0)
         rng, adjacency = np.random.default_rng(0), self.energy.triangulation.adjacency
-        x, value = whole.relaxed(x, LOCAL_SEARCH.coarse_steps, LOCAL_SEARCH.converged)
+        x, value = whole.relaxed(x, COARSE_STEPS, CONVERGED)
         tried: set[int] = set()
         while not self.is_done(x):
             squares = self.energy.residuals(x, self.lengths) ** 2
@@ -325,8 +299,8 @@ class _LocalSearch(LengthSearch):
             for v in flipped:
                 trial = trial.copy()
                 trial[v] += self.reflection(trial, np.array([v]))[0]
-            found, reached = whole.relaxed(trial, LOCAL_SEARCH.coarse_steps, LOCAL_SEARCH.converged)
-            if reached < (1 - LOCAL_SEARCH.converged) * value:
+            found, reached = whole.relaxed(trial, COARSE_STEPS, CONVERGED)
+            if reached < (1 - CONVERGED) * value:
                 x, value = found, reached
                 tried.clear()
         return x

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.aim.best_fit import BEST_FIT, BestFit, Fits
+from isoembed.aim.best_fit import WEIGHT, BestFit, Fits
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.search import Search
 from isoembed.aim.strategies import Strategies
@@ -161,7 +161,7 @@ def fit_within_errors(
     # lengths: no body collapses, however sharp its corners.
     penalty = float(np.sum(start * energy.roughness(start, 0.0)))
     bound = START * float(metric.lengths @ metric.lengths) / metric.mean_length**2
-    weight = min(BEST_FIT.weight, bound / penalty) if penalty > 0 else BEST_FIT.weight
+    weight = min(WEIGHT, bound / penalty) if penalty > 0 else WEIGHT
     before = fit = fits.fit(start, weight)
     known = rms / metric.mean_length  # as the noise that a fit sees, over the mean edge length
     while fit.noise > known and fit.weight > LEAST_WEIGHT:

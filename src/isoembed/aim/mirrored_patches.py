@@ -23,7 +23,7 @@ from scipy.sparse import csc_array, csr_array
 
 from isoembed.aim.anneal import anneal
 from isoembed.aim.regularized_continuation import let_go
-from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.regularized_energy import LEAST_COTANGENT, RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.linalg import Factor, factor_general
 from isoembed.metric.glued import GluedMetric
@@ -32,26 +32,10 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.measures import vertex_normals
 from isoembed.surface.rigidity import LengthSystem
-from isoembed.thresholds import threshold
 
+WEIGHTS = (0.1, 0.01, 0.01)  # mean edge lengths^2: mu of the steps after a reflection, in turn
+FADE = 0.3  # factor of mu from step to step after these
 
-@dataclass(frozen=True)
-class MirrorThresholds:
-    """Thresholds of the search among mirrored patches."""
-
-    smallest_cotangent: float = threshold(0.01, "relative", "Smaller weights could fold a harmonic surface.")
-    weights: tuple[float, ...] = threshold(
-        (0.1, 0.01, 0.01), "mean edge lengths^2", "mu of the steps after a reflection, in turn."
-    )
-    fade: float = threshold(0.3, "relative", "Factor of mu from step to step, after that.")
-    exact: float = threshold(1e-10, "mean edge lengths", "Largest residual of a realization.")
-    patches: int = threshold(8, "count", "Patches at most: those with the most curvature on their caps.")
-    begun: int = threshold(8, "count", "Choices that are judged by their energy, at most.")
-    finished: int = threshold(8, "count", "Choices that are brought to the lengths, at most.")
-    failures: int = threshold(2, "count", "Neighbors of realizations that are none; then no more are tried.")
-
-
-MIRROR = MirrorThresholds()
 
 Choice = frozenset[int]
 """The patches that are reflected."""
@@ -123,7 +107,8 @@ def mirrored_realizations(
     ndarray, shape (V, 3)
         What comes of one choice after the other, the most promising first: of as many as are taken.
     """
-    search = _Search(metric, system, energy, start, patches[: MIRROR.patches], recorder)
+    # Those with the most curvature on their caps.
+    search = _Search(metric, system, energy, start, patches[:8], recorder)
     realized = []
     for choice in search.promising():
         found = search.finished(choice)
@@ -134,7 +119,8 @@ def mirrored_realizations(
     failures = 0
     for choice in realized:  # it grows
         for other in search.flips(choice):
-            if failures == MIRROR.failures or len(search.done) == MIRROR.finished:
+            # Two neighbors of realizations are none, or eight choices were brought to the lengths.
+            if failures == 2 or len(search.done) == 8:
                 return
             if other in search.done:
                 continue
@@ -166,7 +152,7 @@ class _Search:
     ) -> None:
         self.metric, self.system, self.energy, self.recorder = metric, system, energy, recorder
         self.start = start
-        laplacian = cotangent_laplacian(GluedMetric.of(metric), least=MIRROR.smallest_cotangent)
+        laplacian = cotangent_laplacian(GluedMetric.of(metric), least=LEAST_COTANGENT)
         self.patches = [HarmonicPatch.of(csr_array(laplacian), patch) for patch in patches]
         self.done: set[Choice] = set()
         self._begun: dict[Choice, tuple[Floats, float]] = {}
@@ -174,7 +160,7 @@ class _Search:
     def is_realized(self, surface: Floats) -> bool:
         """Whether a surface has the lengths."""
         r = self.energy.residuals(surface, self.metric.lengths)
-        return bool(np.abs(r).max() <= MIRROR.exact * self.energy.unit)
+        return bool(np.abs(r).max() <= 1e-10 * self.energy.unit)  # mean edge lengths
 
     def flips(self, choice: Choice) -> list[Choice]:
         """The choices that differ in one patch."""
@@ -187,7 +173,7 @@ class _Search:
             for k in choice:
                 x = self.patches[k].reflected(self.metric.faces, x)
             value = np.inf
-            for weight in MIRROR.weights:
+            for weight in WEIGHTS:
                 mu = weight * self.energy.unit**2
                 before, x = x, self.energy.relaxed(x, lengths, mu, 0.0, self.recorder)
                 if x is before:
@@ -210,7 +196,7 @@ class _Search:
         best = min(every, none, key=self.value)
         if not self.value(best) < np.inf:
             return
-        while len(self._begun) < MIRROR.begun:
+        while len(self._begun) < 8:  # choices that are judged by their energy
             lower = [flip for flip in self.flips(best) if self.value(flip) < self.value(best)]
             if not lower:
                 break
@@ -223,8 +209,8 @@ class _Search:
         """Where a choice ends when mu vanishes, by Newton's method in the end."""
         self.done.add(choice)
         x, _ = self.begun(choice)
-        mu = MIRROR.weights[-1] * MIRROR.fade * self.energy.unit**2
-        near, _ = let_go(self.energy.finer(x), x, self.metric.lengths, mu, self.recorder, fade=MIRROR.fade)
+        mu = WEIGHTS[-1] * FADE * self.energy.unit**2
+        near, _ = let_go(self.energy.finer(x), x, self.metric.lengths, mu, self.recorder, fade=FADE)
         found = anneal(self.system, near, self.metric.lengths, self.recorder).vertices
         self.recorder.show(vertices=found)
         return found

@@ -21,22 +21,10 @@ import numpy as np
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats, Indices
 from isoembed.surface.smoothness import QuinticResiduals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class MotionThresholds:
-    """Thresholds of motions to other realizations."""
-
-    at_once: int = threshold(128, "vertices", "From so many power iteration goes at a time: for the memory.")
-    powers: int = threshold(5, "count", "Of its steps.")
-    defect: float = threshold(0.5, "relative", "Most that the lengths are off at the end of a motion.")
-    alike: float = threshold(0.9, "cosine", "More have motions that are one.")
-    most: int = threshold(40, "count", "Of motions, the nearest.")
-    smoother: int = threshold(20, "count", "Of the others, those to where the surface is smoothest.")
-
-
-MOTIONS = MotionThresholds()
+CHUNK = 128  # vertices whose power iteration goes at a time, which bounds the memory
+MOST_MOTIONS = 40  # the nearest ones
+SMOOTHER_MOTIONS = 20  # of the others, to where the surface is smoothest
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +71,8 @@ class Motions:
 
     def within(self, distance: float) -> Motions:
         """Those that reach no farther, and to where the lengths are nearly right."""
-        return self[np.flatnonzero((self.reach <= distance) & (self.defect <= MOTIONS.defect))]
+        # A larger relative defect of lengths is no motion.
+        return self[np.flatnonzero((self.reach <= distance) & (self.defect <= 0.5))]
 
     def different(self) -> Motions:
         """Of those that are alike, the one with the least defect; the nearest come first."""
@@ -91,16 +80,16 @@ class Motions:
         flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
         kept: list[int] = []
         for i in np.argsort(self.defect, kind="stable"):
-            if not kept or np.abs(flat[kept] @ flat[i]).max() <= MOTIONS.alike:
+            if not kept or np.abs(flat[kept] @ flat[i]).max() <= 0.9:  # cosine between motions that are one
                 kept.append(int(i))
         return self[[kept[i] for i in np.argsort(self.reach[kept], kind="stable")]]
 
     def chosen(self, charts: QuinticResiduals, vertices: Floats) -> Motions:
         """Of motions of these vertices, sorted, the nearest, then of the others those that smooth most."""
-        farther = range(MOTIONS.most, len(self.motions))
+        farther = range(MOST_MOTIONS, len(self.motions))
         expected = {i: charts.roughness(vertices + self.motions[i]) for i in farther}
-        smooth = sorted(farther, key=lambda i: expected[i])[: MOTIONS.smoother]
-        return self[[*range(min(MOTIONS.most, len(self.motions))), *smooth]]
+        smooth = sorted(farther, key=lambda i: expected[i])[:SMOOTHER_MOTIONS]
+        return self[[*range(min(MOST_MOTIONS, len(self.motions))), *smooth]]
 
 
 def nearby_motions(
@@ -126,7 +115,7 @@ def nearby_motions(
     found = Motions.of(expansion, softest).within(distance)
     basis = np.linalg.qr(expansion.rates(softest[:hidden]).T)[0]
     for changes in _changes_about_vertices(expansion):
-        for _ in range(MOTIONS.powers):
+        for _ in range(5):  # power iteration
             met = Motions.of(expansion, expansion.motions(changes - changes @ basis @ basis.T))
             found = found.joined(met.within(distance)).different()
             met = met[np.flatnonzero(np.isfinite(met.reach) & (met.reach > 0))]
@@ -141,6 +130,6 @@ def _changes_about_vertices(expansion: LengthExpansion) -> Iterator[Floats]:
     """``Q(d, d)`` where one vertex alone moves by 1, (m, E), for some vertices after the other."""
     t = expansion.system.triangulation
     weights = 1 / expansion.system.space.sn(expansion.lengths)
-    for first in range(0, t.n_vertices, MOTIONS.at_once):
-        some = np.arange(first, min(first + MOTIONS.at_once, t.n_vertices))
+    for first in range(0, t.n_vertices, CHUNK):
+        some = np.arange(first, min(first + CHUNK, t.n_vertices))
         yield weights * (t.edges[:, :, None] == some).any(axis=1).T

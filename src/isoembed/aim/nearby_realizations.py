@@ -8,7 +8,6 @@ method finds these from there.
 Pulled back, a surface may come to any of them.  The smoothest is the one that is meant.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -21,23 +20,10 @@ from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class NearbyThresholds:
-    """Thresholds of the search for nearby realizations."""
-
-    motions: int = threshold(4, "count", "The softest motions: beyond them, realizations are far.")
-    near: float = threshold(0.03, "mean edge lengths", "Farther, quadratic equations are a poor guide.")
-    apart: float = threshold(0.1, "relative", "Nearer, of the distance expected, Newton's method fell back.")
-    few: int = threshold(4, "count", "Newton steps to a realization at most.")
-    moves: int = threshold(4, "count", "Moves from realization to realization at most.")
-    least: float = threshold(1e-9, "mean edge lengths", "Nearer, it is the surface itself.")
-    real: float = threshold(1e-8, "relative", "Largest imaginary part of a root that is real.")
-
-
-NEARBY = NearbyThresholds()
+SOFTEST = 4  # of motions: beyond them, realizations are far
+NEAR = 0.03  # mean edge lengths: farther, quadratic equations are a poor guide
+APART = 0.1  # share of the distance expected: nearer, Newton's method fell back
 
 
 def nearby_realizations(
@@ -70,11 +56,11 @@ def nearby_realizations(
     triangulation = system.triangulation
     errors = length_residuals(triangulation, vertices, lengths, system.space)
     best, met = vertices, [vertices] if np.abs(errors).max() <= residual_tolerance else []
-    for _ in range(NEARBY.moves):
+    for _ in range(4):  # from realization to realization
         recorder.factorizations += 1
         expansion = LengthExpansion(system, best, lengths)
-        softest = softest_motions(expansion, NEARBY.motions)
-        predicted = predicted_motions(expansion, softest, NEARBY.near).motions
+        softest = softest_motions(expansion, SOFTEST)
+        predicted = predicted_motions(expansion, softest, NEAR).motions
         if not predicted:
             return met
         charts = QuinticResiduals.of(triangulation, best)
@@ -107,7 +93,10 @@ def softest_motions(expansion: LengthExpansion, count: int) -> Floats:
 
 
 def predicted_motions(
-    expansion: LengthExpansion, directions: Floats, near: float, imaginary: float = NEARBY.real
+    expansion: LengthExpansion,
+    directions: Floats,
+    near: float,
+    imaginary: float = 1e-8,  # rounding, of real roots
 ) -> Predicted:
     """The motions to where the lengths are the given ones, as far as some directions go, the shortest first.
 
@@ -129,7 +118,8 @@ def predicted_motions(
     found = quadratic_roots(projection @ expansion.residuals, np.eye(len(scaled)), Q.transpose(2, 0, 1))
     motions = [np.tensordot(root, scaled, axes=1) for root in found.near_real(imaginary)]
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in motions]
-    least = NEARBY.apart * max(float(np.abs(expansion.residuals).max()), NEARBY.least * unit)
+    # Mean edge lengths: nearer, it is the surface itself.
+    least = APART * max(float(np.abs(expansion.residuals).max()), 1e-9 * unit)
     kept = [motions[k] for k in np.argsort(reach) if least < reach[k] < near * unit]
     return Predicted(kept, found.complete)
 
@@ -143,7 +133,7 @@ def _realized(
     residual_tolerance: float,
 ) -> Floats | None:
     """Where Newton's method leads from the end of a motion, if to another realization."""
-    found = anneal(system, vertices + motion, lengths, recorder, max_iterations=NEARBY.few)
+    found = anneal(system, vertices + motion, lengths, recorder, max_iterations=4)  # Newton steps
     moved = np.abs(found.vertices - vertices).max()
-    apart = moved > NEARBY.apart * np.abs(motion).max()
+    apart = moved > APART * np.abs(motion).max()
     return found.vertices if apart and found.residual <= residual_tolerance else None

@@ -19,27 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
-from isoembed.thresholds import threshold
 
 Complex = NDArray[np.complex128]
 
-
-@dataclass(frozen=True)
-class RootThresholds:
-    """Thresholds of the paths to the roots of quadratic equations."""
-
-    first_step: float = threshold(0.05, "t", "Length of the first step on a path.")
-    least_step: float = threshold(1e-8, "t", "Where steps are shorter, a path ends: at a multiple root.")
-    corrected: float = threshold(1e-3, "relative", "Most that Newton's method may correct a step by.")
-    easy: float = threshold(0.1, "relative", "Of that: steps that are corrected by less are doubled.")
-    found: float = threshold(1e-10, "relative", "Last of three corrections, at most.")
-    coincide: float = threshold(1e-6, "relative", "Nearer, two paths have come to one root.")
-    infinite: float = threshold(1e-6, "relative", "Homogenizing coordinate of a root at infinity, at most.")
-    late: float = threshold(0.99, "t", "A path that ends before has been lost.")
-    retries: int = threshold(3, "count", "Each with a new gamma, and corrections a tenth of those before.")
-
-
-ROOTS = RootThresholds()
+COINCIDE = 1e-6  # relative distance at which two paths have come to one root
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +54,7 @@ class QuadraticRoots:
             real, size = root.real, float(np.linalg.norm(root))
             if np.linalg.norm(root.imag) > imaginary * size:
                 continue
-            if all(np.linalg.norm(real - other) > ROOTS.coincide * max(size, 1.0) for other in found):
+            if all(np.linalg.norm(real - other) > COINCIDE * max(size, 1.0) for other in found):
                 found.append(real)
         return found
 
@@ -88,11 +71,12 @@ def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> QuadraticRoot
         Symmetric in the last two.  The unknowns should be scaled so that roots are of the size of 1.
     """
     rng = np.random.default_rng(0)
-    for retry in range(ROOTS.retries):
+    for retry in range(3):  # each with a new gamma, and corrections a tenth of those before
         paths = _Paths(constant, slope, Q, rng)
-        ends, t = paths.followed(ROOTS.corrected * 0.1**retry)
-        kept = t > ROOTS.late
-        infinite = kept & (np.abs(ends[:, 0]) <= ROOTS.infinite * np.linalg.norm(ends, axis=1))
+        ends, t = paths.followed(1e-3 * 0.1**retry)  # relative correction of a step by Newton's method
+        kept = t > 0.99  # a path that ends before has been lost
+        # Relative homogenizing coordinate of a root at infinity.
+        infinite = kept & (np.abs(ends[:, 0]) <= 1e-6 * np.linalg.norm(ends, axis=1))
         complete = bool(kept.all()) and not _coincide(ends[(t == 1.0) & ~infinite])
         if complete:
             break
@@ -104,7 +88,7 @@ def _coincide(ends: Complex) -> bool:
     """Whether two ends of paths, as points of projective space with a fixed patch, are one."""
     apart = np.linalg.norm(ends[:, None] - ends, axis=2)
     np.fill_diagonal(apart, np.inf)
-    return bool((apart <= ROOTS.coincide * np.linalg.norm(ends, axis=1)).any())
+    return bool((apart <= COINCIDE * np.linalg.norm(ends, axis=1)).any())
 
 
 class _Paths:
@@ -121,15 +105,16 @@ class _Paths:
     def followed(self, corrected: float) -> tuple[Complex, Floats]:
         """Where the paths end, (2^k, k + 1), and at which t: at 1, or before it at a multiple root."""
         z, n = self.starts.copy(), len(self.starts)
-        t, h, alive = np.zeros(n), np.full(n, ROOTS.first_step), np.ones(n, dtype=np.bool_)
+        t, h, alive = np.zeros(n), np.full(n, 0.05), np.ones(n, dtype=np.bool_)  # the first step
         while (moving := np.flatnonzero(alive & (t < 1))).size:
             now, step = t[moving], np.minimum(h[moving], 1 - t[moving])
             then = np.where(step == 1 - now, 1.0, now + step)
             ends, first, last = self._corrected(self._predicted(z[moving], now, step), then)
-            good = (first <= corrected) & (last <= ROOTS.found)
+            good = (first <= corrected) & (last <= 1e-10)  # the last of three corrections
             z[moving[good]], t[moving[good]] = ends[good], then[good]
-            h[moving] = np.where(good, np.where(first <= ROOTS.easy * corrected, 2 * step, step), step / 2)
-            alive[moving] = h[moving] >= ROOTS.least_step
+            # Steps that are corrected by less are doubled.
+            h[moving] = np.where(good, np.where(first <= 0.1 * corrected, 2 * step, step), step / 2)
+            alive[moving] = h[moving] >= 1e-8  # a path with shorter steps ends at a multiple root
         return z, t
 
     def _predicted(self, z: Complex, t: Floats, h: Floats) -> Complex:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.aim.adiabatic_pullback import extrapolated
-from isoembed.aim.radii_newton import RADII_NEWTON, inverted_vertices, without_curvature
+from isoembed.aim.radii_newton import SETTLED, inverted_vertices, without_curvature
 from isoembed.alexandrov.doubly_covered import THIN
 from isoembed.alexandrov.homotopy import NEWTON_CURVATURE, Stalled, Waypoint, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, pinned
@@ -24,22 +24,8 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.surface.measures import outward
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class RadiiLeapThresholds:
-    """Thresholds of the leap from a polyhedron to the given triangles."""
-
-    parts: int = threshold(4, "count", "Steps of the way to a metric that is not convex.")
-    nearly: float = threshold(1e-4, "mean deficits", "Curvatures that end a step on the way.")
-    nudge: float = threshold(1e-3, "mean edge lengths", "Change of height to see curvature bend.")
-    trusted: float = threshold(0.25, "heights on a sphere", "Largest branch deviation that is trusted.")
-    resolved: float = threshold(0.1, "deficits", "Curvature of a vertex at which its height is decided.")
-    solved: float = threshold(0.4, "relative", "Share of all work done when vertices can be placed.")
-
-
-RADII_LEAP = RadiiLeapThresholds()
+RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +69,8 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
     if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths, convex.curvature)).any():
         return None
     deficits, kept = convex.deficits, log.resumed_at("polytopes")
-    close = np.minimum(NEWTON_CURVATURE * deficits.max(), RADII_LEAP.resolved * deficits)
+    # Deficits: with less curvature the height of a vertex is decided.
+    close = np.minimum(NEWTON_CURVATURE * deficits.max(), 0.1 * deficits)
     with log.stage("polytopes") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         path = follow_path(
@@ -166,14 +153,14 @@ def _followed(
     if start.ndim == 1:
         steps, ratio, directions = 1, np.ones(tables.lengths.size), None
     else:
-        steps = RADII_LEAP.parts
+        steps = 4  # steps of the way to a metric that is not convex
         ratio = space.distances(start[ends[0]], start[ends[1]]) / tables.lengths
         sines = np.linalg.norm(start, axis=1)
         directions, start = start / sines[:, None], space.asn(sines)
     degrees, mean = np.bincount(ends[0]), start.mean()
     round_height = np.mean(tables.lengths**2) * space.cs(mean) / (2 * space.sn(mean))
 
-    nearly = RADII_LEAP.nearly * 4 * np.pi / start.size
+    nearly = 1e-4 * 4 * np.pi / start.size  # mean deficits: curvatures that end a step on the way
 
     def heights(radii: Floats) -> Floats:
         return radii - np.bincount(ends[0], radii[ends[1]]) / degrees
@@ -186,7 +173,7 @@ def _followed(
         if p is None:
             return None
         state = replace(state, polytope=p) if state else pinned(p, analyses, recorder, directions)
-        found = without_curvature(state, RADII_NEWTON.settled if t == 0 else nearly, recorder)
+        found = without_curvature(state, SETTLED if t == 0 else nearly, recorder)
         if found is None:
             return None
         state, expected = found
@@ -195,7 +182,7 @@ def _followed(
         change = np.abs(heights(state.polytope.radii - expected)).max() / round_height
         branch_deviation = max(branch_deviation, float(change))
         known.append((t, state.polytope.radii))
-        recorder.show(t=t, done=RADII_LEAP.solved * (1 - t))
+        recorder.show(t=t, done=0.4 * (1 - t))  # share of the work that is done when vertices can be placed
     return None if state is None else (_reflected(state, recorder), branch_deviation)
 
 
@@ -209,7 +196,7 @@ def _reflected(state: Solution, recorder: StageRecorder) -> Solution:
     inverted = inverted_vertices(p)
     if not inverted.any():
         return state
-    nudge = RADII_LEAP.nudge * float(p.tables.lengths.mean())
+    nudge = 1e-3 * float(p.tables.lengths.mean())  # mean edge lengths: change of height to see curvature bend
     nudged = Polytope.on(p.tables, p.radii + nudge * inverted)
     if nudged is None:
         return state
@@ -218,7 +205,7 @@ def _reflected(state: Solution, recorder: StageRecorder) -> Solution:
     q = Polytope.on(p.tables, p.radii + across) if np.isfinite(across).all() else None
     if q is None:
         return state
-    found = without_curvature(state.refactorized(q, recorder), RADII_NEWTON.settled, recorder)
+    found = without_curvature(state.refactorized(q, recorder), SETTLED, recorder)
     if found is None or inverted_vertices(found[0].polytope).sum() >= inverted.sum():
         return state
     return found[0]

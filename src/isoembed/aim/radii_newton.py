@@ -8,7 +8,7 @@ edges.  They are led there from equal radii at once, or else from those of a pol
 (`isoembed.aim.radii_leap`).  The positions follow at the end.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,25 +22,9 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.measures import outward
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class RadiiNewtonThresholds:
-    """Thresholds of Newton's method on the radii."""
-
-    converging: float = threshold(0.5, "relative", "Share of the curvatures that each step leaves at most.")
-    descending: float = threshold(0.9, "relative", "The same after the path that comes first.")
-    flat: float = threshold(0.1, "vertices", "Share of flat ones from which that path is not tried.")
-    closely: float = threshold(1e-9, "radians", "Curvatures that do not fall any more, but may be rounding.")
-    settled: float = threshold(1e-12, "radians", "Curvatures that are left to the polish.")
-    steps: int = threshold(20, "count", "Newton steps at most, for each step of the way.")
-    loosest: float = threshold(1e-3, "relative", "Largest residual of Newton's linear equations.")
-    stale: int = threshold(6, "GMRES iterations", "More of them ask for a fresh factorization afterwards.")
-    followed: float = threshold(0.3, "deficits", "Curvature of a vertex at which that path may end.")
-
-
-RADII_NEWTON = RadiiNewtonThresholds()
+SETTLED = 1e-12  # radians: curvatures that are left to the polish
+LOOSEST = 1e-3  # largest residual of Newton's linear equations, relative
 
 
 def newton_on_radii_at_once(
@@ -67,11 +51,11 @@ def newton_on_radii_at_once(
     tables, deficits = given.half_edges(directed=False), given.deficits
     rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
     flat = np.mean(np.abs(deficits) <= rounding)  # where nothing determines a radius
-    if not deficits.max() > 0 or flat > RADII_NEWTON.flat:
+    if not deficits.max() > 0 or flat > 0.1:  # more flat vertices and the path is not tried
         return None
     near = np.full(deficits.size, NEWTON_CURVATURE * deficits.max())
     if (deficits > rounding).all():
-        near = np.minimum(near, RADII_NEWTON.followed * deficits)
+        near = np.minimum(near, 0.3 * deficits)  # deficits: curvature of a vertex at which the path may end
     kept = log.resumed_at("radii")
     with log.stage("radii") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
@@ -81,7 +65,10 @@ def newton_on_radii_at_once(
             if p is None:
                 return None
             found = without_curvature(
-                pinned(p, analyses, recorder), RADII_NEWTON.settled, recorder, RADII_NEWTON.descending
+                pinned(p, analyses, recorder),
+                SETTLED,
+                recorder,
+                0.9,  # less is asked after the path
             )
             if found is None or inverted_vertices(found[0].polytope).any():
                 return None
@@ -104,7 +91,7 @@ def without_curvature(
     state: Solution,
     settled: float,
     recorder: StageRecorder,
-    converging: float = RADII_NEWTON.converging,
+    converging: float = 0.5,  # share of the curvatures that a step leaves
 ) -> tuple[Solution, Floats] | None:
     """Newton's method while it converges; and the radii after its first step.
 
@@ -118,9 +105,9 @@ def without_curvature(
     converging : float
         Share of the curvatures that each step leaves at most.
     """
-    p, forcing = state.polytope, RADII_NEWTON.loosest
+    p, forcing = state.polytope, LOOSEST
     first = p.radii
-    for step in range(RADII_NEWTON.steps):
+    for step in range(20):
         if np.abs(p.curvatures).max() <= settled:
             break
         dr, iterations = state.solve(p.curvatures, forcing)
@@ -129,13 +116,14 @@ def without_curvature(
             return None
         ratio = float(np.linalg.norm(q.curvatures) / np.linalg.norm(p.curvatures))
         if not ratio < converging:
-            if np.abs(p.curvatures).max() > RADII_NEWTON.closely:
+            # Radians: smaller curvatures that do not fall any more may be rounding.
+            if np.abs(p.curvatures).max() > 1e-9:
                 return None
             break
         first = first if step else q.radii
         recorder.iterations += 1
         recorder.show(residual=float(np.abs(q.curvatures).max()))
-        p, forcing = q, forcing_term(ratio, RADII_NEWTON.loosest)
-        stale = iterations > RADII_NEWTON.stale
+        p, forcing = q, forcing_term(ratio, LOOSEST)
+        stale = iterations > 6  # GMRES iterations: more ask for a fresh factorization
         state = state.refactorized(p, recorder) if stale else replace(state, polytope=p)
     return state, first

@@ -8,36 +8,15 @@ what does in others: such motions are taken together in one lead more.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.aim.length_expansion import LengthExpansion
-from isoembed.aim.nearby_motions import MOTIONS, Motions, nearby_motions
+from isoembed.aim.nearby_motions import MOST_MOTIONS, Motions, nearby_motions
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
 from isoembed.arrays import Floats
 from isoembed.surface.smoothness import QuinticResiduals
-from isoembed.thresholds import threshold
-
-
-@dataclass(frozen=True)
-class LeadThresholds:
-    """Thresholds of leads to other realizations."""
-
-    beyond: float = threshold(1.1, "distances", "Motions may be predicted to reach so far.")
-    beside: int = threshold(3, "count", "Motions that are joined to each that is not among the nearest.")
-    imaginary: float = threshold(0.3, "relative", "Roots that miss being real by less are tried.")
-    defect: float = threshold(
-        0.7, "relative", "Most that lengths are off at a root, over what is of second order."
-    )
-    adds_up: float = threshold(
-        1.5, "relative", "Most that lengths are off after motions together, over the sum of each alone."
-    )
-    tried: float = threshold(0.05, "relative", "Roots as near to one that was tried are left out.")
-
-
-LEADS = LeadThresholds()
 
 
 class Lead(NamedTuple):
@@ -74,22 +53,23 @@ def leads(expansion: LengthExpansion, count: int, distance: float, hidden: int =
     SingularMatrix
         The surface is not infinitesimally rigid.
     """
-    near = LEADS.beyond * distance
+    near = 1.1 * distance  # motions may be predicted to reach so far
     softest = softest_motions(expansion, count)
     charts = QuinticResiduals.of(expansion.system.triangulation, expansion.vertices)
     found = nearby_motions(expansion, softest, near * float(expansion.lengths.mean()), charts, hidden)
     groups = _groups(found, softest[: min(always, count - 1)], count)
-    nearest = len(groups) - max(len(found.motions) - MOTIONS.most, 0)
+    nearest = len(groups) - max(len(found.motions) - MOST_MOTIONS, 0)
     now = charts.roughness(expansion.vertices)
     tried: list[Floats] = []
     incomplete = 0
     for i, group in enumerate(groups):
-        predicted = predicted_motions(expansion, group, near, LEADS.imaginary)
+        # Roots that miss being real by less are tried.
+        predicted = predicted_motions(expansion, group, near, 0.3)
         incomplete += not predicted.complete
         for motion in predicted.motions:
             if i >= nearest and charts.roughness(expansion.vertices + motion) >= now:
                 continue  # of the far ones, which are many, only what smooths
-            close = LEADS.tried * np.abs(motion).max()
+            close = 0.05 * np.abs(motion).max()  # nearer roots are one
             if all(np.abs(motion - other).max() > close for other in tried):
                 tried.append(motion)
     plausible = [motion for motion in tried if _is_plausible(expansion, motion)]
@@ -106,7 +86,8 @@ def _groups(found: Motions, soft: Floats, count: int) -> list[Floats]:
     size = size / np.linalg.norm(size, axis=1, keepdims=True)
     together = size @ size.T
     np.fill_diagonal(together, np.inf)
-    beside = np.argsort(-together, axis=1, kind="stable")[count:, : min(LEADS.beside + 1, count)]
+    # Motions that are joined to each that is not among the nearest.
+    beside = np.argsort(-together, axis=1, kind="stable")[count:, : min(3 + 1, count)]
     groups = [found.motions[:count], *(found.motions[each] for each in beside)]
     return [np.concatenate([soft, group]) for group in groups]
 
@@ -126,7 +107,8 @@ def _smoothest_first(
         end = together + motions[i]
         expected = charts.roughness(x + end)
         apart = _missed(expansion, together) + _missed(expansion, motions[i])
-        if expected < smoothest and (not count or _missed(expansion, end) <= LEADS.adds_up * apart):
+        # Lengths after motions together, over the sum of each alone.
+        if expected < smoothest and (not count or _missed(expansion, end) <= 1.5 * apart):
             together, smoothest, count = end, expected, count + 1
     found = [Lead(roughness[i], x + motions[i]) for i in order]
     return [Lead(smoothest, x + together), *found] if count > 1 else found
@@ -135,7 +117,7 @@ def _smoothest_first(
 def _is_plausible(expansion: LengthExpansion, motion: Floats) -> bool:
     """Whether the lengths at the end of a motion are off by less than what is of second order in it."""
     bent = float(np.linalg.norm(expansion.bends(motion, motion)))
-    return _missed(expansion, motion) <= LEADS.defect * bent / 2
+    return _missed(expansion, motion) <= 0.7 * bent / 2  # share of the terms of second order
 
 
 def _missed(expansion: LengthExpansion, motion: Floats) -> float:

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from isoembed.aim.anneal import Annealed, anneal
+from isoembed.aim.anneal import REALIZED, SAME, Annealed, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
 from isoembed.aim.realization_leads import Lead, leads
@@ -29,28 +29,11 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.surface.alignment import distance
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import fine_roughness
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SearchThresholds:
-    """Thresholds of the search for realizations."""
-
-    softest: int = threshold(2, "count", "Motions that may hide others, set apart, or lead across a fold.")
-    smoother: int = threshold(4, "count", "Moves to smoother realizations at most after each search.")
-    relaxed: int = threshold(4, "count", "Leads at most, the smoothest, that are relaxed for each move.")
-    weights: tuple[float, ...] = threshold(
-        (1e-5, 1e-6), "mean edge lengths^2", "mu at first, in turn: more forgets where a lead is."
-    )
-    probe: int = threshold(3, "count", "Newton steps that tell whether an end is promising.")
-    promising: float = threshold(0.1, "relative", "Residual after them, at most; so after the next.")
-    returns: float = threshold(1e-4, "mean edge lengths", "As near, it leads to a realization that is known.")
-    steps: int = threshold(4, "count", "Further Newton steps at most.")
-    same: float = threshold(1e-7, "mean edge lengths", "Realizations as near as this are one.")
-    realized: float = threshold(1e-11, "mean edge lengths", "Largest residual of a realization.")
-
-
-SEARCH = SearchThresholds()
+SOFTEST = 2  # motions that may hide others, set apart, or lead across a fold
+WEIGHTS = (1e-5, 1e-6)  # mean edge lengths^2: the first mu, in turn; more forgets where a lead is
+PROMISING = 0.1  # residual at a promising end, over the one before its Newton steps
+MAX_STEPS = 4  # of Newton's method
 
 
 @dataclass(eq=False)
@@ -124,16 +107,17 @@ class RealizationSearch:
 
     def polish(self, vertices: Floats, moves: int = 0) -> None:
         """Add the realizations that Newton's method leads to, if they are new and near enough."""
-        start, realized = self._residual(vertices), SEARCH.realized * self._unit
-        probed = self._annealed(vertices, SEARCH.probe)
-        good = probed.residual <= max(SEARCH.promising * start, realized)
-        if good and self._is_known(probed.vertices, SEARCH.returns):
+        start, realized = self._residual(vertices), REALIZED * self._unit
+        probed = self._annealed(vertices, 3)  # Newton steps that tell whether an end is promising
+        good = probed.residual <= max(PROMISING * start, realized)
+        # Mean edge lengths: as near, it leads to a realization that is known.
+        if good and self._is_known(probed.vertices, 1e-4):
             return
-        found = self._annealed(probed.vertices, SEARCH.steps) if good else probed
+        found = self._annealed(probed.vertices, MAX_STEPS) if good else probed
         if found.residual <= realized:
             self._add(found.vertices, moves)
             return
-        if good and found.residual <= SEARCH.promising * probed.residual:
+        if good and found.residual <= PROMISING * probed.residual:
             self._add_close(found.vertices, moves)
         if not self.found and found.vertices is not vertices:
             self._attempts[found.residual] = found.vertices
@@ -148,7 +132,7 @@ class RealizationSearch:
 
     def _smoothed(self) -> Iterator[None]:
         """From the smoothest realization, go to smoother ones as far as leads do."""
-        for _ in range(SEARCH.smoother if self.found else 0):
+        for _ in range(4 if self.found else 0):  # moves to smoother realizations after each search
             i = self._roughness.index(self._least_roughness)
             if self.searched[i] or not self._descends(
                 self._opened(i), self._roughness[i], self._moves[i] + 1
@@ -160,7 +144,7 @@ class RealizationSearch:
         """Follow leads to what is expected to be smoother, and whether there is a realization that is."""
         relaxed = 0
         while left and left[0].roughness < roughness:
-            weights = SEARCH.weights if relaxed < SEARCH.relaxed else ()
+            weights = WEIGHTS if relaxed < 4 else ()  # leads, the smoothest, that are relaxed for each move
             if self._is_smoother(left.popleft().vertices, roughness, moves, weights):
                 return True
             relaxed += 1
@@ -196,7 +180,7 @@ class RealizationSearch:
         self._follow(self._opened(i), moves + 1)
         yield
         if not moves or len(self.found) == known:
-            self._follow(self._leads_from(self.found[i], SEARCH.softest, SEARCH.softest), moves + 1)
+            self._follow(self._leads_from(self.found[i], SOFTEST, SOFTEST), moves + 1)
             yield
 
     def _attempt(self, vertices: Floats) -> Iterator[None]:
@@ -205,14 +189,14 @@ class RealizationSearch:
         An attempt ends where J is nearly singular, so at first the softest motions are set apart.
         """
         roughness = fine_roughness(self.metric.triangulation, vertices)
-        if self._is_smoother(vertices, roughness, 1, SEARCH.weights):
+        if self._is_smoother(vertices, roughness, 1, WEIGHTS):
             return
-        for hidden in (SEARCH.softest, 0):
+        for hidden in (SOFTEST, 0):
             if self._descends(self._leads_from(vertices, hidden), roughness, 1):
                 return
             yield
-        for hidden in (0, SEARCH.softest):
-            self._follow(self._leads_from(vertices, hidden, SEARCH.softest), 1)
+        for hidden in (0, SOFTEST):
+            self._follow(self._leads_from(vertices, hidden, SOFTEST), 1)
             yield
 
     def _opened(self, i: int) -> deque[Lead]:
@@ -241,17 +225,17 @@ class RealizationSearch:
         """Add the two realizations near a fold, where they are close and Newton's method is slow."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         self.recorder.factorizations += 1
-        softest = softest_motions(expansion, SEARCH.softest)
+        softest = softest_motions(expansion, SOFTEST)
         for motion in predicted_motions(expansion, softest, self.distance).motions[:2]:
-            found = self._annealed(vertices + motion, SEARCH.steps)
-            if found.residual <= SEARCH.realized * self._unit:
+            found = self._annealed(vertices + motion, MAX_STEPS)
+            if found.residual <= REALIZED * self._unit:
                 self._add(found.vertices, moves)
 
     def _add(self, x: Floats, moves: int) -> None:
         """Add a realization, if it is new and near enough."""
         if distance(x, self.vertices, self.system.space) > self.distance * self._unit:
             return
-        if not self._is_known(x, SEARCH.same):
+        if not self._is_known(x, SAME):
             self.found.append(x)
             self.searched.append(False)
             self._moves.append(moves)

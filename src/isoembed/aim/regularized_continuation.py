@@ -6,39 +6,24 @@ its place was taken by quintics fitted twice, which know smooth surfaces better 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.aim.adiabatic_pullback import extrapolated
+from isoembed.aim.anneal import NEWTON_BASIN
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class ContinuationThresholds:
-    """Thresholds of the regularized continuation."""
-
-    steps: int = threshold(6, "count", "Steps from t = 1 to t = 0.")
-    weight: float = threshold(0.007, "mean edge lengths^2", "mu at first; more would smooth edges away.")
-    stiffer: float = threshold(3.0, "relative", "Factor of mu where a step goes uphill.")
-    stiffest: float = threshold(7.0, "mean edge lengths^2", "mu at most.")
-    bending: float = threshold(3.0, "relative", "w on the way.")
-    letting_go: tuple[float, ...] = threshold((0.3, 0.03, 0.0), "relative", "w at t = 0, in turn.")
-    fade: float = threshold(0.1, "relative", "Factor of mu from step to step, after that.")
-    faded: int = threshold(15, "count", "Such steps at most.")
-    usual_fade: int = threshold(4, "count", "Such steps as a rule, for the time left.")
-    close: float = threshold(1e-6, "mean edge lengths", "Newton's method does not get lost from here.")
-    stalled: float = threshold(0.9, "relative", "Share of the residual that two steps leave if it is lost.")
-    shortest: float = threshold(1e-9, "lengths", "Least length at t = 1, where vertices may coincide.")
-
-
-CONTINUATION = ContinuationThresholds()
+BENDING = 3.0  # w on the way
+LETTING_GO = (0.3, 0.03, 0.0)  # w at t = 0, in turn
+FADE = 0.1  # factor of mu from step to step as a surface is let go
+FADE_STEPS = 15  # after them mu has no effect
+STALLED = 0.9  # share of the residual that two steps leave if it is lost
+SHORTEST = 1e-9  # lengths: the least length at t = 1, where vertices may coincide
 
 
 class Continued(NamedTuple):
@@ -58,7 +43,7 @@ def log_linear(metric: PolyhedralMetric, start: Floats) -> Callable[[float], Flo
     """
     a, b = metric.edges.T
     ratio = metric.space.distances(start[a], start[b]) / metric.lengths
-    ratio = np.maximum(ratio, CONTINUATION.shortest)
+    ratio = np.maximum(ratio, SHORTEST)
     return lambda t: metric.lengths * ratio**t
 
 
@@ -93,7 +78,7 @@ def regularized_continuation(
         recorder.show(vertices=x[-1])
 
     x, mu = guided(energy, start, lengths, recorder, kept, keep)
-    given, close = lengths(0.0), CONTINUATION.close * energy.unit
+    given, close = lengths(0.0), NEWTON_BASIN * energy.unit
     found, residual = let_go(energy.finer(x), x, given, mu, recorder)
     if residual > close:  # edges too long for quintics to know the surface
         found = min((found, residual), let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
@@ -114,10 +99,11 @@ def guided(
     last one last, and what else `kept` is to hold.
     """
     given, released = lengths(0.0), 0
-    mu, stiffest = CONTINUATION.weight * energy.unit**2, CONTINUATION.stiffest * energy.unit**2
+    # Mean edge lengths^2; more would smooth edges away.
+    mu, stiffest = 0.007 * energy.unit**2, 7.0 * energy.unit**2
     known: list[tuple[float, Floats]] = []
-    steps = np.linspace(1, 0, CONTINUATION.steps + 1).tolist()
-    usual = len(steps) + len(CONTINUATION.letting_go) + 2 + CONTINUATION.usual_fade
+    steps = np.linspace(1, 0, 6 + 1).tolist()  # from t = 1 to t = 0
+    usual = len(steps) + len(LETTING_GO) + 2 + 4  # four steps let go, as a rule
     if kept is not None:
         mu, known = float(kept["mu"]), list(zip(kept["t"].tolist(), kept["x"], strict=True))
         released = int(kept["released"])
@@ -132,18 +118,18 @@ def guided(
         guess = extrapolated(known[-3:], t) if known else start
         if not np.isfinite(energy.residuals(guess, lengths(t))).all():  # it has left the half of the sphere
             guess = known[-1][1]
-        x, downhill = energy.step(guess, lengths(t), mu, CONTINUATION.bending, recorder)
+        x, downhill = energy.step(guess, lengths(t), mu, BENDING, recorder)
         while not downhill and mu < stiffest:
-            mu *= CONTINUATION.stiffer
-            x, downhill = energy.step(guess, lengths(t), mu, CONTINUATION.bending, recorder)
+            mu *= 3.0
+            x, downhill = energy.step(guess, lengths(t), mu, BENDING, recorder)
         known = [*known[-2:], (t, x if downhill else guess)]
         reached()
     x = known[-1][1]
-    for w in (CONTINUATION.bending, *CONTINUATION.letting_go)[released:]:
+    for w in (BENDING, *LETTING_GO)[released:]:
         x = energy.relaxed(x, given, mu, w, recorder)
         known, released = [(0.0, x)], released + 1
         reached()
-    mu *= CONTINUATION.fade
+    mu *= FADE
     return energy.relaxed(x, given, mu, 0.0, recorder), mu
 
 
@@ -154,7 +140,7 @@ def let_go(
     mu: float,
     recorder: StageRecorder,
     *,
-    fade: float = CONTINUATION.fade,
+    fade: float = FADE,
     is_done: Callable[[], bool] = lambda: False,
 ) -> tuple[Floats, float]:
     """Let mu vanish.
@@ -179,11 +165,11 @@ def let_go(
     residual : float
         Its largest.
     """
-    before, slow, close = np.inf, 0, CONTINUATION.close * energy.unit
-    for _ in range(CONTINUATION.faded):
+    before, slow, close = np.inf, 0, NEWTON_BASIN * energy.unit
+    for _ in range(FADE_STEPS):
         x = energy.relaxed(x, lengths, mu, 0.0, recorder)
         residual = float(np.abs(energy.residuals(x, lengths)).max())
-        slow = slow + 1 if residual > CONTINUATION.stalled * before else 0
+        slow = slow + 1 if residual > STALLED * before else 0
         if residual <= close or slow == 2 or is_done():
             break
         before = residual

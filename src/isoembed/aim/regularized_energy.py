@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -32,24 +31,9 @@ from isoembed.surface.measures import face_areas
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows, length_residuals
 from isoembed.surface.smoothness import fit_residuals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class RegularizedEnergyThresholds:
-    """Thresholds of the regularized energy."""
-
-    rho: float = threshold(2.9, "mean edge lengths", "K is the Laplacian over this: of the size of R.")
-    smallest_cotangent: float = threshold(0.01, "relative", "Smaller weights of K would reward bending.")
-    share: float = threshold(0.5, "relative", "Share of |K x|^2 that stands in for |R x|^2 in the factors.")
-    solved: float = threshold(1e-3, "relative", "Residual of a step's linear equations, over the gradient.")
-    most: int = threshold(100, "count", "Conjugate gradients' iterations at most.")
-    stiffnesses: tuple[float, ...] = threshold(
-        (1.0, 2.0, 11.0, 101.0), "relative", "Factors of mu, tried until a step goes downhill."
-    )
-
-
-REGULARIZED_ENERGY = RegularizedEnergyThresholds()
+LEAST_COTANGENT = 0.01  # smaller weights would reward bending, or fold a harmonic surface
+MAX_ITERATIONS = 100  # of conjugate gradients
 
 
 class RegularizedEnergy:
@@ -83,8 +67,8 @@ class RegularizedEnergy:
         self.triangulation, self.unit, self._units = metric.triangulation, mean_length, units
         self.space = metric.space
         self._edge_weights: Floats | None = None
-        laplacian = cotangent_laplacian(GluedMetric.of(metric), least=REGULARIZED_ENERGY.smallest_cotangent)
-        K = csr_array(laplacian / (REGULARIZED_ENERGY.rho * mean_length))
+        laplacian = cotangent_laplacian(GluedMetric.of(metric), least=LEAST_COTANGENT)
+        K = csr_array(laplacian / (2.9 * mean_length))  # mean edge lengths: K is of the size of R
         self._KK = csr_array(K.T @ K)
         self._regularize_by(fit_residuals(self.triangulation, vertices))
 
@@ -179,7 +163,8 @@ class RegularizedEnergy:
         """
         triangulation, surface = self.triangulation, Projected.of(self.space, vertices)
         rows = self._rows(vertices, lengths)
-        factor = self._system.penalized(rows, mu * (w + REGULARIZED_ENERGY.share), surface, tensions)
+        # Share of |K x|^2 that stands in for |R x|^2.
+        factor = self._system.penalized(rows, mu * (w + 0.5), surface, tensions)
         fixed = surface.without_isometries()
         a, b = triangulation.edges.T
 
@@ -200,9 +185,9 @@ class RegularizedEnergy:
                 d = cg(
                     matrix,
                     fixed(surface.motion(gradient).ravel()),
-                    rtol=REGULARIZED_ENERGY.solved,
+                    rtol=1e-3,
                     M=inverse,
-                    maxiter=REGULARIZED_ENERGY.most,
+                    maxiter=MAX_ITERATIONS,
                 )[0].reshape(-1, 3)
             if not np.isfinite(d).all():
                 raise SingularMatrix("conjugate gradients broke down")
@@ -285,7 +270,7 @@ class RegularizedEnergy:
         self, vertices: Floats, lengths: Floats, mu: float, w: float, recorder: StageRecorder
     ) -> Floats:
         """A step that does not go uphill, however short; the vertices themselves if there is none."""
-        for stiffness in REGULARIZED_ENERGY.stiffnesses:
+        for stiffness in (1.0, 2.0, 11.0, 101.0):  # factors of mu, tried until a step goes downhill
             trial, downhill = self.step(vertices, lengths, mu, w, recorder, stiffness)
             if downhill:
                 return trial

@@ -1,8 +1,8 @@
 """A metric whose surface is sought by the adaptive method, and what all ways to it share."""
 
-from dataclasses import dataclass
 from functools import cached_property
 
+from isoembed.aim.anneal import REALIZED
 from isoembed.aim.convexification import Convexification
 from isoembed.aim.radii_newton import newton_on_radii_at_once
 from isoembed.alexandrov.newton import Analyses
@@ -11,25 +11,12 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
-from isoembed.thresholds import threshold
 
+PLACED = 1e-10  # mean edge lengths: residual asked of the convex polyhedron
+NEARLY = 1e-6  # mean edge lengths: the largest residual between two realizations
+FIT = 36  # factorizations of the best fit, as a rule
+PATCH_EFFORT = 10.0  # for patches and the best fit: more does not make them better
 
-@dataclass(frozen=True)
-class AdaptiveThresholds:
-    """Thresholds of the adaptive method."""
-
-    little: float = threshold(0.03, "4 pi", "Most negative curvature of a metric that may be nearly convex.")
-    exact: float = threshold(1e-11, "mean edge lengths", "Residual of a surface that is left as it is.")
-    placed: float = threshold(1e-10, "mean edge lengths", "Residual asked of the convex polyhedron.")
-    nearly: float = threshold(1e-6, "mean edge lengths", "Most residual between two realizations.")
-    same: float = threshold(1e-7, "mean edge lengths", "Surfaces as near as this are one.")
-    fit: int = threshold(36, "count", "Factorizations of the best fit at most, as a rule.")
-    patches: float = threshold(
-        10.0, "relative", "Effort at most for patches and the best fit: more does not make them better."
-    )
-
-
-ADAPTIVE = AdaptiveThresholds()
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
 AT_ONCE = {"radii": 1.0}
@@ -56,7 +43,7 @@ class Search:
 
     def __init__(self, metric: PolyhedralMetric, tolerance: float, log: Log, name: str) -> None:
         self.metric, self.tolerance, self.log, self.name = metric, tolerance, log, name
-        self.good = max(tolerance, ADAPTIVE.exact)  # below that, the tolerance is beyond rounding
+        self.good = max(tolerance, REALIZED)  # below that, the tolerance is beyond rounding
         tables = GluedMetric.of(metric).half_edges(directed=False)
         self.numbers = tables.order_in_memory()
         self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
@@ -69,7 +56,8 @@ class Search:
     @property
     def is_nearly_convex(self) -> bool:
         """Whether a body of pyramids may have this metric."""
-        return self.convexification.negative_curvature < ADAPTIVE.little
+        # Of 4 pi: negative curvature of a metric that may be nearly convex.
+        return self.convexification.negative_curvature < 0.03
 
     def surface(self, vertices: Floats) -> Embedding:
         """The surface with these vertices."""

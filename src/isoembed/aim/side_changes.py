@@ -12,7 +12,6 @@ So shallow vertices, those near the planes of their neighbors, are tried for whi
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
@@ -24,27 +23,14 @@ from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.local_fit import sums_at_ends
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SideThresholds:
-    """Thresholds of changes of sides."""
-
-    patches: tuple[tuple[int, int], ...] = threshold(
-        ((4, 3), (4, 4), (12, 3), (4, 5)), "count", "Centers, and rings of the patch about each, in turn."
-    )
-    sides: int = threshold(2, "count", "Rings about a center whose vertices are reflected.")
-    pairs: int = threshold(3, "count", "Kinds of patches in which pairs of vertices are reflected, at last.")
-    shallow: int = threshold(24, "count", "Shallow vertices.")
-    rings: int = threshold(3, "count", "Rings of the patch about each.")
-    largest: int = threshold(400, "vertices", "Of a patch at most: its matrix is dense.")
-    promise: tuple[float, float] = threshold((0.03, 2.0), "relative", "-r . d over |r|^2 of one.")
-    gain: float = threshold(1e-3, "relative", "Decrease of the energy that counts.")
-    moved: float = threshold(1e-3, "relative", "Share of its way that is left to a vertex on the other side.")
-
-
-SIDES = SideThresholds()
+PATCHES = ((4, 3), (4, 4), (12, 3), (4, 5))  # centers, and rings of the patch about each, in turn
+SIDE_RINGS = 2  # rings about a center whose vertices are reflected
+SHALLOW = 24  # vertices that are tried one by one
+RINGS = 3  # of the patch about each
+LARGEST = 400  # vertices of a patch: its matrix is dense
+PROMISE = (0.03, 2.0)  # -r . d over |r|^2 of a shallow vertex: least and most
+GAIN = 1e-3  # relative decrease of the energy that counts
 
 
 class SideChange(NamedTuple):
@@ -88,11 +74,12 @@ class SideChanges:
 
     def singles(self, kinds: int) -> Iterator[list[SideChange]]:
         """Single vertices that promise less energy, the best first, in patches of so many kinds in turn."""
-        return self._in_patches(SIDES.patches[:kinds], 1)
+        return self._in_patches(PATCHES[:kinds], 1)
 
     def pairs(self) -> Iterator[list[SideChange]]:
         """Pairs of vertices that do."""
-        return self._in_patches(SIDES.patches[: SIDES.pairs], 2)
+        # Kinds of patches in which pairs of vertices are reflected, at last.
+        return self._in_patches(PATCHES[:3], 2)
 
     def _in_patches(self, patches: Sequence[tuple[int, int]], count: int) -> Iterator[list[SideChange]]:
         tried: set[tuple[int, int]] = set()
@@ -102,7 +89,7 @@ class SideChanges:
                 if (center, rings) in tried:
                     continue
                 tried.add((center, rings))
-                flipped = combinations(self._about(center, SIDES.sides).tolist(), count)
+                flipped = combinations(self._about(center, SIDE_RINGS).tolist(), count)
                 changes += self._relaxed(center, rings, flipped)
             yield self._promising(changes)
 
@@ -110,7 +97,7 @@ class SideChanges:
         """Shallow vertices that promise less energy, the best first, their patches apart."""
         changes: list[SideChange] = []
         for v in self._shallow():
-            changes += self._relaxed(v, SIDES.rings, [(v,)])
+            changes += self._relaxed(v, RINGS, [(v,)])
         taken = np.zeros(len(self.surface.vertices), dtype=bool)
         apart = []
         for change in self._promising(changes):
@@ -122,13 +109,13 @@ class SideChanges:
     def _promising(self, changes: Sequence[SideChange]) -> list[SideChange]:
         """Those with which the energy falls; where it would fall below 0 the expansion is wrong."""
         value = self.surface.value
-        promising = [change for change in changes if -value < change.growth < -SIDES.gain * value]
+        promising = [change for change in changes if -value < change.growth < -GAIN * value]
         return sorted(promising, key=lambda change: change.growth)
 
     def _relaxed(self, center: int, rings: int, flipped: Iterable[tuple[int, ...]]) -> Iterator[SideChange]:
         """What becomes of reflections of some vertices in the patch about a center."""
         vertices = self._about(center, rings)
-        if self.is_done() or len(vertices) > SIDES.largest:
+        if self.is_done() or len(vertices) > LARGEST:
             return
         try:
             patch = self.surface.patch(vertices)
@@ -140,7 +127,8 @@ class SideChanges:
             motion = np.zeros((len(patch.vertices), 3))
             motion[np.searchsorted(patch.vertices, chosen)] = self._reflected[list(chosen)]
             relaxed, growth = patch.relaxed(motion)
-            if np.abs(relaxed).max() > SIDES.moved * np.abs(motion).max():  # else all have fallen back
+            # Share of its way that is left to a vertex on the other side.
+            if np.abs(relaxed).max() > 1e-3 * np.abs(motion).max():  # else all have fallen back
                 yield SideChange(growth, patch, relaxed)
 
     def _about(self, center: int, rings: int) -> Indices:
@@ -157,7 +145,7 @@ class SideChanges:
         for center in np.argsort(-missed, kind="stable").tolist():
             if free[center]:
                 yield center
-                free[self._about(center, SIDES.sides)] = False
+                free[self._about(center, SIDE_RINGS)] = False
                 count -= 1
                 if not count:
                     return
@@ -172,9 +160,9 @@ class SideChanges:
             d = (apart - lengths) * (apart + lengths) / (2 * lengths) - r
             taken -= np.bincount(ends[0], r * d, minlength=len(x))
             changed += np.bincount(ends[0], d**2, minlength=len(x))
-        least, most = SIDES.promise
+        least, most = PROMISE
         promised = np.flatnonzero((taken > least * (r @ r)) & (taken < most * (r @ r)))
-        return promised[np.argsort(changed[promised], kind="stable")][: SIDES.shallow].tolist()
+        return promised[np.argsort(changed[promised], kind="stable")][:SHALLOW].tolist()
 
 
 def reflections(triangulation: Triangulation, vertices: Floats) -> Floats:

@@ -20,8 +20,6 @@ preconditioned on two levels: ``J^T J + mu I`` for the rough motions, which the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from isoembed.arrays import Floats
 from isoembed.linalg import SymmetricFactor
 from isoembed.linalg.krylov import conjugate_gradients
@@ -29,23 +27,10 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.surface.interpolation import CellRows
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class SplitNewtonThresholds:
-    """Thresholds of Newton's method with smooth and rough motions."""
-
-    solved: float = threshold(5e-2, "relative", "Residual of linear equations at most.")
-    most: int = threshold(30, "count", "Iterations for smooth motions at most.")
-    many: int = threshold(60_000, "vertices", "Of so many, soft motions hide in such a residual.")
-    quintic_solved: float = threshold(1e-3, "relative", "The same where quintics hold so many.")
-    quintic_most: int = threshold(70, "count", "Iterations with quintics at most.")
-    held: float = threshold(0.1, "mu", "What holds rough motions in the preconditioner of the latter.")
-    single: float = threshold(5e-7, "relative", "Damping from which single precision solves well enough.")
-
-
-SPLIT_NEWTON = SplitNewtonThresholds()
+SOLVED = 5e-2  # largest residual of linear equations, relative
+MAX_ITERATIONS = 30  # for smooth motions
+MANY = 60_000  # vertices: soft motions of more hide in such a residual
 
 
 class SplitNewton:
@@ -78,7 +63,7 @@ class SplitNewton:
             return v / self._mass + mu * self._smooth(v)
 
         b = P.transposed(J.forces(linear.solve(r)))
-        dz = conjugate_gradients(product, precondition, b, SPLIT_NEWTON.solved, SPLIT_NEWTON.most).x
+        dz = conjugate_gradients(product, precondition, b, SOLVED, MAX_ITERATIONS).x
         rough = J.forces(linear.solve(r - J.rates(P @ dz)))
         z = z - dz
         return P @ z - rough, z
@@ -87,7 +72,7 @@ class SplitNewton:
         self, x: Floats, quintics: QuinticResiduals, mu: float, recorder: StageRecorder
     ) -> Floats:
         """A Gauss-Newton step on ``|r|^2 + mu |R R x|^2``: the next x."""
-        held = SPLIT_NEWTON.held * mu
+        held = 0.1 * mu  # share of mu that holds rough motions in the preconditioner
         linear, r = self._linearized(x, held, recorder)
         J, P = linear.J, self.P
 
@@ -98,8 +83,8 @@ class SplitNewton:
             return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.transposed(d))
 
         gradient = J.forces(r) + mu * quintics.pull(x)
-        solved = SPLIT_NEWTON.quintic_solved if len(x) >= SPLIT_NEWTON.many else SPLIT_NEWTON.solved
-        found = conjugate_gradients(product, precondition, gradient, solved, SPLIT_NEWTON.quintic_most)
+        solved = 1e-3 if len(x) >= MANY else SOLVED
+        found = conjugate_gradients(product, precondition, gradient, solved, 70)
         return x - found.x
 
     def _smooth(self, forces: Floats) -> Floats:
@@ -112,5 +97,6 @@ class SplitNewton:
         """J and the factors at x, and the residuals in their order."""
         recorder.iterations += 1
         recorder.factorizations += 1
-        linear = self._system.linearized(x, self._lengths, damping, single=damping >= SPLIT_NEWTON.single)
+        # Single precision solves well enough.
+        linear = self._system.linearized(x, self._lengths, damping, single=damping >= 5e-7)
         return linear, length_residuals(self._system.triangulation, x, self._lengths)[linear.order]

@@ -8,21 +8,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.anneal import ANNEALING, anneal
+from isoembed.aim.anneal import POLISH_STEPS, REALIZED, SAME, anneal
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.choice import SOUGHT
-from isoembed.aim.convexification import CONVEXIFICATION
+from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.flipped_vertices import with_flipped_vertices
-from isoembed.aim.lengths_newton import LENGTHS_NEWTON, newton_on_lengths
+from isoembed.aim.lengths_newton import LENGTHS_DEVIATION, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
-from isoembed.aim.local_search import LOCAL_SEARCH, local_search, misses_locally
+from isoembed.aim.local_search import COARSE, local_search, misses_locally
 from isoembed.aim.mirrored_patches import mirrored_realizations
 from isoembed.aim.nearby_realizations import nearby_realizations
-from isoembed.aim.radii_leap import RADII_LEAP, newton_on_radii, radii_start
+from isoembed.aim.radii_leap import RADII_DEVIATION, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.aim.search import ADAPTIVE, AT_ONCE, Search
+from isoembed.aim.search import AT_ONCE, FIT, NEARLY, PATCH_EFFORT, PLACED, Search
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, NotEmbedded
@@ -120,7 +120,7 @@ class Strategies:
             self.continue_regularized()
         embedding = self.smoothest()
         first = self.log.factorizations
-        most = (2 + min(effort, ADAPTIVE.patches)) * first  # of what was done so far, and what follows
+        most = (2 + min(effort, PATCH_EFFORT)) * first  # of what was done so far, and what follows
         if embedding.residual > self.good and effort > 0:
             self.turn_patches(most)
             embedding = self.smoothest()
@@ -146,7 +146,7 @@ class Strategies:
             start: Floats | None = kept["start"]
         else:
             with log.stage("nearest waypoint") as recorder:
-                convex = convexification.metric(CONVEXIFICATION.near, recorder)
+                convex = convexification.metric(NEAR_MARGIN, recorder)
             start = None if convex is None else radii_start(given, convex, search.analyses, log)
         if start is None:
             return None
@@ -155,7 +155,7 @@ class Strategies:
             if polyhedron is not None:
                 return polyhedron
         solution = newton_on_radii(given, start, search.analyses, log, search.numbers)
-        if solution is None or not solution.branch_deviation < RADII_LEAP.trusted:
+        if solution is None or not solution.branch_deviation < RADII_DEVIATION:
             return None
         found = self.surface(solution.vertices)
         return found if found.residual <= self.good else None
@@ -167,7 +167,7 @@ class Strategies:
     def polyhedron(self, vertices: Floats) -> Embedding | None:
         """The polyhedron of a convex metric, if it has the given triangles, or others of its faces."""
         found = self.surface(vertices)
-        if ADAPTIVE.exact < found.residual < ADAPTIVE.nearly:
+        if REALIZED < found.residual < NEARLY:
             with self.log.stage("polish") as recorder:
                 polished = self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
             if not polished.concave_edges.any():
@@ -176,7 +176,7 @@ class Strategies:
 
     def is_exact(self, surface: Embedding) -> bool:
         """Whether a surface is a realization, whatever the tolerance, as far as rounding allows."""
-        return surface.residual <= min(self.good, ADAPTIVE.placed)
+        return surface.residual <= min(self.good, PLACED)
 
     def convex_start(self) -> Floats:
         """The vertices of the polyhedron of a convex metric, or what comes nearest."""
@@ -184,11 +184,11 @@ class Strategies:
         if self.kept:
             return self.kept["start"]
         with self.log.stage("waypoint") as recorder:
-            convex = self.search.convexification.metric(CONVEXIFICATION.far, recorder)
+            convex = self.search.convexification.metric(FAR_MARGIN, recorder)
         if convex is not None:
             method = Alexandrov()
             try:
-                found = method.run(convex.normalized, ADAPTIVE.placed, self.log)
+                found = method.run(convex.normalized, PLACED, self.log)
                 return self.in_given_order(convex.unit * found.vertices)
             except NotEmbedded as failure:
                 found = failure.embedding
@@ -210,7 +210,7 @@ class Strategies:
                 self.system,
                 self.start,
                 self.metric.lengths,
-                min(self.search.tolerance, ADAPTIVE.exact),
+                min(self.search.tolerance, REALIZED),
                 recorder,
             )
             if solution is not None:
@@ -220,7 +220,7 @@ class Strategies:
         if convex and self.is_exact(polyhedron := self.surface(self.start)):
             self.surfaces.append(polyhedron)
             return True
-        trusted = solution is not None and (convex or solution.branch_deviation < LENGTHS_NEWTON.trusted)
+        trusted = solution is not None and (convex or solution.branch_deviation < LENGTHS_DEVIATION)
         return trusted and self.surfaces[-1].converged
 
     def continue_regularized(self) -> None:
@@ -242,14 +242,14 @@ class Strategies:
 
     def search_nearby(self, surface: Embedding) -> None:
         """Go to smoother realizations near one."""
-        if surface.residual < ADAPTIVE.nearly:
+        if surface.residual < NEARLY:
             with self.log.stage("neighbors") as recorder:
                 met = nearby_realizations(
                     self.system,
                     surface.vertices,
                     self.metric.lengths,
                     recorder,
-                    residual_tolerance=ADAPTIVE.exact,
+                    residual_tolerance=REALIZED,
                 )
             self.surfaces += [self.surface(vertices) for vertices in met]
             self.sought = True
@@ -282,8 +282,8 @@ class Strategies:
         if not self.metric.space.is_euclidean:
             return
         start = min(self.surfaces, key=lambda surface: surface.residual).vertices
-        left = most - self.log.factorizations - ADAPTIVE.fit
-        if self.search.numbers.size > LOCAL_SEARCH.coarse:
+        left = most - self.log.factorizations - FIT
+        if self.search.numbers.size > COARSE:
             start = start if self.smooth is None else self.smooth
             if not misses_locally(self.energy, start, self.metric.lengths):
                 return
@@ -323,7 +323,7 @@ class Strategies:
 
     def best_fit(self, most: float) -> FittedSurface | None:
         """The smooth surface that comes nearest to the lengths; it is one more start, too."""
-        left = most - self.log.factorizations - ANNEALING.polish
+        left = most - self.log.factorizations - POLISH_STEPS
         with self.log.stage("best fit") as recorder:
             fit = best_fit(self.metric, self.energy, self.start, recorder, left)
             if fit is None:
@@ -346,8 +346,8 @@ class Strategies:
         """
         different: list[Embedding] = []
         for surface in self.surfaces:
-            realized = surface.converged and surface.residual < ADAPTIVE.nearly  # whatever the tolerance
-            if realized and all(surface.distance(other) > ADAPTIVE.same for other in different):
+            realized = surface.converged and surface.residual < NEARLY  # whatever the tolerance
+            if realized and all(surface.distance(other) > SAME for other in different):
                 different.append(surface)
         if not different:
             return min(self.surfaces, key=lambda surface: surface.residual)

@@ -25,22 +25,8 @@ from isoembed.metric.variation import (
     length_derivative,
 )
 from isoembed.progress.stages import StageRecorder
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class UniformizationThresholds:
-    """Thresholds of the uniformization."""
-
-    largest_factor: float = threshold(300.0, "conformal factors", "Exponentials of more, squared, overflow.")
-    most_evaluations: int = threshold(20_000, "count", "Right-hand sides of the flow at most.")
-    rtol: float = threshold(1e-4, "relative", "Error of a step of the flow.")
-    atol: float = threshold(1e-6, "conformal factors", "Error of a step of the flow.")
-    steps: int = threshold(30, "count", "Newton steps at most.")
-    shortest: float = threshold(1e-3, "Newton steps", "A shorter step ends Newton's method.")
-
-
-UNIFORMIZATION = UniformizationThresholds()
+MAX_STEPS = 30  # of Newton's method
 
 
 @dataclass(frozen=True)
@@ -113,8 +99,8 @@ def ricci_flow(
             np.zeros(n),
             method=integrator,
             events=flow.until_uniform,
-            rtol=UNIFORMIZATION.rtol,
-            atol=UNIFORMIZATION.atol,
+            rtol=1e-4,
+            atol=1e-6,
             **({"jac": flow.jacobian} if integrator in ("BDF", "Radau") else {}),
         )
     except _Exhausted:
@@ -142,7 +128,7 @@ class _RicciFlow:
 
     def metric_at(self, u: Floats) -> PolyhedralMetric | None:
         """The metric at a state that the integrator tries, if there is one."""
-        if not np.abs(u).max() < UNIFORMIZATION.largest_factor:
+        if not np.abs(u).max() < 300.0:  # exponentials of more, squared, overflow
             return None
         try:
             return rescaled(self.metric, u)
@@ -152,7 +138,7 @@ class _RicciFlow:
     def velocity(self, _time: float, u: Floats) -> Floats:
         """``kbar - k_a``; where there is no metric not a number, and the integrator takes a shorter step."""
         self.recorder.iterations += 1
-        if self.recorder.iterations > UNIFORMIZATION.most_evaluations:
+        if self.recorder.iterations > 20_000:  # right-hand sides of the flow
             raise _Exhausted
         rho = self.metric_at(u)
         excess = np.full(len(u), np.nan)
@@ -213,7 +199,7 @@ def newton_uniformization(
     sphere = conformal_sphere(triangles, recorder)
     C = np.column_stack([np.ones(len(sphere.points)), sphere.points])
     state = _start(metric, conformal_factors(triangles.normalized, sphere), C)
-    for _ in range(UNIFORMIZATION.steps):
+    for _ in range(MAX_STEPS):
         recorder.show(residual=state.deviation)
         if state.deviation < epsilon:
             break
@@ -229,7 +215,7 @@ def newton_uniformization(
                 state = trial
                 break
             s /= 2
-            if s < UNIFORMIZATION.shortest:
+            if s < 1e-3:
                 return _finished(metric, state, False)
     return _finished(metric, state, state.deviation < epsilon)
 

@@ -238,7 +238,7 @@ def _attempt(
             yield p
             largest, close = np.abs(p.curvatures).max(), here.close * deficits.max()
             if largest <= close and (
-                # Of `close`, where the path is to be followed farther.
+                # Where the path is to be followed farther, a hundredth of `close` ends it.
                 near is None or largest <= 0.01 * close or (np.abs(p.curvatures) <= near).all()
             ):
                 break
@@ -247,7 +247,7 @@ def _attempt(
                 return False
         path.close()  # lets its factor go, which is as large as the next one
         keep(Waypoint(p, here.start, here.close))
-        # Of the curvatures where the path ends.
+        # Newton's method may end at a hundredth of the curvatures where the path may.
         solution = newton(p, deficits, analyses, recorder, None if near is None else 0.01 * near)
         if solution is not None:
             yield solution
@@ -293,8 +293,7 @@ def _path(
             inverse = None
             continue
         # Less is allowed after a step, with the same factorization, that was halved itself.
-        # Together with those of the step before; from here on a step with an older factorization is not
-        # halved.
+        # With an older factorization a step and the one before are halved three times together; later none is.
         stale = max(3 - halving, 1) if count < 20 else 1
         goal, most = here.target * deficits, 30 if fresh else stale
         stepped = _halved(p, dr, goal, most, flips)
