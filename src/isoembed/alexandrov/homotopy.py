@@ -293,7 +293,7 @@ def _path(
             inverse = None
             continue
         # Less is allowed after a step, with the same factorization, that was halved itself.
-        # With an older factorization a step and the one before are halved three times together; later none is.
+        # With an older factorization two steps in a row are halved three times together; later none is.
         stale = max(3 - halving, 1) if count < 20 else 1
         goal, most = here.target * deficits, 30 if fresh else stale
         stepped = _halved(p, dr, goal, most, flips)
