@@ -1,10 +1,9 @@
-"""Write the tables of thresholds into the pages of this folder, from the code that uses them.
+"""Write the tables of thresholds into ``thresholds.md``, from the code that uses them.
 
     python docs/thresholds.py [--check]
 
-A table stands between ``<!-- thresholds: MODULE:NAME -->`` and ``<!-- end -->``; between
-``<!-- thresholds -->`` and ``<!-- end -->`` stand those of the whole package.  With --check nothing is
-written, and the exit status is 1 if a page is out of date.
+They stand between ``<!-- thresholds -->`` and ``<!-- end -->``.  With --check nothing is written, and the
+exit status is 1 if the page is out of date.
 """
 
 import re
@@ -18,8 +17,8 @@ from typing import Any
 import isoembed
 from isoembed.thresholds import rows
 
-PAGES = sorted(Path(__file__).parent.glob("*.md"))
-BLOCK = re.compile(r"(<!-- thresholds(?:: (\S+):(\S+))? -->\n).*?(<!-- end -->)", re.DOTALL)
+PAGE = Path(__file__).with_suffix(".md")
+BLOCK = re.compile(r"(?<=<!-- thresholds -->\n).*?(?=<!-- end -->)", re.DOTALL)
 BAR = r"\|"  # inside of a cell
 
 
@@ -65,27 +64,21 @@ def whole() -> str:
 
 
 def current(page: str) -> str:
-    """The text of a page with tables of today."""
-
-    def block(match: re.Match[str]) -> str:
-        module, name = match[2], match[3]
-        return match[1] + (table(getattr(import_module(module), name)) if module else whole()) + match[4]
-
-    return BLOCK.sub(block, page)
+    """The text of the page with tables of today."""
+    tables = whole()
+    return BLOCK.sub(lambda _: tables, page)
 
 
 def main() -> int:
-    """Write the pages, or say which are not of today."""
-    stale = 0
-    for page in PAGES:
-        text = page.read_text(encoding="utf-8")
-        if (new := current(text)) != text:
-            stale = 1
-            if "--check" in sys.argv[1:]:
-                print(f"{page.name} has other thresholds than the code: run python docs/thresholds.py")
-            else:
-                page.write_text(new, encoding="utf-8")
-    return stale if "--check" in sys.argv[1:] else 0
+    """Write the page, or say that it is not of today."""
+    text = PAGE.read_text(encoding="utf-8")
+    new = current(text)
+    if "--check" not in sys.argv[1:]:
+        PAGE.write_text(new, encoding="utf-8")
+    elif new != text:
+        print(f"{PAGE.name} has other thresholds than the code: run python docs/thresholds.py")
+        return 1
+    return 0
 
 
 if __name__ == "__main__":

@@ -225,8 +225,7 @@ def test_the_tables_of_thresholds_are_those_of_the_code():
     spec = importlib.util.spec_from_file_location("thresholds_of_the_docs", DOCS / "thresholds.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    for page in module.PAGES:
-        text = page.read_text(encoding="utf-8")
-        assert module.current(text) == text, f"{page.name}: run python docs/thresholds.py"
+    text = module.PAGE.read_text(encoding="utf-8")
+    assert module.current(text) == text, "run python docs/thresholds.py"
     names = [name for _, name, _ in module.everywhere()]
-    assert len(names) > 20 and len(set(names)) == len(names)
+    assert "GLUING" in names and len(set(names)) == len(names)
