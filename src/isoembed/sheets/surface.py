@@ -18,9 +18,10 @@ from isoembed.surface.measures import face_normals
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    What is about closed surfaces of genus 0, such as the certificate, raises `InvalidMetric`, and so does the
-    volume of a surface with boundary.  That has no outside: it is not mirrored, and the sign of its mean
-    curvature depends on the side from which the triangles are counterclockwise.
+    There is no certificate.  Derivatives, deviations and comparisons are about closed surfaces of genus 0
+    and raise `InvalidMetric`; so does the volume of a surface with boundary.  That has no outside: it is not
+    mirrored, and the sign of its mean curvature depends on the side from which the triangles are
+    counterclockwise.
 
     Parameters
     ----------
@@ -29,10 +30,11 @@ class SheetEmbedding(Embedding):
     condition : str
         What was asked at the boundary.
     tensions : ndarray, shape (E,), optional
-        Of a surface of least bending: the pull of each edge, with which bending is in balance, in units of
-        the bending modulus over length.
+        Of a surface of least bending that is flexible: the pull of each edge, with which bending is in
+        balance, in units of the bending modulus over length.
     imbalance : float, optional
-        Of a surface of least bending: largest force that is left on a vertex, over a typical one.
+        Of a surface of least bending that is flexible: largest force that is left on a vertex, over a
+        typical one.
     """
 
     _: KW_ONLY

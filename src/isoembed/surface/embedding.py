@@ -137,9 +137,10 @@ class Embedding(Sensitivity, Views):
 
         Raises
         ------
-        InvalidParameter
+        InvalidParameter, InvalidMetric
             As `integral_deviation`.
         """
+        self.triangulation.check_sphere()
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
     def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
@@ -364,6 +365,7 @@ class Embedding(Sensitivity, Views):
         """
         from isoembed.surface.rigidity import LengthSystem
 
+        self.triangulation.check_sphere()  # of others J is not square, rigid motions apart
         system = LengthSystem(self.triangulation, space=self._space)
         lengths = self.metric.normalized.lengths
         try:
@@ -378,8 +380,10 @@ class Embedding(Sensitivity, Views):
         It says how near, how far away any other is at least, and whether the faces cross.  It takes two
         factorizations of J J^T, and a search for self-intersections.
         """
-        from isoembed.surface.certificate import Certificate, certify
+        from isoembed.surface.certificate import NO_SPHERE, Certificate, certify
 
+        if not self.triangulation.is_sphere:
+            return NO_SPHERE
         if not self.converged:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
