@@ -14,6 +14,7 @@ from isoembed import (
     Sheet,
     SheetEmbedding,
     embed,
+    realizations,
 )
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.dents import dents
@@ -283,6 +284,7 @@ def test_what_is_about_spheres_is_refused():
         lambda: found.integral_deviation(0.1),
         lambda: found.with_length_errors(0.1),
         lambda: found.comparison(found),
+        lambda: realizations(found),
         lambda: certify(ROUND, found.vertices),
         lambda: least_convex_space(ROUND),
         lambda: dents(SADDLE),

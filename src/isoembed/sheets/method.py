@@ -255,7 +255,7 @@ def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats
     if t.genus == 0 and several:
         closed = filled(metric)
         try:
-            found = Aim().run(closed.normalized, tolerance, log)
+            found = Aim(effort=0).run(closed.normalized, tolerance, log)
         except (InvalidMetric, NotEmbedded):  # the surface may be there without the filled one
             return scaled_distances(metric), None
         if found.converged:
