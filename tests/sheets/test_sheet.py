@@ -7,6 +7,7 @@ import discs
 import smooth_bodies
 import zoo
 from isoembed import (
+    Embedding,
     InvalidMetric,
     InvalidParameter,
     NotEmbedded,
@@ -15,6 +16,7 @@ from isoembed import (
     SheetEmbedding,
     embed,
     realizations,
+    unfold,
 )
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.dents import dents
@@ -285,6 +287,7 @@ def test_what_is_about_spheres_is_refused():
         lambda: found.with_length_errors(0.1),
         lambda: found.comparison(found),
         lambda: realizations(found),
+        lambda: Embedding(ROUND, found.vertices, method="given", tolerance=1e-10).volume,
         lambda: certify(ROUND, found.vertices),
         lambda: least_convex_space(ROUND),
         lambda: dents(SADDLE),
@@ -294,6 +297,8 @@ def test_what_is_about_spheres_is_refused():
     torus = PolyhedralMetric.from_mesh(*discs.torus(8, 6))
     with pytest.raises(InvalidMetric, match="genus 1"):
         conformal_sphere(torus, smooth_bodies.recorder())
+    with pytest.raises(InvalidMetric, match="genus 1"):
+        unfold(Embedding(torus, discs.torus(8, 6)[0], method="given", tolerance=1e-10))
 
 
 def test_a_tolerance_below_rounding_is_missed_in_words():

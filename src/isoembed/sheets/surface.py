@@ -42,9 +42,6 @@ class SheetEmbedding(Embedding):
     tensions: Floats | None = None
     imbalance: float | None = None
 
-    def _oriented(self, points: Floats) -> Floats:
-        return super()._oriented(points) if self.triangulation.is_closed else points
-
     def in_unit_of(self, given: Any) -> "SheetEmbedding":
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
         found = super().in_unit_of(given)
@@ -89,12 +86,6 @@ class SheetEmbedding(Embedding):
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA, in the unit of the lengths."""
         return float(self.mean_curvature @ self._bending.areas) * self.metric.unit**2
-
-    @property
-    def volume(self) -> float:
-        """Of no body: raises `InvalidMetric`, unless the surface is closed."""
-        self.triangulation.edge_halfedges  # noqa: B018
-        return super().volume
 
     @property
     def report(self) -> dict[str, Any]:

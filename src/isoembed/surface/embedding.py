@@ -42,7 +42,7 @@ class Embedding(Sensitivity, Views):
     metric : PolyhedralMetric
         What was to be realized.
     vertices : array_like of float, shape (V, 3)
-        In the unit of the metric's lengths.  A mirror image with negative volume is turned over.  In
+        In the unit of the metric's lengths.  A closed surface with negative volume is mirrored.  In
         hyperbolic and spherical space, the first three coordinates on hyperboloid or sphere.
     method : str
         The name of the method that found them.
@@ -103,7 +103,9 @@ class Embedding(Sensitivity, Views):
             object.__setattr__(self, name, value)
 
     def _oriented(self, points: Floats) -> Floats:
-        """Normalized vertices or their mirror image: that with positive volume."""
+        """Normalized vertices or their mirror image: that with positive volume, if the surface is closed."""
+        if not self.triangulation.is_closed:
+            return points
         return measures.outward(self.metric.faces, points, self._space)
 
     def _sentence(self) -> str:
@@ -416,7 +418,8 @@ class Embedding(Sensitivity, Views):
 
     @property
     def volume(self) -> float:
-        """Enclosed volume, in the unit of the lengths, cubed."""
+        """Enclosed volume, in the unit of the lengths, cubed; raises InvalidMetric if there is a boundary."""
+        self.triangulation.check_closed()
         unit = self.metric.unit
         return measures.volume(self.faces, self._normalized, self._space) * unit * unit * unit
 
