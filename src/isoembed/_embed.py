@@ -180,8 +180,8 @@ def embed(
             f"the method {chosen.name!r} keeps the given triangles, and those of a glued metric need not be "
             'a simplicial complex: take the method "alexandrov", or glued.simplicial()'
         )
-    two = isinstance(metric, PolyhedralMetric) and metric.triangulation.n_faces == 2
-    if two and not chosen.takes_doubly_covered:
+    mesh = metric.triangulation if isinstance(metric, PolyhedralMetric) else None
+    if mesh and mesh.n_faces == 2 and mesh.is_closed and not chosen.takes_doubly_covered:
         raise InvalidParameter(
             f"the metric is a triangle covered twice, which the method {chosen.name!r} does not embed: "
             'take the method "alexandrov"'
@@ -190,9 +190,9 @@ def embed(
         raise InvalidParameter(
             f"the metric is a {type(metric).__name__}: make it PolyhedralMetric(faces, lengths, edges)"
         )
-    if isinstance(metric, PolyhedralMetric) and not chosen.takes_boundary:
+    if mesh and not chosen.takes_boundary:
         try:
-            metric.triangulation.check_sphere()
+            mesh.check_sphere()
         except InvalidMetric as error:
             raise InvalidMetric(
                 f"{error}; boundary='free' embeds such surfaces, and 'plane' a convex cap"
@@ -211,9 +211,11 @@ def embed(
             )
         metric = metric.with_length_errors(length_errors)
     if getattr(metric, "length_errors", None) is not None and not chosen.takes_length_errors:
+        after = (
+            "" if chosen.takes_boundary else ", and take embedding.with_length_errors(errors) for error bars"
+        )
         raise InvalidParameter(
-            f"the method {chosen.name!r} takes lengths as exact: embed without length_errors, and take "
-            "embedding.with_length_errors(errors) for error bars"
+            f"the method {chosen.name!r} takes lengths as exact: embed without length_errors{after}"
         )
     unit = metric.normalized
     fingerprint = Fingerprint.of(unit.tables, chosen, tolerance)

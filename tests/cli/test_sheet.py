@@ -55,3 +55,27 @@ def test_inspection(call, cap):
     assert status == 0
     assert "genus 0, 1 boundary of 24 edges; 21 motions keep the lengths" in out
     assert "sum - 2 pi" in out
+
+
+def test_a_scan_in_single_precision_is_inspected(call):
+    points, faces = discs.hexagonal(4)
+    x = discs.round_cap(points, 1.0).astype(np.float32)
+    np.savez("scan.npz", vertices=x, faces=faces)
+    status, out, _ = call("inspect", "scan.npz")
+    assert status == 0
+    assert "rounded to" in out
+
+
+def test_curvature_is_that_inside(call, cap):
+    """Exterior angles of the boundary are no curvature."""
+    status, out, _ = call("inspect", "cap.npz", "--json")
+    found = strict(out)["gaussian_curvature"]
+    assert status == 0
+    assert 0.9 < found["min"] < found["max"] < 1.1
+
+
+@pytest.mark.parametrize("options", [["--parameter", "a=1"], ["--length-error", "0.01"]])
+def test_options_that_do_not_apply(call, cap, options):
+    status, _, error = call("embed", "cap.npz", "--boundary", "plane", *options)
+    assert status == 2
+    assert options[0] in error

@@ -70,5 +70,13 @@ def test_errors_of_lengths_move_deficits(k):
     D = deficit_derivative(metric).toarray()
     spread = deficit_spread(*tables, metric.triangulation.twins, k)
     assert spread == pytest.approx(np.sqrt((D**2).sum(axis=1)) * metric.mean_length, rel=1e-10)
+    upper = metric.faces[x[metric.faces].mean(axis=1)[:, 2] > 0.2 * x[:, 2].max()]
+    cap = PolyhedralMetric.from_mesh(
+        x[np.unique(upper)], np.unique(upper, return_inverse=True)[1].reshape(-1, 3), curvature=k
+    )
+    open_spread = deficit_spread(cap.faces, cap.face_lengths, cap.triangulation.sides_across, k)
+    changes = deficit_derivative(cap).toarray()
+    assert not cap.triangulation.is_closed
+    assert open_spread == pytest.approx(np.sqrt((changes**2).sum(axis=1)) * cap.mean_length, rel=1e-10)
     most = np.abs(D) @ metric.lengths * ROUNDINGS * np.finfo(np.float64).eps
     assert (deficit_rounding(*tables, k) > 0.2 * most).all()

@@ -44,3 +44,30 @@ def test_a_round_cap_is_second_order():
         energy = BendingEnergy(PolyhedralMetric.from_mesh(x, faces))
         errors.append(abs(energy.bending(x) - exact))
     assert errors[1] < 0.3 * errors[0] < 0.01
+
+
+@pytest.mark.parametrize(
+    ("points", "faces"),
+    [
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
+        ([[0, 0, 0], [1, 0, 0], [2, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]]),
+        (
+            [[0, 0, 0], [2, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]],
+            [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
+        ),
+    ],
+    ids=["triangle", "two triangles", "four triangles"],
+)
+def test_what_is_flat_has_no_energy_where_neighbors_are_few(points, faces):
+    energy = BendingEnergy(PolyhedralMetric.from_mesh(points, faces))
+    x = np.array(points, dtype=float)
+    assert energy.square_integral(x) < 1e-20
+    assert abs(energy.value(x)) < 1e-12
+
+
+def test_a_catenoid_has_little_mean_curvature():
+    found = []
+    for n in (24, 48):
+        x, faces = discs.band(2 * n, n // 2, lambda t: (np.cosh(t - 0.5), t))
+        found.append(BendingEnergy(PolyhedralMetric.from_mesh(x, faces)).bending(x))
+    assert 0 < found[1] < 0.2 * found[0] < 4e-4

@@ -4,9 +4,25 @@ import numpy as np
 import pytest
 
 import discs
+import smooth_bodies
 import zoo
-from isoembed import InvalidMetric, InvalidParameter, PolyhedralMetric, Sheet, SheetEmbedding, embed
+from isoembed import (
+    Embedding,
+    InvalidMetric,
+    InvalidParameter,
+    NotEmbedded,
+    PolyhedralMetric,
+    Sheet,
+    SheetEmbedding,
+    embed,
+    realizations,
+    unfold,
+)
+from isoembed.metric.conformal_sphere import conformal_sphere
+from isoembed.metric.dents import dents
+from isoembed.metric.least_space import least_convex_space
 from isoembed.surface.alignment import distance
+from isoembed.surface.certificate import certify
 
 CAP = 2 * np.pi * (1 - np.cos(1))  # int H^2 of a round cap
 
@@ -36,7 +52,8 @@ def test_convex_cap(mesh):
     found = embed(metric.scaled(7.5), boundary="plane")
     assert isinstance(found, SheetEmbedding)
     assert found.residual < 1e-13
-    assert found.uniqueness.kind == "proved"
+    # Irregular triangles are not those of the convex polyhedron: some of the edges are concave.
+    assert (found.uniqueness is not None) == (not found.concave_edges.any()) == (len(x) == 127)
     assert np.ptp(found.vertices[rim(metric), 2]) < 1e-12
     assert distance(found.vertices / 7.5, x) < 1e-12
 
@@ -166,6 +183,8 @@ def horizon_profile(a, m):
 DISC, FACES = discs.hexagonal(3)
 SADDLE = PolyhedralMetric.from_mesh(np.column_stack([DISC, DISC[:, 0] * DISC[:, 1]]), FACES)
 ROUND = cap(DISC, FACES)[1]
+CURVE = cap(DISC, FACES)[0][rim(ROUND)]
+TETRAHEDRON = PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], [1.0] * 6)
 RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
 
 
@@ -178,9 +197,15 @@ RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
         (ROUND, {"boundary": [1.0, 2.0]}, InvalidParameter, "18 vertices there, so it is"),
         (ROUND, {"boundary": [[np.nan] * 3] * 18}, InvalidParameter, "not finite"),
         (ROUND, {"boundary": "free", "start": [[0, 0, 0]]}, InvalidParameter, "not \\(37, 3\\)"),
-        (ROUND, {"boundary": "plane", "start": np.zeros((37, 3))}, InvalidParameter, "needs no start"),
+        (ROUND, {"boundary": "plane", "start": cap(DISC, FACES)[0]}, InvalidParameter, "needs no start"),
         (SADDLE, {"boundary": "plane"}, InvalidMetric, "deficit at vertex 1 is -0.1042 radians"),
         (SADDLE, {"boundary": np.zeros(18)}, InvalidMetric, "vertex 0 has the deficit -.*ill posed"),
+        (ROUND, {"boundary": "free", "start": np.zeros((37, 3))}, InvalidParameter, "face 0 .* has no area"),
+        (ROUND, {"boundary": np.zeros((18, 3))}, InvalidParameter, "edge \\d+ .* are one point"),
+        (ROUND, {"boundary": 5}, InvalidParameter, "the boundary has the shape \\(\\)"),
+        (ROUND, {"boundary": "free", "length_errors": 0.1}, InvalidParameter, "embed without length_errors$"),
+        (ROUND, {"boundary": 3 * CURVE}, NotEmbedded, "vertices \\d+ and \\d+ are .* in the order of"),
+        (TETRAHEDRON, {"boundary": [1.0]}, InvalidParameter, "the metric has no boundary"),
         (RING, {"boundary": "plane"}, InvalidMetric, "2 boundaries and genus 0: a convex cap is a disc"),
     ],
 )
@@ -216,3 +241,66 @@ def test_pictures_and_pages():
     assert found.concave_edges.sum() == 0
     with pytest.raises(InvalidMetric, match="not closed"):
         _ = found.volume
+
+
+def test_two_triangles_are_a_sheet():
+    square = PolyhedralMetric.from_mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    found = embed(square, boundary="plane")
+    assert found.residual < 1e-12
+    assert found.second_form_energy < 1e-12
+
+
+def test_a_flat_square_is_a_convex_cap():
+    """Vertices inside are flat: Newton's matrix is singular, and the polyhedron has them in place."""
+    x, faces = square(5)
+    found = embed(PolyhedralMetric.from_mesh(x, faces), boundary="plane")
+    assert found.residual < 1e-12
+    assert distance(found.vertices, x) < 1e-9
+
+
+def square(n):
+    """A unit square of n by n squares, each cut along the same diagonal."""
+    u, v = np.meshgrid(np.arange(n + 1) / n, np.arange(n + 1) / n, indexing="ij")
+    x = np.stack([u.ravel(), v.ravel(), 0 * u.ravel()], axis=1)
+    a = ((n + 1) * np.arange(n)[:, None] + np.arange(n)).ravel()
+    return x, np.concatenate([np.stack([a, a + n + 1, a + n + 2], 1), np.stack([a, a + n + 2, a + 1], 1)])
+
+
+def test_a_start_with_the_lengths_is_kept():
+    """Where lengths fix the vertices to second order only, bending would lead astray."""
+    x, faces = discs.torus(16, 10)
+    found = embed(PolyhedralMetric.from_mesh(x, faces), boundary="free", start=x)
+    assert distance(found.vertices, x) < 1e-12
+    assert found.uniqueness is None
+    assert found.tensions is None
+
+
+def test_what_is_about_spheres_is_refused():
+    found = embed(ROUND, boundary="plane")
+    assert not found.certificate.certified
+    for ask in (
+        lambda: found.smallest_singular_value,
+        lambda: found.jvp(ROUND.lengths),
+        lambda: found.deviation(0.1),
+        lambda: found.deviation_bound(0.1),
+        lambda: found.integral_deviation(0.1),
+        lambda: found.with_length_errors(0.1),
+        lambda: found.comparison(found),
+        lambda: realizations(found),
+        lambda: Embedding(ROUND, found.vertices, method="given", tolerance=1e-10).volume,
+        lambda: certify(ROUND, found.vertices),
+        lambda: least_convex_space(ROUND),
+        lambda: dents(SADDLE),
+    ):
+        with pytest.raises(InvalidMetric, match="not closed"):
+            ask()
+    torus = PolyhedralMetric.from_mesh(*discs.torus(8, 6))
+    with pytest.raises(InvalidMetric, match="genus 1"):
+        conformal_sphere(torus, smooth_bodies.recorder())
+    with pytest.raises(InvalidMetric, match="genus 1"):
+        unfold(Embedding(torus, discs.torus(8, 6)[0], method="given", tolerance=1e-10))
+
+
+def test_a_tolerance_below_rounding_is_missed_in_words():
+    with pytest.raises(NotEmbedded, match="lengths miss the tolerance 1e-30"):
+        embed(ROUND, boundary="plane", tolerance=1e-30)

@@ -141,7 +141,10 @@ def realizations(
     ------
     InvalidParameter
         A parameter is out of range.
+    InvalidMetric
+        The surface has a boundary or handles.
     """
+    embedding.triangulation.check_sphere()
     if not 0 < distance < np.inf:
         raise InvalidParameter(f"the distance is {distance!r}, not a positive number of mean edge lengths")
     for name, value, least, most in (("motions", motions, FEWEST, MOST), ("surfaces", surfaces, 1, np.inf)):

@@ -96,7 +96,7 @@ def unfold(surface: Embedding) -> Unfolding:
     ------
     InvalidMetric
         A face is so thin that it lies in no plane, a side is so short that rounding hides it, or the surface
-        is in hyperbolic or spherical space.
+        is in hyperbolic or spherical space, or has a boundary or handles.
 
     References
     ----------
@@ -110,6 +110,7 @@ def unfold(surface: Embedding) -> Unfolding:
     >>> unfold(tetrahedron)
     Unfolding(1 sheet, 3 pairs of sides, 3 folds)
     """
+    surface.triangulation.check_sphere()
     if not surface.metric.space.is_euclidean:
         raise InvalidMetric(f"the surface is in {surface.metric.space.name} space: paper is flat")
     unit = surface.metric.unit

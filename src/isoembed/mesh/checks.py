@@ -244,7 +244,7 @@ def _turned_over(edges: Indices, face_edges: Indices, faces: Indices) -> Mask:
     v = np.concatenate([np.where(alike, right, right + F), np.where(alike, right + F, right)])
     label = components(u, v, 2 * F)
     if (label[:F] == label[F:]).any():
-        raise InvalidMetric("the surface cannot be oriented (it is one-sided), so it is not a sphere")
+        raise InvalidMetric("the surface cannot be oriented (it is one-sided)")
     # Labels are numbered by first nodes: the copy that the first face of a component is in has the lower one.
     return label[:F] > label[F:]
 

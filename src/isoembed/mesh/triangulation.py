@@ -141,10 +141,11 @@ class Triangulation:
 
     def check_sphere(self) -> None:
         """Refuse surfaces with boundary and of higher genus; raises InvalidMetric."""
-        self._check_closed()
+        self.check_closed()
         check_euler(self.n_vertices, self.n_faces)
 
-    def _check_closed(self) -> None:
+    def check_closed(self) -> None:
+        """Refuse surfaces with boundary; raises InvalidMetric."""
         if not self.is_closed:
             e = int(np.argmax(self.boundary_edges))
             f = int(self.edge_sides[e].max()) // 3
@@ -156,7 +157,7 @@ class Triangulation:
     @property
     def edge_halfedges(self) -> Indices:
         """(E, 2): `edge_sides` of a closed surface; raises InvalidMetric for others."""
-        self._check_closed()
+        self.check_closed()
         return self.edge_sides
 
     @cached_property

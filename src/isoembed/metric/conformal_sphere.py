@@ -61,7 +61,13 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
     Returns
     -------
     ConformalSphere
+
+    Raises
+    ------
+    InvalidMetric
+        The surface has a boundary or handles.
     """
+    metric.triangulation.check_sphere()
     triangulation, lengths = metric.triangulation, _chords(metric.normalized)
     # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
     # vertices that are taken to infinity, in turn

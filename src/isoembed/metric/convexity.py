@@ -52,7 +52,7 @@ def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices, curvatu
     face_lengths : ndarray, shape (F, 3)
         Length of each half-edge.
     twins : ndarray of int, shape (3F,)
-        The half-edge on the other side of each.
+        The half-edge on the other side of each, -1 on a boundary.
     curvature : float
         Of the triangles.
     """
@@ -63,9 +63,12 @@ def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices, curvatu
     # with the sines of the sides in their place, and the amplitude in that of 2 A.
     across = triangles.sines / triangles.amplitudes[:, None]
     at_start, at_end = np.roll(cotangents, -1, axis=1) / sines, cotangents / sines
-    along = at_start.ravel() + at_end.ravel()[twins]
+    bounded = twins < 0
+    along = at_start.ravel() + np.where(bounded, 0.0, at_end.ravel()[twins])
     squares = np.bincount(faces.ravel(), across.ravel() ** 2 + along**2)
-    return cast(Floats, np.sqrt(squares) * lengths.mean())
+    ends, alone = np.roll(faces, -1, axis=1).ravel()[bounded], at_end.ravel()[bounded]
+    squares += np.bincount(ends, alone**2, minlength=len(squares))
+    return cast(Floats, np.sqrt(squares) * np.average(lengths.ravel(), weights=1 + bounded))
 
 
 def check_convex(deficits: Floats, rounding: Floats | float, doubt: tuple[str, Floats] | None = None) -> None:

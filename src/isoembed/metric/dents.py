@@ -31,7 +31,13 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
     list of ndarray of bool, shape (V,)
         The vertices inside of the rim of each, no vertex in two of them; the patch with the most curvature
         on its cap comes first.
+
+    Raises
+    ------
+    InvalidMetric
+        The surface has a boundary or handles.
     """
+    metric.triangulation.check_sphere()
     negative = negative_deficits(metric)
     if not negative.any():
         return []

@@ -108,7 +108,7 @@ def _measures(
 ) -> Iterator[Measure]:
     t, lengths = metric.triangulation, metric.lengths
     with np.errstate(all="ignore"):
-        curvature = gaussian_curvature(metric)[duals > 0]  # some are: dual areas sum to the area
+        curvature = gaussian_curvature(metric)[(duals > 0) & ~t.boundary_vertices]
         surface = area(metric)
         dual = {key: x * metric.unit * metric.unit for key, x in _range(duals).items()}
     if metric.precision is not None:
@@ -116,7 +116,7 @@ def _measures(
         noise = (
             DEVIATIONS
             * error
-            * deficit_spread(metric.faces, metric.face_lengths, t.twins, metric.curvature).max()
+            * deficit_spread(metric.faces, metric.face_lengths, t.sides_across, metric.curvature).max()
         )
         text = f"rounded to {metric.precision.name}: that puts deficits off by up to {noise:.1g} radians"
         yield Measure("coordinates", text, {"length_error": error, "deficit_noise": noise})
@@ -147,8 +147,9 @@ def _measures(
     undefined = int((duals <= 0).sum())
     text = f"{dual['min']:.4g} to {dual['max']:.4g}, {undefined} not positive"
     yield Measure("dual areas", text, {**dual, "not_positive": undefined})
-    k = _range(curvature)
-    yield Measure("gaussian curvature", f"{k['min']:.4g} to {k['max']:.4g}", k)
+    if curvature.size:
+        k = _range(curvature)
+        yield Measure("gaussian curvature", f"{k['min']:.4g} to {k['max']:.4g}", k)
     violations = int((excess > ANGLE_ROUNDING).sum())
     most = "180 degrees" if metric.space.is_euclidean else "the other four angles beside them"
     text = f"{violations} edges with opposite angles of more than {most} together"
@@ -192,7 +193,7 @@ def _warnings(
             ),
         ),
         (
-            *("flat_vertices", np.abs(epsilon) <= 1e-6, "flat vertices"),
+            *("flat_vertices", (np.abs(epsilon) <= 1e-6) & ~t.boundary_vertices, "flat vertices"),
             lambda v: (
                 f"vertex {v} has deficit {epsilon[v]:.1e}: a flat vertex can move off its plane at "
                 "second order, so coordinates are only as good as the square root of the length error"

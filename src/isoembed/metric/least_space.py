@@ -24,7 +24,13 @@ def least_convex_space(metric: PolyhedralMetric) -> Space:
     Space
         In which the vertex with the least deficit has none, to rounding; or Euclidean space, where no deficit
         is negative but for rounding.
+
+    Raises
+    ------
+    InvalidMetric
+        The surface has a boundary or handles.
     """
+    metric.triangulation.check_sphere()
     given = metric.normalized
     t, lengths = given.triangulation, given.lengths
 

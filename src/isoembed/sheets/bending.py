@@ -7,13 +7,11 @@ Second derivatives are those of polynomials fitted to the neighbors in `charts`.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from isoembed.arrays import Floats, Indices
-from isoembed.metric.curvature import deficits, face_areas
+from isoembed.metric.curvature import face_areas
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.charts import Charts
 
@@ -46,7 +44,7 @@ class BendingEnergy:
         thirds = np.repeat(face_areas(metric) / 3, 3)
         areas: Floats = np.bincount(t.faces.ravel(), thirds, minlength=n).astype(np.float64)
         inside = ~t.boundary_vertices
-        self.areas, self._inside = areas, inside
+        self.areas = areas
         counts = np.bincount(charts.centers, minlength=n)
         begins = np.cumsum(counts) - counts
         cubic = inside & (counts >= CUBIC)
@@ -63,34 +61,19 @@ class BendingEnergy:
         D = self._second
         S = _assembled([(at, near, missed) for at, near, _, missed in parts], n)
         self.form = csr_array(D.T @ D + S.T @ S)
-        self._pure = csr_array(D.T @ D)
 
     def square_integral(self, vertices: Floats) -> float:
         """``int |II|^2 dA``: of k1^2 + k2^2."""
-        return 4 * float(np.sum(vertices * (self._pure @ vertices)))
+        return 4 * float(np.sum((self._second @ vertices) ** 2))
 
     @property
     def area(self) -> float:
         """Of the surface."""
         return float(self.areas.sum())
 
-    @cached_property
-    def total_curvature(self) -> float:
-        """``int K dA``: inside by the deficits, in the areas of boundary vertices by the mean about them.
-
-        The sum of the deficits inside lacks the curvature between them and the boundary, of first order in
-        the edge length.
-        """
-        t, inside = self.metric.triangulation, self._inside
-        found = np.where(inside, deficits(self.metric), 0.0)
-        density = np.where(inside, found / self.areas, 0.0)
-        near = t.adjacency @ inside.astype(np.float64)
-        mean = (t.adjacency @ density) / np.maximum(near, 1.0)
-        return float(found.sum() + (mean * self.areas)[~inside].sum())
-
     def bending(self, vertices: Floats) -> float:
         """``int H^2 dA``, H half the sum of the principal curvatures."""
-        return (self.square_integral(vertices) + 2 * self.total_curvature) / 4
+        return float(self.areas @ (self.curvature_vectors(vertices) ** 2).sum(axis=1))
 
     def curvature_vectors(self, vertices: Floats) -> Floats:
         """``(x_uu + x_vv) / 2`` at each vertex, (V, 3): H times the normal."""
@@ -112,16 +95,30 @@ def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats
     h = np.sqrt((positions**2).sum(axis=2)).min(axis=1)
     u, v = np.moveaxis(positions / h[:, None, None], 2, 0)
     weights = 1 / (NEAR + u * u + v * v)
-    monomials = [u, v, u * u / 2, u * v, v * v / 2]
+    linear, monomials = [u, v], [u * u / 2, u * v, v * v / 2]
     if cubic:
         monomials += [u**3, u * u * v, u * v * v, v**3]
-    M = np.stack(monomials, axis=2)
-    G = np.linalg.pinv(M * weights[:, :, None]) * weights[:, None, :]
+    # The linear part is fitted first, so that it has no second derivatives where neighbors are few.
+    L, M = np.stack(linear, axis=2), np.stack(monomials, axis=2)
+    missed = _missed(L, weights)
+    curved = missed @ M
+    left = np.linalg.norm(curved, axis=(1, 2)) / np.linalg.norm(M, axis=(1, 2))
+    G = _pseudoinverse(curved, weights, 1e-9 / np.maximum(left, 1e-9)) @ missed
     size = np.sqrt(areas) / h**2 / 2
-    second = G[:, 2:5] * (size[:, None] * [1.0, np.sqrt(2.0), 1.0])[:, :, None]
-    missed = np.eye(positions.shape[1]) - M @ G
+    second = G[:, :3] * (size[:, None] * [1.0, np.sqrt(2.0), 1.0])[:, :, None]
+    missed = missed @ (np.eye(positions.shape[1]) - M @ G)
     relative = weights / weights.max(axis=1, keepdims=True)
     return second, missed * (relative * (size * np.sqrt(STABILIZER))[:, None])[:, :, None]
+
+
+def _missed(monomials: Floats, weights: Floats) -> Floats:
+    """What a fit of the monomials, (n, m, k), leaves of values of the neighbors, (n, m, m)."""
+    return np.eye(weights.shape[1]) - monomials @ _pseudoinverse(monomials, weights, 1e-9)
+
+
+def _pseudoinverse(monomials: Floats, weights: Floats, cutoff: Floats | float) -> Floats:
+    """The coefficients of a weighted fit, (n, k, m): of least norm where neighbors are too few for it."""
+    return np.linalg.pinv(monomials * weights[:, :, None], rcond=cutoff) * weights[:, None, :]
 
 
 def _assembled(parts: list[tuple[Indices, Indices, Floats]], n: int) -> csr_array:

@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
-from scipy.sparse.linalg import splu
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
+from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
@@ -42,9 +42,8 @@ def check_cap(metric: PolyhedralMetric) -> None:
     """
     t = metric.triangulation
     if t.euler_characteristic != 1 or len(t.boundaries) != 1:
-        raise InvalidMetric(
-            f"the surface has {len(t.boundaries)} boundaries and genus {t.genus}: a convex cap is a disc"
-        )
+        what = "one boundary" if len(t.boundaries) == 1 else f"{len(t.boundaries)} boundaries"
+        raise InvalidMetric(f"the surface has {what} and genus {t.genus}: a convex cap is a disc")
     found = deficits(metric)
     least = int(np.argmin(found))
     if found[least] < -ANGLE_ROUNDING:
@@ -129,7 +128,10 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
         matrix = vstack([lengths.jacobian(vertices), raised, fixed], format="csc")
         recorder.factorizations += 1
         recorder.iterations += 1
-        step = splu(matrix).solve(missed).reshape(-1, 3)
+        try:
+            step = factor_general(matrix).solve(missed).reshape(-1, 3)
+        except SingularMatrix:
+            break  # of vertices that are flat to rounding, which the polyhedron has in place
         part, before = 1.0, np.linalg.norm(missed)
         for _ in range(HALVINGS):
             trial = equations(vertices - part * step)

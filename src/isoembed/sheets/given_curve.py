@@ -11,9 +11,9 @@ from collections.abc import Iterator
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array, kron
-from scipy.sparse.linalg import splu
 
 from isoembed.arrays import Floats, Mask
+from isoembed.linalg import SingularMatrix, factor_general
 from isoembed.metric.curvature import face_areas
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
@@ -40,7 +40,7 @@ def harmonic(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Floa
     if not len(free):
         return vertices
     rows = laplacian[free]
-    factor = splu(rows[:, free].tocsc())
+    factor = factor_general(rows[:, free])
     vertices[free] = factor.solve(-(rows[:, fixed] @ boundary[fixed]))
     curve = boundary[fixed] - boundary[fixed].mean(axis=0)
     _, sizes, axes = np.linalg.svd(curve, full_matrices=False)
@@ -102,7 +102,10 @@ def through_curve(
         recorder.factorizations += 1
         recorder.iterations += 1
         step = np.zeros(vertices.size)
-        step[free] = splu((J.T @ J + epsilon * form).tocsc()).solve(gradient)
+        try:
+            step[free] = factor_general(J.T @ J + epsilon * form).solve(gradient)
+        except SingularMatrix:  # the lengths leave a motion free
+            return vertices, 0.0
         part, before = 1.0, value(vertices, epsilon)
         while part > 1e-3 and not value(vertices - part * step.reshape(-1, 3), epsilon) < before:
             part /= 2

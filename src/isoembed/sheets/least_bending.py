@@ -101,7 +101,7 @@ def balanced(
     metric, t = energy.metric, lengths.triangulation
     system, held = VertexSystem(t, energy.form), HeldTriangle.of(start.vertices, t.faces[0])
     epsilon = AUGMENTED * energy.area
-    size = 2 * float(energy.form.diagonal().mean())
+    size = max(2 * float(energy.form.diagonal().mean()), 1 / energy.area)  # one triangle does not bend
     x, y, unit = start.vertices, start.multipliers, metric.mean_length
 
     def equations(x: Floats, y: Floats) -> tuple[Floats, Floats]:
@@ -112,8 +112,10 @@ def balanced(
     for _ in range(NEWTON):
         rows = edge_rows(t, x, metric.lengths)
         recorder.iterations += 1
-        factor, epsilon = _factored(system, rows, y / metric.lengths, epsilon, held, recorder)
-
+        try:
+            factor, epsilon = _factored(system, rows, y / metric.lengths, epsilon, held, recorder)
+        except SingularMatrix:
+            break
         d, dy = _constrained_step(t, factor, rows, g, r, epsilon)
         longest = float(np.linalg.norm(d, axis=1).max())
         before = np.linalg.norm(g) / size + np.linalg.norm(r)

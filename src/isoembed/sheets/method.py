@@ -28,17 +28,19 @@ from isoembed.sheets.least_bending import LeastBending, balanced, thinned
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.starts import scaled_distances
 from isoembed.sheets.surface import SheetEmbedding
+from isoembed.surface.measures import face_areas
 
 CONDITIONS = "free", "plane"
 HEIGHTS = 5  # steps in which the boundary is raised
 EXACT = 1e-12  # residual of least bending, in mean edge lengths, that is left as it is
+FLAT = 1e-15  # area of a triangle over the square of the size of a start, which is none
 CAP = Evidence(
     "proved",
     "convex cap theorem: the deficits and the exterior angles of the boundary are not negative, and a convex "
     "cap is determined by its metric",
 )
 BENDING = Evidence(
-    "searched", "one stationary surface of the bending energy was found from one start: others may bend less"
+    "searched", "the bending energy was decreased from one start only: other surfaces may bend less"
 )
 
 
@@ -109,12 +111,19 @@ class Sheet(Method):
             raise InvalidParameter(
                 f"the start has the shape {start.shape}, not ({metric.triangulation.n_vertices}, 3)"
             )
+        if start is not None:
+            flat = face_areas(metric.faces, start) <= FLAT * np.abs(start).max() ** 2
+            if flat.any():
+                f = int(np.argmax(flat))
+                raise InvalidParameter(f"face {f} {metric.faces[f].tolist()} has no area in the start")
         if isinstance(self.boundary, str):
             named = _cap if self.boundary == "plane" else _least_bending
             return named(metric, start, tolerance, log)
         given = np.array(self.boundary)
         count = int(metric.triangulation.boundary_vertices.sum())
-        if given.shape not in ((count,), (count, 3)) or not count:
+        if not count:
+            raise InvalidParameter("the metric has no boundary: take boundary='free'")
+        if given.shape not in ((count,), (count, 3)):
             raise InvalidParameter(
                 f"the boundary has the shape {given.shape}: the metric has {count} vertices there, so it is "
                 f"({count},) or ({count}, 3)"
@@ -128,8 +137,8 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
     if start is not None:
         raise InvalidParameter("a convex cap needs no start: it is the only one")
     check_cap(metric)
-    count = len(metric.triangulation.boundaries[0])
-    return replace(_raised(metric, np.zeros(count), tolerance, log, "plane"), uniqueness=CAP)
+    found = _raised(metric, np.zeros(len(metric.triangulation.boundaries[0])), tolerance, log, "plane")
+    return found if found.concave_edges.any() else replace(found, uniqueness=CAP)
 
 
 def _over_heights(
@@ -154,7 +163,10 @@ def _raised(
     metric: PolyhedralMetric, heights: Floats, tolerance: float, log: Log, condition: str
 ) -> SheetEmbedding:
     [loop] = metric.triangulation.boundaries
-    polyhedron = Alexandrov().run(doubled(metric), tolerance, log)
+    try:
+        polyhedron = Alexandrov().run(doubled(metric), tolerance, log)
+    except NotEmbedded as failure:  # Newton's method may come nearer to the lengths, and its residual tells
+        polyhedron = failure.embedding
     half = polyhedron.vertices[: metric.triangulation.n_vertices]
     x = upright(half, half[loop])
     with log.stage("Newton with heights") as recorder:
@@ -171,9 +183,23 @@ def _through(
     t = metric.triangulation
     x = np.zeros((t.n_vertices, 3))
     x[np.concatenate(t.boundaries)] = curve
+    a, b = t.edges.T
+    missing = t.boundary_edges & (x[a] == x[b]).all(axis=1)
+    if missing.any():
+        e = int(np.argmax(missing))
+        raise InvalidParameter(f"the ends of edge {e} {t.edges[e].tolist()} are one point of the boundary")
     with log.stage("given boundary") as recorder:
         x = through_curve(BendingEnergy(metric), LengthConstraints(metric), x, start, recorder)
-    return _embedding(metric, x, tolerance, log, "curve")
+    found = _embedding(metric, x, tolerance, log, "curve")
+    given = np.where(t.boundary_vertices[t.edges].all(axis=1), found.residuals, 0.0)
+    e = int(np.argmax(given))
+    if given[e] <= tolerance:
+        return found
+    times = np.linalg.norm(x[a[e]] - x[b[e]]) / metric.lengths[e]
+    return found.with_message(
+        f"the boundary does not fit the lengths: its vertices {a[e]} and {b[e]} are {times:.6g} times as far "
+        "apart as their edge is long; they must be in the order of Triangulation.boundaries"
+    )
 
 
 def _least_bending(
@@ -184,23 +210,37 @@ def _least_bending(
     near = None
     if start is None:
         start, near = _start(metric, tolerance, log)
+    t = metric.triangulation
+    is_flexible = t.n_edges <= 3 * t.n_vertices - 6
+    if near is None and not is_flexible:  # a start that is near leads to the lengths without bending
+        with log.stage("Newton on lengths") as recorder:
+            x = nearest_with_lengths(lengths, start, recorder)
+        if _residual(lengths, x) <= EXACT:
+            near = LeastBending(x, np.zeros(t.n_edges), np.inf)
     if near is None:
         with log.stage("elastic sheets") as recorder:
             near = thinned(energy, lengths, start, recorder)
     found = near
-    if metric.triangulation.n_edges <= 3 * metric.triangulation.n_vertices - 6:
+    if is_flexible:
         with log.stage("least bending") as recorder:
             found = balanced(energy, lengths, near, recorder)
-    residual = float(np.abs(lengths.residuals(found.vertices)).max()) / metric.mean_length
-    if residual > EXACT:
+    if _residual(lengths, found.vertices) > EXACT:
         with log.stage("Newton on lengths") as recorder:
             found = replace(found, vertices=nearest_with_lengths(lengths, found.vertices, recorder))
+    surface = _embedding(metric, found.vertices, tolerance, log, "free")
+    if not is_flexible:
+        return surface
     return replace(
-        _embedding(metric, found.vertices, tolerance, log, "free"),
+        surface,
         tensions=frozen(found.multipliers),
         imbalance=found.imbalance,
         uniqueness=BENDING,
     )
+
+
+def _residual(lengths: LengthConstraints, x: Floats) -> float:
+    """Largest residual in mean edge lengths."""
+    return float(np.abs(lengths.residuals(x)).max()) / lengths.metric.mean_length
 
 
 def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats, LeastBending | None]:
@@ -215,7 +255,7 @@ def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats
     if t.genus == 0 and several:
         closed = filled(metric)
         try:
-            found = Aim().run(closed.normalized, tolerance, log)
+            found = Aim(effort=0).run(closed.normalized, tolerance, log)
         except (InvalidMetric, NotEmbedded):  # the surface may be there without the filled one
             return scaled_distances(metric), None
         if found.converged:
@@ -234,7 +274,9 @@ def _embedding(
 
 def _nested(values: ArrayLike, what: str) -> tuple[Any, ...]:
     """An array as tuples, which compare and print whole."""
-    array = real_array(values, f"row of {what}", "coordinate")
+    array = real_array(values, f"{what} row", "coordinate")
+    if array.ndim not in (1, 2):
+        raise InvalidParameter(f"the {what} has the shape {array.shape}, not one of one or two axes")
     if not np.isfinite(array).all():
         raise InvalidParameter(f"the {what} has entries that are not finite")
     return tuple(map(tuple, array.tolist())) if array.ndim == 2 else tuple(array.tolist())

@@ -18,9 +18,10 @@ from isoembed.surface.measures import face_normals
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    What is about closed surfaces of genus 0, such as the certificate, raises `InvalidMetric`, and so does the
-    volume of a surface with boundary.  That has no outside: it is not mirrored, and the sign of its mean
-    curvature depends on the side from which the triangles are counterclockwise.
+    There is no certificate.  Derivatives, deviations and comparisons are about closed surfaces of genus 0
+    and raise `InvalidMetric`; so does the volume of a surface with boundary.  That has no outside: it is not
+    mirrored, and the sign of its mean curvature depends on the side from which the triangles are
+    counterclockwise.
 
     Parameters
     ----------
@@ -29,19 +30,17 @@ class SheetEmbedding(Embedding):
     condition : str
         What was asked at the boundary.
     tensions : ndarray, shape (E,), optional
-        Of a surface of least bending: the pull of each edge, with which bending is in balance, in units of
-        the bending modulus over length.
+        Of a surface of least bending that is flexible: the pull of each edge, with which bending is in
+        balance, in units of the bending modulus over length.
     imbalance : float, optional
-        Of a surface of least bending: largest force that is left on a vertex, over a typical one.
+        Of a surface of least bending that is flexible: largest force that is left on a vertex, over a
+        typical one.
     """
 
     _: KW_ONLY
     condition: str
     tensions: Floats | None = None
     imbalance: float | None = None
-
-    def _oriented(self, points: Floats) -> Floats:
-        return super()._oriented(points) if self.triangulation.is_closed else points
 
     def in_unit_of(self, given: Any) -> "SheetEmbedding":
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
@@ -87,12 +86,6 @@ class SheetEmbedding(Embedding):
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA, in the unit of the lengths."""
         return float(self.mean_curvature @ self._bending.areas) * self.metric.unit**2
-
-    @property
-    def volume(self) -> float:
-        """Of no body: raises `InvalidMetric`, unless the surface is closed."""
-        self.triangulation.edge_halfedges  # noqa: B018
-        return super().volume
 
     @property
     def report(self) -> dict[str, Any]:

@@ -88,7 +88,13 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
     Returns
     -------
     Certificate
+
+    Raises
+    ------
+    InvalidMetric
+        The surface has a boundary or handles.
     """
+    metric.triangulation.check_sphere()
     errors = np.zeros(len(metric.lengths)) if length_errors is None else length_errors / metric.unit
     found: dict[str, Any] = {}
     try:

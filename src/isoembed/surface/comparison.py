@@ -98,8 +98,9 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
 
     Raises
     ------
-    InvalidParameter
+    InvalidParameter, InvalidMetric
     """
+    first.triangulation.check_sphere()
     for each in (first, second):
         if not each.space.is_euclidean:
             raise InvalidParameter(f"comparisons are those of surfaces in R^3, not in {each.space!r}")

@@ -42,7 +42,7 @@ class Embedding(Sensitivity, Views):
     metric : PolyhedralMetric
         What was to be realized.
     vertices : array_like of float, shape (V, 3)
-        In the unit of the metric's lengths.  A mirror image with negative volume is turned over.  In
+        In the unit of the metric's lengths.  A closed surface with negative volume is mirrored.  In
         hyperbolic and spherical space, the first three coordinates on hyperboloid or sphere.
     method : str
         The name of the method that found them.
@@ -103,7 +103,9 @@ class Embedding(Sensitivity, Views):
             object.__setattr__(self, name, value)
 
     def _oriented(self, points: Floats) -> Floats:
-        """Normalized vertices or their mirror image: that with positive volume."""
+        """Normalized vertices or their mirror image: that with positive volume, if the surface is closed."""
+        if not self.triangulation.is_closed:
+            return points
         return measures.outward(self.metric.faces, points, self._space)
 
     def _sentence(self) -> str:
@@ -137,9 +139,10 @@ class Embedding(Sensitivity, Views):
 
         Raises
         ------
-        InvalidParameter
+        InvalidParameter, InvalidMetric
             As `integral_deviation`.
         """
+        self.triangulation.check_sphere()
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
     def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
@@ -364,6 +367,7 @@ class Embedding(Sensitivity, Views):
         """
         from isoembed.surface.rigidity import LengthSystem
 
+        self.triangulation.check_sphere()  # of others J is not square, rigid motions apart
         system = LengthSystem(self.triangulation, space=self._space)
         lengths = self.metric.normalized.lengths
         try:
@@ -378,8 +382,10 @@ class Embedding(Sensitivity, Views):
         It says how near, how far away any other is at least, and whether the faces cross.  It takes two
         factorizations of J J^T, and a search for self-intersections.
         """
-        from isoembed.surface.certificate import Certificate, certify
+        from isoembed.surface.certificate import NO_SPHERE, Certificate, certify
 
+        if not self.triangulation.is_sphere:
+            return NO_SPHERE
         if not self.converged:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
@@ -412,7 +418,8 @@ class Embedding(Sensitivity, Views):
 
     @property
     def volume(self) -> float:
-        """Enclosed volume, in the unit of the lengths, cubed."""
+        """Enclosed volume, in the unit of the lengths, cubed; raises InvalidMetric if there is a boundary."""
+        self.triangulation.check_closed()
         unit = self.metric.unit
         return measures.volume(self.faces, self._normalized, self._space) * unit * unit * unit
 

@@ -37,9 +37,10 @@ class Sensitivity:
 
     @cached_property
     def _derivatives(self) -> LengthDerivatives:
-        """J and its factors where the vertices are, kept for all derivatives."""
+        """J and its factors where the vertices are, kept for all derivatives; raises InvalidMetric."""
         from isoembed.surface.derivatives import LengthDerivatives
 
+        self.metric.triangulation.check_sphere()  # elsewhere J is not square, rigid motions apart
         normalized = self.metric.normalized
         return LengthDerivatives.of(
             self.metric.triangulation, self._normalized, normalized.lengths, normalized.space
@@ -65,6 +66,8 @@ class Sensitivity:
         ------
         InvalidParameter
             The changes have another shape or are not finite.
+        InvalidMetric
+            The surface has a boundary or handles: its lengths are not as many as its motions.
         SingularMatrix
             The surface is not infinitesimally rigid: a vertex is flat, as they are in the faces of a
             `ConvexPolyhedron`.
@@ -89,7 +92,7 @@ class Sensitivity:
 
         Raises
         ------
-        InvalidParameter, SingularMatrix, OutOfMemory
+        InvalidParameter, InvalidMetric, SingularMatrix, OutOfMemory
             As `jvp`.
         """
         return self._derivatives.vjp(checked(gradient, (len(self.vertices), 3), "gradient"))
@@ -106,7 +109,7 @@ class Sensitivity:
         ------
         InvalidParameter
             As `jvp`, and in space that is curved.
-        SingularMatrix, OutOfMemory
+        InvalidMetric, SingularMatrix, OutOfMemory
             As `jvp`.
         """
         from isoembed.surface.derivatives import Variation
@@ -135,7 +138,7 @@ class Sensitivity:
         ------
         InvalidParameter
             As `jvp`, in space that is curved, and if an error is negative.
-        SingularMatrix, OutOfMemory
+        InvalidMetric, SingularMatrix, OutOfMemory
             As `jvp`.
         """
         from isoembed.surface.deviation import Deviation
@@ -156,7 +159,7 @@ class Sensitivity:
         ------
         InvalidParameter
             The errors have another shape, are not finite or negative.
-        OutOfMemory
+        InvalidMetric, OutOfMemory
             As `jvp`.
         """
         from isoembed.surface.derivatives import volume_gradient
@@ -186,7 +189,7 @@ class Sensitivity:
         ------
         InvalidParameter
             As `deviation`.
-        OutOfMemory
+        InvalidMetric, OutOfMemory
             As `jvp`.
         """
         from isoembed.surface.derivatives import volume_gradient
