@@ -401,7 +401,25 @@ def test_surface_refuses(run, arguments, sentence):
 
 def test_no_command_and_a_wrong_one(run):
     assert "required: COMMAND" in run()[2]
-    assert "invalid choice: 'melt'" in run("melt")[2]
+    assert run("melt")[2] == "isoembed: error: unknown command 'melt' (see 'isoembed --help')\n"
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [("embd", "embed"), ("unfld", "unfold"), ("horizons", "horizon"), ("Realizations", "realizations")],
+)
+def test_a_mistyped_command_is_answered_with_the_nearest_one(run, typed, meant):
+    status, out, err = run(typed, "metric.json")
+    assert (status, out) == (2, "")
+    assert f"unknown command {typed!r}; did you mean {meant!r}?" in err
+
+
+def test_the_package_runs_as_the_command():
+    done = subprocess.run([sys.executable, "-m", "isoembed", "--version"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, f"isoembed {isoembed.__version__}\n")
+    wrong = subprocess.run([sys.executable, "-m", "isoembed"], capture_output=True, text=True)
+    assert wrong.returncode == 2
+    assert wrong.stderr.startswith("isoembed: error: ")
 
 
 def test_help_everywhere(run):

@@ -55,8 +55,17 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Refuse the command line."""
+        if unknown := re.match(r"argument COMMAND: invalid choice: '(.*?)'", message):
+            message = f"unknown command {unknown[1]!r}{_did_you_mean(unknown[1])}"
         print_error(f"{message} (see '{self.prog} --help')")
         raise SystemExit(WRONG)
+
+
+def _did_you_mean(name: str) -> str:
+    """A question that names the most similar command, if there is one."""
+    from difflib import get_close_matches
+
+    return "".join(f"; did you mean {near!r}?" for near in get_close_matches(name, COMMANDS, n=1))
 
 
 def build_parser(arguments: Sequence[str]) -> Parser:
