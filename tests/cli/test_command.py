@@ -414,6 +414,20 @@ def test_a_mistyped_command_is_answered_with_the_nearest_one(run, typed, meant):
     assert f"unknown command {typed!r}; did you mean {meant!r}?" in err
 
 
+@pytest.mark.parametrize(
+    ("typed", "answer"),
+    [
+        ("--tolerence=1e-9", "--tolerence; did you mean '--tolerance'?"),
+        ("--ouput", "--ouput; did you mean '--output'?"),
+        ("--zzz", "--zzz (see"),
+    ],
+)
+def test_a_mistyped_option_is_answered_with_the_nearest_one(run, typed, answer):
+    status, _, err = run("embed", "metric.json", typed)
+    assert status == 2
+    assert f"unrecognized arguments: {answer}" in err
+
+
 def test_the_package_runs_as_the_command():
     done = subprocess.run([sys.executable, "-m", "isoembed", "--version"], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, f"isoembed {isoembed.__version__}\n")
