@@ -404,6 +404,14 @@ def test_no_command_and_a_wrong_one(run):
     assert run("melt")[2] == "isoembed: error: unknown command 'melt' (see 'isoembed --help')\n"
 
 
+def test_without_a_command_five_that_work_are_shown(run):
+    status, out, _ = run()
+    steps = [line.split()[1:] for line in out.splitlines()[1:]]
+    assert (status, len(steps)) == (2, 5)
+    for step in steps:
+        assert run(*step)[0] == 0
+
+
 @pytest.mark.parametrize(
     ("typed", "meant"),
     [("embd", "embed"), ("unfld", "unfold"), ("horizons", "horizon"), ("Realizations", "realizations")],

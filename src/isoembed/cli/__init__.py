@@ -38,6 +38,14 @@ COMMANDS = {
     "view": "look at a surface, in the browser or as a picture",
 }
 
+FIRST_STEPS = """\
+Five things to try:
+  isoembed surface ellipsoid --axes 3 2 1 --vertices 100 -o metric.npz
+  isoembed embed metric.npz -o surface.ply
+  isoembed inspect surface.ply
+  isoembed unfold surface.ply -o net.svg
+  isoembed view surface.ply -o surface.html"""
+
 # Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
 
@@ -148,6 +156,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     interruption = Interruption()
     try:
         with handled(interruption):
+            if not arguments:
+                print_out(FIRST_STEPS)
             with uncollected() if argv is None else nullcontext():
                 options = build_parser(arguments).parse_args(arguments)
             return _run(options)
