@@ -2,6 +2,8 @@
 
 import enum
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -57,3 +59,12 @@ def test_a_class_is_described_with_what_it_inherits(monkeypatch):
 @pytest.mark.parametrize("name", ["isoembed.embed", "isoembed.relativity.KerrNewmanHorizon"])
 def test_public_names_are_among_them(name):
     assert name in public_api.names()
+
+
+@pytest.mark.parametrize("package", ["gallery", "io", "plot", "progress", "relativity", "smooth"])
+def test_packages_are_loaded_on_first_use(package):
+    code = (
+        f"import sys, isoembed; assert 'isoembed.{package}' not in sys.modules; "
+        f"assert isoembed.{package}.__name__ == 'isoembed.{package}'"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,4 +1,9 @@
+from . import gallery as gallery
+from . import io as io
+from . import plot as plot
 from . import progress as progress
+from . import relativity as relativity
+from . import smooth as smooth
 from ._embed import Method as Method
 from ._embed import embed as embed
 from .aim.adaptive import Aim as Aim

@@ -401,7 +401,47 @@ def test_surface_refuses(run, arguments, sentence):
 
 def test_no_command_and_a_wrong_one(run):
     assert "required: COMMAND" in run()[2]
-    assert "invalid choice: 'melt'" in run("melt")[2]
+    assert run("melt")[2] == "isoembed: error: unknown command 'melt' (see 'isoembed --help')\n"
+
+
+def test_without_a_command_five_that_work_are_shown(run):
+    status, out, _ = run()
+    steps = [line.split()[1:] for line in out.splitlines()[1:]]
+    assert (status, len(steps)) == (2, 5)
+    for step in steps:
+        assert run(*step)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [("embd", "embed"), ("unfld", "unfold"), ("horizons", "horizon"), ("Realizations", "realizations")],
+)
+def test_a_mistyped_command_is_answered_with_the_nearest_one(run, typed, meant):
+    status, out, err = run(typed, "metric.json")
+    assert (status, out) == (2, "")
+    assert f"unknown command {typed!r}; did you mean {meant!r}?" in err
+
+
+@pytest.mark.parametrize(
+    ("typed", "answer"),
+    [
+        ("--tolerence=1e-9", "--tolerence; did you mean '--tolerance'?"),
+        ("--ouput", "--ouput; did you mean '--output'?"),
+        ("--zzz", "--zzz (see"),
+    ],
+)
+def test_a_mistyped_option_is_answered_with_the_nearest_one(run, typed, answer):
+    status, _, err = run("embed", "metric.json", typed)
+    assert status == 2
+    assert f"unrecognized arguments: {answer}" in err
+
+
+def test_the_package_runs_as_the_command():
+    done = subprocess.run([sys.executable, "-m", "isoembed", "--version"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, f"isoembed {isoembed.__version__}\n")
+    wrong = subprocess.run([sys.executable, "-m", "isoembed"], capture_output=True, text=True)
+    assert wrong.returncode == 2
+    assert wrong.stderr.startswith("isoembed: error: ")
 
 
 def test_help_everywhere(run):

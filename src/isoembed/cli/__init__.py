@@ -8,7 +8,7 @@ import argparse
 import re
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from types import ModuleType
@@ -38,6 +38,14 @@ COMMANDS = {
     "view": "look at a surface, in the browser or as a picture",
 }
 
+FIRST_STEPS = """\
+Five things to try:
+  isoembed surface ellipsoid --axes 3 2 1 --vertices 100 -o metric.npz
+  isoembed embed metric.npz -o surface.ply
+  isoembed inspect surface.ply
+  isoembed unfold surface.ply -o net.svg
+  isoembed view surface.ply -o surface.html"""
+
 # Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
 
@@ -53,10 +61,28 @@ class Parser(argparse.ArgumentParser):
         """Print the help, or the version: as an answer."""
         print_out(message.removesuffix("\n"))
 
+    def parse_known_args(self, *args: Any, **options: Any) -> Any:
+        """Parse, and answer a mistyped option with the most similar one of this command."""
+        found, rest = super().parse_known_args(*args, **options)
+        for word in rest:
+            name = word.partition("=")[0]
+            if name.startswith("--") and (question := _did_you_mean(name, self._option_string_actions)):
+                self.error(f"unrecognized arguments: {name}{question}")
+        return found, rest
+
     def error(self, message: str) -> None:  # type: ignore[override]
         """Refuse the command line."""
+        if unknown := re.match(r"argument COMMAND: invalid choice: '(.*?)'", message):
+            message = f"unknown command {unknown[1]!r}{_did_you_mean(unknown[1], COMMANDS)}"
         print_error(f"{message} (see '{self.prog} --help')")
         raise SystemExit(WRONG)
+
+
+def _did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A question that names the most similar of the known names, if there is one."""
+    from difflib import get_close_matches
+
+    return "".join(f"; did you mean {near!r}?" for near in get_close_matches(name, known, n=1))
 
 
 def build_parser(arguments: Sequence[str]) -> Parser:
@@ -130,6 +156,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     interruption = Interruption()
     try:
         with handled(interruption):
+            if not arguments:
+                print_out(FIRST_STEPS)
             with uncollected() if argv is None else nullcontext():
                 options = build_parser(arguments).parse_args(arguments)
             return _run(options)
