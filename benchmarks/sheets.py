@@ -3,9 +3,9 @@
     python benchmarks/sheets.py [--only caps bending curves tori] [--count N] [--sizes N ...]
 
 Caps: distance from the true round cap.  Bending: int H^2 of round caps of least bending against
-2 pi (1 - cos R), factorizations and seconds, and the exponent of the time.  Curves: random discs, bumpy graphs
-with K of both signs and round caps, whose boundary is given; found to 1e-9 of the diameter, or refused.
-Tori: with bumps, from multidimensional scaling and from a torus of other radii.
+2 pi (1 - cos R), factorizations and seconds, and the exponent of the time.  Curves: random discs, bumpy
+graphs with K of both signs and round caps, whose boundary is given; found to 1e-9 of the diameter, or
+refused.  Tori: with bumps, from multidimensional scaling and from a torus of other radii.
 """
 
 import argparse
