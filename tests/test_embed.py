@@ -274,11 +274,11 @@ def test_methods_of_installed_packages(monkeypatch):
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     assert isoembed.embed(metric, method="counting").method == "counting"
     assert isoembed.embed(metric, method="aim").method == "aim"
-    assert method_names() == ("aim", "paper", "alexandrov", "counting", "gone", "what")
+    assert method_names() == ("aim", "paper", "alexandrov", "sheet", "counting", "gone", "what")
     for name, said in (
         ("gone", "'gone' cannot be loaded from no_such_module:Method: ModuleNotFoundError"),
         ("what", "'what' is counting:STAGE, which is not derived from isoembed.Method"),
-        ("else", "there is no method 'else'; there are aim, paper, alexandrov, counting"),
+        ("else", "there is no method 'else'; there are aim, paper, alexandrov, sheet, counting"),
     ):
         with pytest.raises(isoembed.InvalidParameter, match=said):
             isoembed.embed(metric, method=name)

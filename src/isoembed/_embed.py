@@ -119,11 +119,12 @@ def embed(
     ----------
     metric : PolyhedralMetric or GluedMetric
         Of curvature 0, unless it says otherwise: the surface then is in R^3.
-    method : {"aim", "paper", "alexandrov"}, the name of an installed method, or a Method
+    method : {"aim", "paper", "alexandrov", "sheet"}, the name of an installed method, or a Method
         ``"aim"``, the default, is `isoembed.Aim`; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
         the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
-        convex metric, on triangles of its own; a `GluedMetric` needs it.  Pass an `Aim`, a `Paper`, an
-        `Alexandrov` or a `Method` of your own to set parameters.
+        convex metric, on triangles of its own; a `GluedMetric` needs it.  ``"sheet"`` is `isoembed.Sheet`,
+        for which `boundary` stands.  Pass an `Aim`, a `Paper`, an `Alexandrov`, a `Sheet` or a `Method` of
+        your own to set parameters.
     tolerance : float
         Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length; in curved space, of distances there.
     length_errors : float or array_like, shape (E,), optional

@@ -103,7 +103,7 @@ def test_a_method_of_another_package_does_what_ours_do(run):
         (["plain", "--effort", "2"], "the method 'plain' does not search"),
         (["aim", "--effort", "-1"], "effort is -1.0, not a finite number of at least 0"),
         (["broken"], "the method 'broken' cannot be loaded from turning:missing: AttributeError"),
-        (["magic"], "choose from aim, paper, alexandrov, broken, plain, turned"),
+        (["magic"], "choose from aim, paper, alexandrov, sheet, broken, plain, turned"),
     ],
 )
 def test_what_it_does_not_take_is_one_line(run, arguments, said):

@@ -86,6 +86,14 @@ def test_least_bending_does_not_depend_on_numbers_mirror_or_unit():
         assert embed(other, boundary="free").bending_energy == pytest.approx(energy, rel=1e-8)
 
 
+def test_bending_that_is_no_minimum_is_said():
+    start = np.random.default_rng(0).normal(size=(len(DISC), 3))
+    found = embed(ROUND, boundary="free", start=start)
+    assert found.residual < 1e-12
+    assert ("not at a minimum" in found.message) == (found.imbalance > 1e-6)
+    assert "not at a minimum" not in embed(ROUND, boundary="free").message
+
+
 def test_a_flat_disc_stays_flat():
     points, faces = discs.irregular(100)
     x = np.column_stack([points, 0 * points[:, 0]])

@@ -138,7 +138,8 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
         raise InvalidParameter("a convex cap needs no start: it is the only one")
     check_cap(metric)
     found = _raised(metric, np.zeros(len(metric.triangulation.boundaries[0])), tolerance, log, "plane")
-    return found if found.concave_edges.any() else replace(found, uniqueness=CAP)
+    is_cap = found.converged and not found.concave_edges.any()
+    return replace(found, uniqueness=CAP) if is_cap else found
 
 
 def _over_heights(
@@ -227,15 +228,14 @@ def _least_bending(
     if _residual(lengths, found.vertices) > EXACT:
         with log.stage("Newton on lengths") as recorder:
             found = replace(found, vertices=nearest_with_lengths(lengths, found.vertices, recorder))
-    surface = _embedding(metric, found.vertices, tolerance, log, "free")
-    if not is_flexible:
-        return surface
-    return replace(
-        surface,
-        tensions=frozen(found.multipliers),
-        imbalance=found.imbalance,
-        uniqueness=BENDING,
-    )
+    known: dict[str, Any] = {}
+    if is_flexible:
+        known = {
+            "tensions": frozen(found.multipliers),
+            "imbalance": found.imbalance,
+            "uniqueness": BENDING,
+        }
+    return _embedding(metric, found.vertices, tolerance, log, "free", **known)
 
 
 def _residual(lengths: LengthConstraints, x: Floats) -> float:
@@ -265,10 +265,10 @@ def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats
 
 
 def _embedding(
-    metric: PolyhedralMetric, x: Floats, tolerance: float, log: Log, condition: str
+    metric: PolyhedralMetric, x: Floats, tolerance: float, log: Log, condition: str, **known: Any
 ) -> SheetEmbedding:
     return SheetEmbedding(
-        metric, x, method=Sheet.name, tolerance=tolerance, stages=log.stages, condition=condition
+        metric, x, method=Sheet.name, tolerance=tolerance, stages=log.stages, condition=condition, **known
     )
 
 

@@ -54,8 +54,14 @@ class SheetEmbedding(Embedding):
         return (
             f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
             f"the largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
-            f"{self.metric.edges[e].tolist()}"
+            f"{self.metric.edges[e].tolist()}{self._unbalanced()}"
         )
+
+    def _unbalanced(self) -> str:
+        """A clause on forces that are left, where they are more than rounding leaves."""
+        if self.imbalance is None or self.imbalance <= 1e-6:
+            return ""
+        return f"; bending is not at a minimum: its forces are balanced to {self.imbalance:.0e} only"
 
     @cached_property
     def _bending(self) -> BendingEnergy:
