@@ -3,6 +3,8 @@
 import json
 import pickle
 from importlib.metadata import EntryPoint
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,12 +12,14 @@ import pytest
 import isoembed
 import smooth_bodies
 import zoo
+from isoembed import InvalidParameter, embed
 from isoembed._embed import configured, method_names
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.paper import Paper
 from isoembed.errors import NotEmbedded
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
+from isoembed.surface.alignment import distance
 from isoembed.surface.embedding import Embedding
 from worked import worked
 
@@ -36,6 +40,17 @@ def test_by_name_or_configured(method):
     assert by_name.method == method
     assert by_name.converged
     assert configured(configuration) is configuration
+
+
+def test_meshes_are_taken_by_their_lengths():
+    x, faces = zoo.icosphere(1)
+    trimesh = SimpleNamespace(vertices=x, faces=faces)
+    pyvista = SimpleNamespace(points=x, faces=np.insert(faces, 0, 3, axis=1).ravel())
+    for mesh in ((x, faces), trimesh, pyvista, embed((x, faces))):
+        assert distance(embed(mesh).vertices, x) < 1e-10
+    for none in ("mesh.obj", Path("mesh.obj")):
+        with pytest.raises(InvalidParameter, match=r"or take isoembed.io.read_metric\(path\)"):
+            embed(none)
 
 
 def test_the_default_is_aim():

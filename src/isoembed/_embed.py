@@ -7,6 +7,7 @@ passed as they are.
 
 import math
 import numbers
+import os
 from abc import ABC, abstractmethod
 from importlib.metadata import EntryPoint, entry_points
 from inspect import isabstract
@@ -103,7 +104,7 @@ class Method(ABC):
 
 
 def embed(
-    metric: PolyhedralMetric | GluedMetric,
+    metric: PolyhedralMetric | GluedMetric | Any,
     *,
     method: str | Method = DEFAULT,
     tolerance: float = 1e-10,
@@ -117,8 +118,10 @@ def embed(
 
     Parameters
     ----------
-    metric : PolyhedralMetric or GluedMetric
-        Of curvature 0, unless it says otherwise: the surface then is in R^3.
+    metric : PolyhedralMetric, GluedMetric, or a mesh
+        Of curvature 0, unless it says otherwise: the surface then is in R^3.  Of a mesh, which is a tuple
+        (vertices, faces), a ``trimesh.Trimesh``, a ``pyvista.PolyData`` or a surface of this package, the
+        lengths are taken and the coordinates thrown away.
     method : {"aim", "paper", "alexandrov", "sheet"}, the name of an installed method, or a Method
         ``"aim"``, the default, is `isoembed.Aim`; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
         the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
@@ -169,6 +172,7 @@ def embed(
     >>> round(embed(tetrahedron).volume, 12)  # sqrt(2) / 12
     0.117851130198
     """
+    metric = _metric(metric)
     if boundary is not None and method != DEFAULT:
         raise InvalidParameter("a boundary takes the place of a method: give no method beside it")
     chosen = configured(method) if boundary is None else _sheet(boundary, start)
@@ -186,10 +190,6 @@ def embed(
         raise InvalidParameter(
             f"the metric is a triangle covered twice, which the method {chosen.name!r} does not embed: "
             'take the method "alexandrov"'
-        )
-    if not isinstance(metric, PolyhedralMetric | GluedMetric):
-        raise InvalidParameter(
-            f"the metric is a {type(metric).__name__}: make it PolyhedralMetric(faces, lengths, edges)"
         )
     if mesh and not chosen.takes_boundary:
         try:
@@ -237,6 +237,29 @@ def embed(
     if embedding.status == "not converged":
         raise NotEmbedded(embedding.message, embedding)
     return embedding
+
+
+def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
+    """The metric itself, or that of a mesh.
+
+    Raises
+    ------
+    InvalidParameter
+        It is neither.
+    """
+    if isinstance(given, PolyhedralMetric | GluedMetric):
+        return given
+    if hasattr(given, "vertices") and hasattr(given, "faces"):
+        return PolyhedralMetric.from_trimesh(given)
+    if hasattr(given, "points") and hasattr(given, "faces"):
+        return PolyhedralMetric.from_pyvista(given)
+    if isinstance(given, tuple) and len(given) == 2:
+        return PolyhedralMetric.from_mesh(*given)
+    instead = "isoembed.io.read_metric(path)" if isinstance(given, str | os.PathLike) else "a mesh"
+    raise InvalidParameter(
+        f"the metric is a {type(given).__name__}: make it PolyhedralMetric(faces, lengths, edges), or take "
+        f"{instead}"
+    )
 
 
 def _sheet(boundary: ArrayLike | str, start: ArrayLike | None) -> Method:

@@ -63,7 +63,6 @@ from isoembed.linalg.rounding import GUARD, U, gamma
 from isoembed.linalg.row_rank import prove_row_rank
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.flexibility import described_flex
 from isoembed.surface.length_equations import LengthEquations, NotProven
 from isoembed.surface.projected import Projected
 
@@ -223,6 +222,8 @@ def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[Positi
         epsilon = deficits(metric)
         v = int(np.argmin(np.abs(epsilon)))
         if abs(epsilon[v]) > 1e-9:  # no vertex is in the plane of its neighbors, which alone would explain it
+            from isoembed.surface.flexibility import described_flex  # only what is not rigid needs it
+
             flex = described_flex(t, Projected.of(metric.space, x), metric.lengths)
             if flex is not None:
                 raise NotProven(flex) from error
