@@ -3,7 +3,7 @@
 import numpy as np
 
 import smooth_bodies
-from isoembed.aim.anneal import REALIZED
+from isoembed.aim.accuracy import REALIZED
 from isoembed.aim.lengths_newton import LENGTHS_DEVIATION, newton_on_lengths
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric

@@ -4,17 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from isoembed.aim.accuracy import STIFFER
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
 
 POLISH_STEPS = 10  # Newton steps of the last stage
-# Factors of Levenberg-Marquardt damping after a step uphill, and after one downhill.
-STIFFER, SOFTER = 5.0, 0.2
-REALIZED = 1e-11  # mean edge lengths: the largest residual of a realization
-SAME = 1e-7  # mean edge lengths: realizations as near as this are one
-NEWTON_BASIN = 1e-6  # mean edge lengths: Newton's method does not get lost from here
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from isoembed.aim.anneal import REALIZED, SOFTER, STIFFER, anneal
+from isoembed.aim.accuracy import REALIZED, SOFTER, STIFFER
+from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from isoembed.aim.anneal import SOFTER, STIFFER
+from isoembed.aim.accuracy import SOFTER, STIFFER
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix

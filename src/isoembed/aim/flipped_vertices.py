@@ -12,7 +12,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from isoembed.aim.anneal import NEWTON_BASIN, REALIZED, anneal
+from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
+from isoembed.aim.anneal import anneal
 from isoembed.aim.condensed_patch import Condensation
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.length_search import LengthSearch

@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array, eye_array
 
-from isoembed.aim.anneal import NEWTON_BASIN, REALIZED, anneal
+from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
+from isoembed.aim.anneal import anneal
 from isoembed.aim.completion import completed
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.held_patch import HeldPatch

@@ -16,7 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
-from isoembed.aim.anneal import REALIZED, SAME, Annealed, anneal
+from isoembed.aim.accuracy import REALIZED, SAME
+from isoembed.aim.anneal import Annealed, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
 from isoembed.aim.realization_leads import Lead, leads

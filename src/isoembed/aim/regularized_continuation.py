@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.aim.accuracy import NEWTON_BASIN
 from isoembed.aim.adiabatic_pullback import extrapolated
-from isoembed.aim.anneal import NEWTON_BASIN
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric

@@ -2,7 +2,7 @@
 
 from functools import cached_property
 
-from isoembed.aim.anneal import REALIZED
+from isoembed.aim.accuracy import REALIZED
 from isoembed.aim.convexification import Convexification
 from isoembed.aim.radii_newton import newton_on_radii_at_once
 from isoembed.alexandrov.newton import Analyses

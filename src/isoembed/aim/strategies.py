@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed.aim.anneal import POLISH_STEPS, REALIZED, SAME, anneal
+from isoembed.aim.accuracy import REALIZED, SAME
+from isoembed.aim.anneal import POLISH_STEPS, anneal
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.choice import SOUGHT
 from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
