@@ -84,6 +84,11 @@ def exponent(rows, cost):
     return np.polyfit(n, value, 1)[0]
 
 
+def seconds_in(row, name):
+    """Seconds in the stages of this name; not every run has all of them."""
+    return sum(stage["seconds"] for stage in row["stages"] if stage["name"] == name)
+
+
 def show(rows):
     """Print the table of one case and method, and its exponents."""
     first = rows[0]
@@ -105,8 +110,8 @@ def show(rows):
             f"{row['aligned']:>8.0e} {counts:>9} {row['peak_mb']:>8.0f}  " + "  ".join(parts)
         )
     print(f"exponents: total {exponent(rows, lambda row: row['seconds']):.2f}", end="")
-    for k, name in enumerate(names):
-        print(f", {name} {exponent(rows, lambda row, k=k: row['stages'][k]['seconds']):.2f}", end="")
+    for name in dict.fromkeys(names):
+        print(f", {name} {exponent(rows, lambda row, name=name: seconds_in(row, name)):.2f}", end="")
     print()
 
 

@@ -66,6 +66,9 @@ def unfolded(vertices, faces, path):
     unfolding = unfold(surface)
     seconds = time.process_time() - start
     write_net(path, unfolding)
+    written = json.loads(path.read_text())
+    written.pop("folds", None)  # the outlines alone are glued again
+    path.write_text(json.dumps(written))
     net = read_net(str(path))
     simple = all(map(is_simple, net.polygons))
     area = sum((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2 for x, y in (p.T for p in net.polygons))

@@ -125,7 +125,6 @@ def test_without_an_output_the_browser_opens(opened, folder, monkeypatch, capsys
         (["cube.ply", "-o", "a.png", "--color", "taste"], "invalid choice: 'taste'"),
         (["short.npz"], "a face refers to vertex 7, but there are only 7 vertices"),
         (["plane.npz"], "plane.npz holds vertices of shape (8, 2), not (V, 3)"),
-        (["torus.off"], "Euler characteristic"),
     ],
 )
 def test_what_is_refused(arguments, words, folder, capsys):

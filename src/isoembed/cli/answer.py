@@ -108,9 +108,26 @@ def answer(
             say = print_out if failure is None and not outputs else print_aside
             if not options.output:
                 say(describe(embedding))
-            elif failure is None and not embedding.converged:
-                say(f"{embedding.status}: {embedding.message}")
+            elif failure is None:
+                say(_done(embedding, outputs))
     return OK if failure is None else NOT_EMBEDDED
+
+
+def _done(embedding: isoembed.Embedding, outputs: Outputs) -> str:
+    """What was found and written, in two lines or three."""
+    found = f"{embedding.status}: "
+    if embedding.converged:
+        found += f"the largest length error is {embedding.residual:.1e} of the mean edge length"
+    else:
+        found += embedding.message
+    beside = ""
+    if embedding.others:
+        count, nearest = len(embedding.others), min(embedding.distance(other) for other in embedding.others)
+        realizations = "another realization" if count == 1 else f"{count} other realizations, the nearest"
+        beside = f"{realizations} {nearest:.1g} mean edge lengths away"
+    files = ", ".join(map(str, outputs.values()))
+    seconds = sum(stage.seconds for stage in embedding.stages)
+    return "\n".join(line for line in (found, beside, f"{files} written, {seconds:.1f} s") if line)
 
 
 def solved(

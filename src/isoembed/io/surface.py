@@ -13,6 +13,7 @@ from isoembed.io.metric import metric_of, read_tables
 from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_writer
 from isoembed.io.space_line import WRITTEN
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.sheets.surface import SheetEmbedding
 from isoembed.space.models import to_model
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume
@@ -37,14 +38,15 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     Returns
     -------
     Embedding
-        Its method is ``"given"``.  A convex surface that is flat along some edges knows its true faces.
+        Its method is ``"given"``.  A convex surface that is flat along some edges knows its true faces; one
+        with boundary, or of higher genus, is a `SheetEmbedding`.
 
     Raises
     ------
     FileError
         The file cannot be read, its ending is not known, or it has no vertices.
     InvalidMetric
-        What it holds is not a triangulated sphere.
+        What it holds is not a triangulated surface.
     """
     tables = read_tables(path, merge)
     metric = metric_of(tables)
@@ -60,12 +62,16 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     own = metric
     if given:  # checks the vertices
         own = PolyhedralMetric.from_mesh(vertices, metric.faces, curvature=metric.curvature)
+    message = "" if given else "the lengths are those between the vertices of the file"
+    if not metric.triangulation.is_sphere:
+        return SheetEmbedding(
+            metric, vertices, method="given", tolerance=TOLERANCE, message=message, condition="given"
+        )
     straight = to_model(metric.space, vertices, "projective")
     if volume(metric.faces, np.asarray(straight / own.unit, dtype=np.float64)) < 0:
         metric = PolyhedralMetric(
             metric.faces[:, ::-1], metric.lengths, metric.edges, curvature=metric.curvature
         ).rounded_as(metric)
-    message = "" if given else "the lengths are those between the vertices of the file"
     surface = Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
     if surface.concave_edges.any():
         return surface
