@@ -56,7 +56,7 @@ def test_of_a_metric_its_unit_does_not_matter_but_all_else_does(metric):
 def test_methods_are_described_by_their_parameters():
     metric = PolyhedralMetric.from_mesh(*zoo.tetrahedron())
     there = fingerprint(metric, Aim(), 1e-10)
-    assert there.method == "Aim(best_fit=False, effort=1.0)"
+    assert there.method == "Aim(best_fit=False, effort=1.0, which=None)"
     assert there.version == isoembed.__version__
     assert fingerprint(metric, Alexandrov(repair=1e-3), 1e-10).method == "Alexandrov(repair=0.001)"
 
