@@ -212,7 +212,7 @@ RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
         (ROUND, {"boundary": np.zeros((18, 3))}, InvalidParameter, "edge \\d+ .* are one point"),
         (ROUND, {"boundary": 5}, InvalidParameter, "the boundary has the shape \\(\\)"),
         (ROUND, {"boundary": "free", "length_errors": 0.1}, InvalidParameter, "embed without length_errors$"),
-        (ROUND, {"boundary": 3 * CURVE}, NotEmbedded, "vertices \\d+ and \\d+ are .* in the order of"),
+        (ROUND, {"boundary": 3 * CURVE}, NotEmbedded, "vertices \\d+ and \\d+ differs .* in the order of"),
         (TETRAHEDRON, {"boundary": [1.0]}, InvalidParameter, "the metric has no boundary"),
         (RING, {"boundary": "plane"}, InvalidMetric, "2 boundaries and genus 0: a convex cap is a disc"),
     ],

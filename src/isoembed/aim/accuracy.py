@@ -1,4 +1,4 @@
-"""Accuracy of realizations, and damping, the same in all searches for them."""
+"""Tolerances of realizations, and Levenberg-Marquardt damping factors."""
 
 REALIZED = 1e-11  # mean edge lengths: the largest residual of a realization
 SAME = 1e-7  # mean edge lengths: realizations as near as this are one

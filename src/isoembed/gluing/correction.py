@@ -1,4 +1,4 @@
-"""Sheets corrected by the smallest change that makes glued sides equal, and vertices flat that should be."""
+"""Least correction of paper sheets: glued sides become equal, and vertices flat within the digits flat."""
 
 from __future__ import annotations
 

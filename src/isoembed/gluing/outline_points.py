@@ -1,4 +1,4 @@
-"""The points of glued outlines: where they are cut, and which vertex each becomes."""
+"""Subdivision of glued outlines, and identification of their points with vertices."""
 
 import itertools
 from collections.abc import Sequence

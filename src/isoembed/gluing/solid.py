@@ -1,4 +1,4 @@
-"""The solid of a net: as its fold angles say, or the convex one."""
+"""Embedding of nets: folded by their fold angles, or as the convex polyhedron."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""How much the lengths of sides that are glued may differ."""
+"""Length tolerance of glued sides."""
 
 from __future__ import annotations
 

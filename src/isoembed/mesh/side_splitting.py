@@ -1,4 +1,4 @@
-"""T-junctions: vertices on the sides of faces whose neighbors have them as corners."""
+"""T-junctions: detection, and splitting of the edges that vertices lie on."""
 
 import numpy as np
 

@@ -1,1 +1,1 @@
-"""Surfaces with boundary, and of any genus: convex caps, given boundary curves, least bending."""
+"""Surfaces with boundary and of any genus: convex caps, boundary value problems, least bending."""

@@ -1,4 +1,4 @@
-"""Flat charts about the vertices of a polyhedral metric: the triangles at a vertex and those beyond them."""
+"""Flat charts of the vertex neighborhoods of a polyhedral metric, two rings of triangles each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Realizations of least bending energy: the limit of thin elastic sheets with the lengths of a metric.
+"""Isometric surfaces of least bending energy: the thin-sheet limit.
 
 The minimum of `bending.BendingEnergy` among the surfaces that have the lengths.  Where the curvature is not
 positive, it is approached along ``sum r^2 / (2 epsilon) + W(x)``, epsilon to zero, as of a sheet that becomes

@@ -1,4 +1,4 @@
-"""Lengths as constraints: residuals, their derivatives, and the forces of tensions."""
+"""Edge length constraints: residuals, Jacobian, and forces of edge tensions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Embedding of metrics on surfaces with boundary, or of higher genus: ``embed(metric, boundary=...)``."""
+"""The method for surfaces with boundary or of higher genus: ``embed(metric, boundary=...)``."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.sheets.bending import BendingEnergy
+from isoembed.sheets.boundary_curve import through_curve
 from isoembed.sheets.convex_cap import check_cap, doubled, upright, with_heights
-from isoembed.sheets.exact_lengths import nearest_with_lengths
-from isoembed.sheets.filled import filled
-from isoembed.sheets.given_curve import through_curve
+from isoembed.sheets.hole_filling import filled
 from isoembed.sheets.least_bending import LeastBending, balanced, thinned
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.sheets.starts import scaled_distances
+from isoembed.sheets.multidimensional_scaling import scaled_distances
+from isoembed.sheets.newton_on_lengths import nearest_with_lengths
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.measures import face_areas
 
@@ -196,10 +196,10 @@ def _through(
     e = int(np.argmax(given))
     if given[e] <= tolerance:
         return found
-    times = np.linalg.norm(x[a[e]] - x[b[e]]) / metric.lengths[e]
+    off = np.linalg.norm(x[a[e]] - x[b[e]]) / metric.lengths[e] - 1
     return found.with_message(
-        f"the boundary does not fit the lengths: its vertices {a[e]} and {b[e]} are {times:.6g} times as far "
-        "apart as their edge is long; they must be in the order of Triangulation.boundaries"
+        f"the boundary does not fit the lengths: the distance of its vertices {a[e]} and {b[e]} differs from "
+        f"the length of their edge by {off:.2g} of it; are they in the order of Triangulation.boundaries?"
     )
 
 

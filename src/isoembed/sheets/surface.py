@@ -1,4 +1,4 @@
-"""Realizations of metrics on surfaces with boundary, or of higher genus."""
+"""Embeddings of surfaces with boundary or of higher genus."""
 
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property

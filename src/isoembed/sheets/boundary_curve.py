@@ -1,4 +1,4 @@
-"""Surfaces whose boundary is a given curve in space.
+"""Isometric surfaces with a prescribed boundary curve.
 
 Inside, the edges are more equations than unknowns, by three less than the boundary has vertices: a surface is
 found exactly where lengths and curve belong together, and fitted by least squares elsewhere.  The start is

@@ -1,4 +1,4 @@
-"""Newton's method on the lengths from a surface that nearly has them, by steps of least norm."""
+"""Newton's method on edge lengths: minimum-norm and Gauss-Newton steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Starts for surfaces that nothing else leads to: multidimensional scaling of distances along the edges."""
+"""Multidimensional scaling of edge-path distances, for initial surfaces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Surfaces with several boundaries, whose holes are filled, so that closed surfaces lead to them."""
+"""Hole filling: a flat cone in every boundary closes a surface of genus 0."""
 
 from __future__ import annotations
 
