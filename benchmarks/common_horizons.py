@@ -1,9 +1,9 @@
 """Common horizons of black holes at rest: are all found, and where do they end?
 
 Brill-Lindquist slices: pairs with mass ratios 1 : 1 to 1 : 100, upright, tilted and off center, 0.3 to 1e-3
-below the end of the common horizon; groups of three and four holes near the end of theirs, to which the
-horizon is followed by Newton's method alone from where the holes are close.  Areas of some pairs are compared
-with shooting.
+below the end of the common horizon; groups of three and four holes as far below the end of theirs, relative
+to the distances, to which the horizon is followed by Newton's method alone from where the holes are close.
+Areas of some pairs are compared with shooting.
 
     python benchmarks/common_horizons.py [--pairs 500] [--groups 50] [--ratios 1 4 100]
 """
@@ -13,14 +13,12 @@ import time
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from isoembed import NoHorizon
 from isoembed.relativity import BrillLindquist, StarSurface, find_horizon, find_horizons
-from isoembed.relativity.horizons.constant_expansion import leaf_of
-from isoembed.relativity.horizons.foliation import least_expansion
-from isoembed.relativity.horizons.ladder import in_degree
-from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.found_horizon import star_horizon
+from isoembed.relativity.horizons.ladder import in_degree, level_of, recentered
+from isoembed.relativity.horizons.newton import NoConvergence, solve
 
 RATIOS = (1.0, 1.5, 7.0 / 3.0, 4.0, 9.0, 20.0, 50.0, 100.0)
 PUBLISHED = {1.0: 0.76619743, 7.0 / 3.0: 0.7375, 4.0: 0.698, 9.0: 0.634}
@@ -41,43 +39,28 @@ def pair(ratio, d, axis=PLACES[0][1], origin=PLACES[0][2]):
 
 
 def end(ratio):
-    """The largest distance with a common horizon: where the least expansion of the foliation is zero.
+    """The largest distance with a common horizon, where its stability eigenvalue is zero.
 
-    To 1e-9; where a light hole keeps the foliation from there, by following the horizon, to 1e-6.
+    Its square is linear in the distance there.  The horizon is followed by Newton's method, each time nine
+    tenths of the way to the zero.
     """
-    near, d = followed(ratio, find_horizon(pair(ratio, 0.45)).surface, 0.45, 1e-3)
-
-    def least(d):
-        scales = (1.1, 1.0)
-        outer, inner = (StarSurface(near.center, near.harmonics, s * near.coefficients) for s in scales)
-        leaves = [leaf_of(pair(ratio, d), in_degree(outer, 64, True), symmetric=True)]
-        leaves.append(leaf_of(pair(ratio, d), inner, symmetric=True))
-        step = 0.005
-        while leaves[-1].rate > 0.0:
-            try:
-                leaves.append(leaf_of(pair(ratio, d), leaves[-1].displaced(-step), symmetric=True))
-            except NoConvergence:
-                step *= 0.5  # close to a light hole, leaves change fast
-                if step < 1e-5:
-                    raise
-        outer, inner = leaves[-2:]
-        return least_expansion(pair(ratio, d), outer, inner, symmetric=True, settled=1e-8)[0].expansion
-
-    try:
-        return brentq(least, d - 1e-3, d + 3e-3, xtol=1e-9, rtol=1e-15)
-    except NoConvergence:
-        return followed(ratio, near, d, 1e-6)[1]
-
-
-def followed(ratio, near, d, least):
-    """The horizon at the largest distance at which Newton's method finds it in steps down to `least`."""
-    gap = 0.04
-    while gap > least:
+    d = 0.45
+    near = find_horizon(pair(ratio, d))
+    (before, squared), target = (d, near.stability**2), d + 0.02
+    while True:
         try:
-            near, d = find_horizon(pair(ratio, d + gap), near).surface, d + gap
-        except NoHorizon:
-            gap *= 0.5
-    return near, d
+            horizon = star_horizon(pair(ratio, target), near.surface, 0.0, symmetric=True)
+        except NoConvergence:
+            target = 0.5 * (d + target)
+            if target - d < 1e-8:  # the highest degree does not resolve it
+                return d
+            continue
+        near, d, fall = horizon, target, squared - horizon.stability**2
+        zero = d + horizon.stability**2 * (d - before) / fall if fall > 0.0 else np.inf
+        if zero - d < 1e-8:
+            return zero
+        before, squared = d, horizon.stability**2
+        target = d + min(0.02, 0.9 * (zero - d))
 
 
 def shot_area(ratio, d):
@@ -176,8 +159,9 @@ def pairs(count, ratios):
 
 
 def groups(count):
-    """Three or four holes; returns the number of horizons that were not found."""
+    """Three or four holes, 0.3 to 1e-3 below the end; returns the number of horizons that were not found."""
     rng, missed, seconds = np.random.default_rng(39), 0, []
+    gaps = np.geomspace(0.3, 1e-3, max(count, 1))
     for k in range(count):
         n = 3 + k % 2
         masses = rng.uniform(0.5, 1.5, n)
@@ -185,19 +169,11 @@ def groups(count):
         at = rng.normal(size=(n, 3))
         at -= masses @ at
         at /= np.linalg.norm(at, axis=1).max()
-        s, step = 0.15, 0.05
-        followed = find_horizon(BrillLindquist(masses, s * at), StarSurface.sphere((0, 0, 0), 0.5))
-        while step > 1e-3:
-            try:
-                followed = find_horizon(BrillLindquist(masses, (s + step) * at), followed.surface)
-            except NoHorizon:
-                step *= 0.5
-                continue
-            if not followed.outer:
-                step *= 0.5
-                continue
-            s += step
-            truth = followed.area
+        path = scales(masses, at)
+        last = path[-1][0]
+        s = (1.0 - gaps[k]) * last
+        near = max((each for each in path if each[0] <= s), key=lambda each: each[0])[1]
+        truth = find_horizon(BrillLindquist(masses, s * at), near).area
         start = time.process_time()
         try:
             horizons = find_horizons(BrillLindquist(masses, s * at))
@@ -207,11 +183,33 @@ def groups(count):
             right = False
         seconds.append(time.process_time() - start)
         missed += not right
-        print(f"{n} holes, scale {s:.4f}, area {truth:.8f}: {'found' if right else 'MISSED'}", flush=True)
+        print(
+            f"{n} holes, end at scale {last:.4f}, gap {gaps[k]:.2g}, area {truth:.8f}: "
+            f"{'found' if right else 'MISSED'}, {seconds[-1]:.1f} s",
+            flush=True,
+        )
     if count:
         middle, longest = np.median(seconds), max(seconds)
         print(f"{count - missed} of {count} found, {middle:.1f} s in the median, {longest:.1f} at most")
     return missed
+
+
+def scales(masses, at):
+    """Scales of the positions with the horizon there, up to the end; by Newton's method in one degree."""
+    near, s, step = StarSurface.sphere((0.0, 0.0, 0.0), 0.5), 0.15, 0.04
+    path = []
+    while step > 5e-4:
+        geometry = BrillLindquist(masses, (s + step) * at)
+        try:
+            guess = in_degree(near, 48, False)
+            solution = solve(level_of(geometry, guess), guess.coefficients, 0.0, 1e-10)
+        except NoConvergence:
+            step *= 0.5
+            continue
+        found = StarSurface(guess.center, guess.harmonics, solution.shape.f)
+        near, s = recentered(found, False), s + step
+        path.append((s, near))
+    return path
 
 
 def main():

@@ -39,6 +39,8 @@ from .horizons.spin import Spin as Spin
 from .horizons.spin import find_spin as find_spin
 from .horizons.stability_spectrum import StabilitySpectrum as StabilitySpectrum
 from .horizons.stability_spectrum import stability_spectrum as stability_spectrum
+from .horizons.tracking import TrackedHorizons as TrackedHorizons
+from .horizons.tracking import track_horizons as track_horizons
 from .series.embed_series import embed_series as embed_series
 from .series.horizon_task import HorizonOptions as HorizonOptions
 from .series.horizon_task import HorizonTask as HorizonTask

@@ -35,6 +35,7 @@ from isoembed.relativity.horizons.ladder import about, in_degree, recentered
 from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.spacetimes.scaled_curvature import ScaledCurvature
 from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.transforms import resized
 
@@ -235,7 +236,7 @@ def least_expansion(
         lowest = new
 
 
-def inside(inner: StarSurface, outer: StarSurface) -> bool:
+def inside(inner: Surface, outer: StarSurface) -> bool:
     """Whether a surface lies inside another one, at the nodes of a Gauss rule, as right as leaves are."""
     n = max(inner.harmonics.degree, outer.harmonics.degree) + 2
     u, _ = gauss_rule(n, 1 if max(inner.harmonics.order, outer.harmonics.order) == 0 else 2 * n)

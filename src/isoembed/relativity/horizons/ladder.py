@@ -21,7 +21,9 @@ from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_symmetric_about_z
 
 HIGHEST_DEGREE = 128
-HIGHEST_SYMMETRIC = 512  # degree, with symmetry about the z-axis
+HIGHEST_SYMMETRIC = (
+    2048  # degree, with symmetry about the z-axis; 1 : 100 takes it near the end of the horizon
+)
 ROUNDING = 1e-12  # in the expansion, over the areal radius
 RESOLVED = 1e-3  # expansion, over the areal radius, of a surface that is resolved
 

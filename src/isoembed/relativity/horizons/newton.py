@@ -10,7 +10,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.horizons.surface_level import Equations, Level, Shape
 
-ROUNDING = 1e-9  # residual over the radius below which it may cease to fall
+ROUNDING = 1e-7  # residual over the radius below which it may cease to fall: 2e-9 in degree 512
 PATIENCE = 10
 """Steps in which the residual must fall tenfold: damped steps of 1/4 do, a search in vain does not."""
 

@@ -39,12 +39,15 @@ def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
     """
     low = equations.low
     weights = equations.linear.scale * equations.transform.weights * equations.linear.tilt
-    values, vectors = eig(equations.matrix(), low.values.T @ (weights[:, None] * low.values))
+    few = low.place[:300]  # all eigenvalues of more would take longer than the inverse iteration
+    count = len(few)
+    moved = low.values[:, :count].T @ (weights[:, None] * low.values[:, :count])
+    values, vectors = eig(equations.matrix()[:count, :count], moved)
     least = int(np.argmin(values.real))
     eigenvalue = float(values[least].real)
     f = np.zeros(equations.transform.harmonics.size)
-    f[low.place] = vectors[:, least].real
-    if len(f) == len(low.place):
+    f[few] = vectors[:, least].real
+    if len(f) == count:
         return eigenvalue
     f /= np.linalg.norm(f)
     for _ in range(6):  # inverse iteration

@@ -67,6 +67,16 @@ class Axis:
         assert isinstance(surface, StarSurface | MappedSurface)
         return replace(found, surface=surface, geometry=self.geometry)
 
+    def averaged(self, surface: StarSurface) -> StarSurface:
+        """A surface of the slice as one of revolution in the frame: the mean of its radius about the axis."""
+        rotation, origin = self.frame.rotation, self.frame.origin
+        degree = surface.harmonics.degree
+        T = SphereTransform(Harmonics(degree, 0), degree + 1, 1)
+        u, _ = gauss_rule(degree + 1, 2 * degree + 2)
+        r = surface.radius(u @ rotation.T).reshape(degree + 1, -1).mean(axis=1)
+        center = rotation.T @ (np.array(surface.center) - origin)
+        return StarSurface((0.0, 0.0, float(center[2])), T.harmonics, T.analysis(r[:, None])[:, 0])
+
     def _turned(self, zonal: Floats, harmonics: Harmonics) -> Floats:
         """Coefficients of a function of the angle from the axis: the addition theorem of harmonics."""
         degrees, _ = harmonics.labels

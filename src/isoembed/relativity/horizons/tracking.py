@@ -1,0 +1,159 @@
+"""Horizon tracking: outermost horizons of a sequence of slices, each continued from the slice before."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
+from isoembed.evidence import Evidence
+from isoembed.relativity.horizons.finder import find_horizons
+from isoembed.relativity.horizons.foliation import inside
+from isoembed.relativity.horizons.found_horizon import FoundHorizon, mapped_horizon, star_horizon
+from isoembed.relativity.horizons.ladder import is_symmetric
+from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.sheet import Sheet
+from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+
+
+@dataclass(frozen=True)
+class TrackedHorizons:
+    """Horizons of one slice of a sequence.
+
+    Attributes
+    ----------
+    horizons : tuple of FoundHorizon
+        Those that no other one is found to enclose, the largest area first; empty where none was found.
+        Notes say where one does not continue a horizon of the slice before, so that the area jumps.
+    continued : tuple of int or None
+        For each of them the index of the horizon of the slice before that it continues.
+    failure : NoHorizon or None
+        The error of the search, which looks at this slice alone, where it found none.
+    """
+
+    horizons: tuple[FoundHorizon, ...]
+    continued: tuple[int | None, ...]
+    failure: NoHorizon | None = None
+
+
+def track_horizons(slices: Iterable[ThreeGeometry]) -> Iterator[TrackedHorizons]:
+    """Horizons of a sequence of slices, such as an evolution, that no other one encloses.
+
+    Each slice is searched by itself as by `isoembed.relativity.find_horizons`, and the horizons of the slice
+    before are continued by Newton's method.  A continued horizon that encloses those of the search replaces
+    them.  Where the outermost horizon continues none of the slice before, as where a common horizon appears,
+    its area is discontinuous, and a note says so.
+
+    Parameters
+    ----------
+    slices : iterable of ThreeGeometry
+        Close enough to each other for Newton's method.
+
+    Yields
+    ------
+    TrackedHorizons
+        One for each slice.
+
+    Raises
+    ------
+    InvalidParameter
+        A slice does not say where its black holes are.
+
+    Examples
+    --------
+    >>> from isoembed.relativity import BrillLindquist
+    >>> slices = (BrillLindquist((0.5, 0.5), ((0, 0, z), (0, 0, -z))) for z in (0.5, 0.38, 0.37))
+    >>> [(len(found.horizons), found.continued) for found in track_horizons(slices)]
+    [(2, (None, None)), (1, (None,)), (1, (0,))]
+    """
+    before: TrackedHorizons | None = None
+    for geometry in slices:
+        searched: tuple[FoundHorizon, ...] = ()
+        failure = None
+        try:
+            searched = find_horizons(geometry)
+        except NoHorizon as error:
+            failure = error
+        if before is None:
+            before = TrackedHorizons(searched, (None,) * len(searched), failure)
+        else:
+            before = _joined(before.horizons, geometry, searched, failure)
+        yield before
+
+
+def _joined(
+    before: tuple[FoundHorizon, ...],
+    geometry: ThreeGeometry,
+    searched: tuple[FoundHorizon, ...],
+    failure: NoHorizon | None,
+) -> TrackedHorizons:
+    """Horizons of the search and those continued from the slice before, without those inside others."""
+    found: list[tuple[FoundHorizon, int | None]] = [(horizon, None) for horizon in searched]
+    followed = [_continued(geometry, horizon) for horizon in before]
+    for index, horizon in enumerate(followed):
+        if horizon is None:
+            continue
+        same = next((k for k, (other, _) in enumerate(found) if _is_same(horizon, other)), None)
+        if same is None:
+            found.append((horizon, index))
+        elif found[same][1] is None:
+            found[same] = found[same][0], index
+    outermost = [
+        (horizon, index)
+        for horizon, index in found
+        if not any(_encloses(other, horizon) for other, _ in found)
+    ]
+    outermost.sort(key=lambda pair: -pair[0].area)
+    horizons = []
+    for horizon, before_it in outermost:
+        if before_it is None and before:
+            areas = ", ".join(f"{other.area:.6g}" for other in before)
+            note = (
+                f"discontinuous: its area is {horizon.area:.6g}, and it continues no horizon of the slice "
+                f"before (of area {areas})"
+            )
+            horizon = replace(horizon, notes=(*horizon.notes, note))
+        elif not any(horizon is other for other in searched):
+            note = "continued from the slice before: the search of this slice alone did not find it"
+            horizon = replace(horizon, notes=(*horizon.notes, note), outermost=Evidence("searched", note))
+        horizons.append(horizon)
+    return TrackedHorizons(
+        tuple(horizons), tuple(index for _, index in outermost), None if horizons else failure
+    )
+
+
+def _continued(geometry: ThreeGeometry, before: FoundHorizon) -> FoundHorizon | None:
+    """The stable horizon of a slice near one of the slice before, if Newton's method leads to one."""
+    surface = before.surface
+    try:
+        if not isinstance(surface, StarSurface):
+            symmetric = is_symmetric(geometry, surface)
+            start = Sheet.of(surface, surface.harmonics.degree, symmetric=symmetric)
+            horizon = mapped_horizon(geometry, start, 0.0)
+        elif is_symmetric(geometry, surface):
+            horizon = star_horizon(geometry, surface, 0.0, symmetric=True)
+        else:
+            axis = symmetry_axis(geometry, StarSurface.sphere(surface.center, surface.mean_radius))
+            if axis is None:
+                horizon = star_horizon(geometry, surface, 0.0, symmetric=False)
+            else:
+                seen = axis.averaged(surface)
+                horizon = axis.horizon(star_horizon(axis.frame, seen, 0.0, symmetric=True))
+    except (NoConvergence, InvalidMetric, InvalidParameter):
+        return None
+    return horizon if horizon.outer else None
+
+
+def _is_same(one: FoundHorizon, other: FoundHorizon) -> bool:
+    apart = math.dist(one.surface.center, other.surface.center)
+    near = apart <= 0.01 * other.surface.mean_radius  # recentered surfaces may differ by as much
+    return near and abs(one.area - other.area) <= 1e-6 * other.area  # one horizon, found twice
+
+
+def _encloses(outer: FoundHorizon, inner: FoundHorizon) -> bool:
+    """Whether a star-shaped horizon encloses another one."""
+    large = outer.surface
+    return outer is not inner and isinstance(large, StarSurface) and inside(inner.surface, large)
