@@ -99,7 +99,8 @@ def test_the_refusal_names_the_precision_and_the_repair():
     vertices, faces = turned("cut cube")
     metric = PolyhedralMetric.from_mesh(vertices.astype("f4"), faces)
     sentence = (
-        r"the coordinates have single precision, which puts deficits off by up to \de-06: --repair (\S+) "
+        r"the coordinates have single precision, which puts deficits off by up to \de-06; if deficits of .* "
+        r"are noise, --repair (\S+) .* finds a polyhedron, with lengths changed by \de-07 of"
     )
     with pytest.raises(InvalidMetric, match=sentence) as caught:
         embed(metric, method="alexandrov")
@@ -111,10 +112,8 @@ def test_the_refusal_names_the_precision_and_the_repair():
 def test_the_refusal_says_what_the_precision_does_not_explain():
     wrong = np.array([1.0, -1e-3, 1.0])
     spread = np.full(3, 1e-6)
-    with pytest.raises(InvalidMetric, match="7 digits, which explains only 6e-06; if it is noise, --repair"):
+    with pytest.raises(InvalidMetric, match=r"7 digits, which explains only 6e-06$"):
         check_convex(wrong, 1e-9, ("7 digits", spread))
-    with pytest.raises(InvalidMetric, match="it; if that is noise, --repair"):
-        check_convex(wrong, 1e-9)
 
 
 def test_inspection_says_the_precision():

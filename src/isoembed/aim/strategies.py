@@ -24,7 +24,7 @@ from isoembed.aim.radii_leap import RADII_DEVIATION, newton_on_radii, radii_star
 from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.search import AT_ONCE, FIT, NEARLY, PATCH_EFFORT, PLACED, Search
-from isoembed.alexandrov.method import Alexandrov
+from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.evidence import Evidence
@@ -187,13 +187,12 @@ class Strategies:
         with self.log.stage("waypoint") as recorder:
             convex = self.search.convexification.metric(FAR_MARGIN, recorder)
         if convex is not None:
-            method = Alexandrov()
             try:
-                found = method.run(convex.normalized, PLACED, self.log)
+                found = convex_polyhedron(convex.normalized, PLACED, self.log)
                 return self.in_given_order(convex.unit * found.vertices)
             except NotEmbedded as failure:
-                found = failure.embedding
-                return self.in_given_order(convex.unit * found.vertices[: self.search.numbers.size])
+                nearest = failure.embedding.vertices[: self.search.numbers.size]
+                return self.in_given_order(convex.unit * nearest)
             except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
                 pass
         faces = self.metric.faces

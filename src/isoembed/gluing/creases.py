@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
@@ -153,11 +152,13 @@ def put_together(
     ndarray, shape (n, 3), or None
         NaN for vertices inside sides.  None if a sheet may turn about the line in which it meets the others.
     """
+    from scipy.spatial.transform import Rotation  # slow to import, and seldom needed
+
     found = np.full((max(int(c.max()) for c in corners) + 1, 3), np.nan)
     size = float(np.ptp(places[np.isfinite(places[:, 0])], axis=0).max()) or 1.0
     own = [
         (np.concatenate([corners[f] for f in some]), np.concatenate([places[faces[f]] for f in some]) / size)
-        for some in (np.flatnonzero(sheets == s) for s in range(sheets.max() + 1))
+        for some in (np.flatnonzero(sheets == s).tolist() for s in range(sheets.max() + 1))
     ]
     own.sort(key=lambda sheet: len(sheet[0]))
     vertices, points = own.pop()
