@@ -193,6 +193,30 @@ def test_the_tips_of_a_thin_lens_are_no_noise():
     assert repaired(metric, 3.2e-4)[0] is metric
 
 
+@pytest.mark.parametrize("heights", [(90.573, -51.859), (150.0, -150.0)])
+def test_needles(heights):
+    # Deficits of .03 and less at the ring, and more than 6 at the tips.
+    a = np.pi / 3 * np.arange(6)
+    ring = np.stack([np.cos(a), np.sin(a), 0 * a], axis=1)
+    vertices, faces = zoo.outward_hull(np.vstack([ring, [[0, 0, heights[0]], [0, 0, heights[1]]]]))
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    volume = np.sqrt(3) / 2 * (heights[0] - heights[1])
+    assert found.volume == pytest.approx(volume, rel=1e-9)
+
+
+def test_a_needle_without_symmetry():
+    points = [
+        [0.385, -1.076, 0.077],
+        [-0.33, 0.634, -0.673],
+        [0.573, 0.549, -1.034],
+        [0.093, 0.834, 0.6],
+        [-1.91, -0.638, -3.674],
+    ]
+    vertices, faces = zoo.outward_hull(np.array(points) * (1, 1, 165.94))
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert zoo.aligned(found.vertices, vertices) < 1e-6
+
+
 def test_the_noise_is_a_number_of_radians():
     with pytest.raises(isoembed.InvalidParameter, match="repair is -1"):
         Alexandrov(repair=-1)
