@@ -19,7 +19,9 @@ from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, Polygons, at_vertices, flattened
 from isoembed.io.input_file import InputFile
 from isoembed.mesh.polygons import next_corners, polygon_normals
-from isoembed.surface.curvature import FLAT_ANGLE, SHUT
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.precision import Precision
+from isoembed.surface.curvature import FLAT_ANGLE, SHUT, bend_errors
 from isoembed.version import __version__
 
 Frame = dict[str, Any]
@@ -127,6 +129,10 @@ def write(path: Path, tables: Tables) -> None:
     """Write vertices, faces, and the edges between them: their lengths and folds."""
     vertices, faces = np.asarray(tables["vertices"], dtype=np.float64), tables["faces"]
     edges, lengths, angles, inner = _edges(vertices, faces)
+    if "rounding_error" in tables and isinstance(faces, np.ndarray):  # polygons have no flat sides
+        error = Precision("", float(tables["rounding_error"])).vertex_error
+        explained = FLAT_ANGLE + bend_errors(Triangulation(faces), vertices, error=error)
+        angles[np.abs(angles) <= np.degrees(explained)] = 0.0
     letters = np.where(angles == 0, "F", np.where(angles < 0, "M", "V"))
     said = {
         "file_spec": 1.2,
