@@ -135,20 +135,6 @@ def test_prism_of_a_fold_file():
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("ending", ENDINGS)
-def test_prism_there_and_back(ending, tmp_path):
-    path = tmp_path / f"net{ending}"
-    write_net(path, isoembed.unfold(isoembed.io.read_surface(NUMBERS / "09_L_prism.obj")))
-    assert embed_net(read_net(str(path))).volume == pytest.approx(9.0, rel=1e-12)
-
-
-@pytest.mark.shared
-def test_prism_whose_file_has_lost_its_folds():
-    with pytest.raises(InvalidMetric, match=r"vertex 1 has .* as 'isoembed unfold' writes them"):
-        embed_net(read_net(str(NUMBERS / "09_L_prism_net_from_unfold.json")))
-
-
-@pytest.mark.shared
 def test_tetrahedron_with_faces_in_any_orientation():
     with pytest.warns(MeshNote, match="2 of 4 faces are turned over"):
         metric = isoembed.io.read_metric(NUMBERS / "10_tetrahedron_any_orientation.json")
