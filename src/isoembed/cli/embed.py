@@ -135,7 +135,7 @@ def run(options: argparse.Namespace) -> int:
             metric.triangulation.check_sphere()
         except InvalidMetric as error:
             raise InvalidMetric(
-                f"{error}; --boundary free embeds such surfaces, --boundary plane a convex cap"
+                f"{error}; --boundary free is for such surfaces, --boundary plane for convex caps"
             ) from None
     if options.which is not None and options.which not in WHICH:
         near = Path(options.which)
