@@ -196,7 +196,7 @@ def embed(
             mesh.check_sphere()
         except InvalidMetric as error:
             raise InvalidMetric(
-                f"{error}; boundary='free' embeds such surfaces, and 'plane' a convex cap"
+                f"{error}; boundary='free' is for such surfaces, and 'plane' for convex caps"
             ) from None
     if metric.curvature and not chosen.takes_curved:
         raise InvalidParameter(

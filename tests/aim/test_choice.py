@@ -34,7 +34,7 @@ def cube(height=0.05):
     return np.vstack([corners, [0.5, 0.5, 1 + height]]), faces
 
 
-@pytest.mark.parametrize("degrees", [28.0, 29.5, 31.0])
+@pytest.mark.parametrize("degrees", [26.0, 28.0, 29.5, 31.0, 34.0])
 def test_others_has_the_twin_of_a_schoenhardt_polyhedron(degrees):
     x, faces = schoenhardt(degrees)
     found = isoembed.embed(PolyhedralMetric.from_mesh(x, faces))

@@ -14,7 +14,7 @@ import zoo
 from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
 from isoembed.alexandrov import newton, relaxation
 from isoembed.io import read_metric
-from isoembed.metric.convexity import flattening_advice, noise_level
+from isoembed.metric.convexity import noise_level, repair_level
 from isoembed.metric.repair import repaired
 from lost_edges import octahedron_with_a_lost_edge
 from places import SHARED
@@ -189,8 +189,32 @@ def test_noise_that_shows_once_negative_deficits_are_lifted():
 def test_the_tips_of_a_thin_lens_are_no_noise():
     metric = read_metric(SHARED / "trials" / "numbers" / "05_lens_1000gon.obj")
     deficits = GluedMetric.of(metric).deficits
-    assert noise_level(deficits) == 0 and flattening_advice(deficits, 1e-12) == ""
+    assert noise_level(deficits) == 0 and repair_level(deficits, 1e-12) is None
     assert repaired(metric, 3.2e-4)[0] is metric
+
+
+@pytest.mark.parametrize("heights", [(90.573, -51.859), (150.0, -150.0)])
+def test_needles(heights):
+    # Deficits of .03 and less at the ring, and more than 6 at the tips.
+    a = np.pi / 3 * np.arange(6)
+    ring = np.stack([np.cos(a), np.sin(a), 0 * a], axis=1)
+    vertices, faces = zoo.outward_hull(np.vstack([ring, [[0, 0, heights[0]], [0, 0, heights[1]]]]))
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    volume = np.sqrt(3) / 2 * (heights[0] - heights[1])
+    assert found.volume == pytest.approx(volume, rel=1e-9)
+
+
+def test_a_needle_without_symmetry():
+    points = [
+        [0.385, -1.076, 0.077],
+        [-0.33, 0.634, -0.673],
+        [0.573, 0.549, -1.034],
+        [0.093, 0.834, 0.6],
+        [-1.91, -0.638, -3.674],
+    ]
+    vertices, faces = zoo.outward_hull(np.array(points) * (1, 1, 165.94))
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert zoo.aligned(found.vertices, vertices) < 1e-6
 
 
 def test_the_noise_is_a_number_of_radians():

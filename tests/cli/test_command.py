@@ -88,7 +88,8 @@ def test_embed_writes_what_the_report_says(run, method):
     assert report["residual"]["max"] == pytest.approx(error.max(), rel=0.05, abs=1e-14)
     assert report["status"] == "converged"
     assert report["method"] == method
-    assert report["input"] == {"vertices": 42, "edges": 120, "faces": 80, "negative_deficits": 0}
+    counts = {"vertices": 42, "edges": 120, "faces": 80, "negative_deficits": 0}
+    assert report["input"] == {**counts, "precision": None}
     assert {"version", "message", "convexity", "area", "volume", "integrated_mean_curvature"} <= set(report)
     assert set(report["stages"][0]) == {"name", "seconds", "iterations", "factorizations"}
 

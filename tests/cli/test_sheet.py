@@ -41,7 +41,7 @@ def test_files_and_pictures(call, cap):
 
 
 def test_what_to_type_is_said(call, cap):
-    assert "not closed; --boundary free embeds such surfaces" in call("embed", "cap.npz")[2]
+    assert "not closed; --boundary free is for such surfaces" in call("embed", "cap.npz")[2]
     assert (
         "the method 'sheet', not 'paper'"
         in call("embed", "cap.npz", "--boundary", "free", "--method", "paper")[2]

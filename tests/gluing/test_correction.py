@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import isoembed
+import zoo
 from isoembed import InvalidMetric, InvalidParameter, MeshNote, glue
 from isoembed.gluing.classics import CLASSICS, regular_faces
 from johnson_solids import johnson
@@ -104,7 +105,7 @@ def test_exact_numbers_are_no_rounded_ones():
         (
             0.866025,
             1e-8,
-            "tolerance 1e-08 (as given); correct them, or allow it: --tolerance 3.5e-07",
+            "(as given); correct them, or allow it: --tolerance 3.5e-07 (tolerance=3.5e-07) moves",
         ),
     ],
 )
@@ -121,6 +122,27 @@ def test_the_advised_tolerance_glues():
         glue(triangles, corners=NAMES)
     advised = float(re.search(r"tolerance=([\d.e+-]+)", str(refusal.value))[1])
     assert solved(glue(triangles, corners=NAMES, tolerance=advised)).residual < 1e-12
+
+
+@pytest.mark.filterwarnings("ignore::isoembed.MeshNote")
+@pytest.mark.parametrize("noise", [1e-5, 1e-2])
+def test_the_advised_tolerance_is_that_of_all_sides(noise):
+    corners, squares = zoo.cube()
+    cube = isoembed.PolyhedralMetric.from_mesh(corners, squares)
+    net = isoembed.unfold(isoembed.Embedding(cube, corners, method="exact", tolerance=1e-10))
+    rng = np.random.default_rng(3)
+    sheets = [sheet + noise * rng.normal(size=sheet.shape) for sheet in net.sheets]
+    with pytest.raises(InvalidMetric) as refusal:
+        glue(sheets, net.sides)
+    advised = float(re.search(r"tolerance=([\d.e+-]+)", str(refusal.value))[1])
+    assert solved(glue(sheets, net.sides, tolerance=advised)).volume == pytest.approx(1, rel=10 * noise)
+
+
+def test_no_tolerance_is_advised_that_does_not_help():
+    # A side of 1.9 glued to one of .003 leaves no triangle on the one or the other side.
+    wide, thin = [[0, 0], [1.9, 0], [0.95, 0.312]], [[0, 0], [3e-3, 0], [1.5e-3, 1]]
+    with pytest.raises(InvalidMetric, match=r"correct them$"):
+        glue([wide, thin], corners=["abc", "abc"])
 
 
 @pytest.mark.parametrize("tolerance", [-1.0, np.nan, np.inf, "a", True])

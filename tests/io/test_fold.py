@@ -4,10 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import isoembed
 import zoo
 from damage import refusals
+from isoembed import Embedding, PolyhedralMetric
 from isoembed.gluing.classics import CLASSICS
 from isoembed.io import FileError, mesh_writer, read_metric, read_surface, write_atomically, write_surface
 
@@ -173,3 +175,24 @@ def test_tables_of_another_kind(path, key, other):
     saved(path, **{k: v for k, v in tables.items() if k != "vertices_coords"} | {key: other})
     with pytest.raises((FileError, isoembed.InvalidMetric)):
         read_metric(path)
+
+
+def test_bends_by_rounded_coordinates_are_no_creases(tmp_path):
+    outline = np.array([[0, 0], [4, 0], [4, 1], [1, 1], [1, 3], [0, 3]])  # an L
+    points = np.array([[x, y, z] for z in (0.0, 1.5) for x, y in outline])
+    faces = [
+        list(range(6))[::-1],
+        list(range(6, 12)),
+        *([k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k] for k in range(6)),
+    ]
+    turned = points @ Rotation.random(random_state=2).as_matrix().T
+    metric = PolyhedralMetric.from_mesh(np.round(turned, 6), faces)
+    found = Embedding(metric, np.round(turned, 6), method="given", tolerance=1e-10)
+    write_surface(tmp_path / "l.fold", found)
+    document = json.loads((tmp_path / "l.fold").read_text())
+    folded = [angle for angle in document["edges_foldAngle"] if angle != 0]
+    np.testing.assert_allclose(sorted(folded), [-90.0] * 17 + [90.0], atol=1e-4)
+    assert document["edges_assignment"].count("F") == 12
+    bend = found.report["input"]["precision"]["bend"]
+    flat = np.abs(found._angles) < 0.1
+    assert flat.sum() == 12 and np.abs(found._angles[flat]).max() < bend["max"] < 1e-4

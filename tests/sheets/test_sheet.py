@@ -199,7 +199,7 @@ RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
 @pytest.mark.parametrize(
     ("metric", "options", "error", "sentence"),
     [
-        (ROUND, {}, InvalidMetric, "not closed; boundary='free' embeds such surfaces"),
+        (ROUND, {}, InvalidMetric, "not closed; boundary='free' is for such surfaces"),
         (ROUND, {"start": np.zeros((37, 3))}, InvalidParameter, "give boundary='free'"),
         (ROUND, {"boundary": "flat"}, InvalidParameter, "the boundary is 'flat', none of 'free', 'plane'"),
         (ROUND, {"boundary": [1.0, 2.0]}, InvalidParameter, "18 vertices there, so it is"),

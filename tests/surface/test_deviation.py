@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import isoembed
+import solids
 import zoo
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import CassiniPeanut, Ellipsoid, triangulate
@@ -50,6 +51,37 @@ def test_regular_tetrahedron():
     assert np.allclose(sigma.correlation, 1)
     for name in ARRAYS:
         assert np.ptp(getattr(sigma, name)) < 1e-12 * getattr(sigma, name).max()
+
+
+def test_equal_rounded_lengths_of_a_tetrahedron_have_one_error():
+    tetrahedron, _ = zoo.tetrahedron()
+    vertices = tetrahedron * 1.2345 / np.linalg.norm(tetrahedron[0] - tetrahedron[1])
+    metric = isoembed.PolyhedralMetric(zoo.tetrahedron()[1], [1.2345] * 6)
+    found = isoembed.Embedding(metric, vertices, method="exact", tolerance=1e-10)
+    s = 1e-4 / np.sqrt(12)
+    sigma = found.deviation(s)
+    # Area, volume and int H dA go with the second, third and first power of the one length.
+    assert np.isclose(sigma.area, 2 * found.area / 1.2345 * s)
+    assert np.isclose(sigma.volume, 3 * found.volume / 1.2345 * s)
+    assert np.isclose(sigma.vertices.max(), np.linalg.norm(vertices[0]) / 1.2345 * s)
+    assert np.allclose(sigma.dihedral_angles, 0, atol=1e-16)
+    for independent in (2 * s, 1e-6, 1e-4):  # not those of rounding to four decimals
+        of_six = found.integral_deviation(independent).volume
+        assert np.isclose(of_six, 3 * found.volume / 1.2345 * independent / np.sqrt(6))
+
+
+@pytest.mark.parametrize("decimals", [1, 2, 4])
+def test_error_bars_of_rounded_designs(decimals):
+    inside = []
+    for name in (*solids.ARCHIMEDEAN[:6], "dodecahedron"):
+        points = solids.uniform(name) * 30.7
+        exact = isoembed.PolyhedralMetric.from_mesh(points, solids.polygons(points))
+        metric = exact.with_lengths(np.round(exact.lengths, decimals))
+        found = isoembed.embed(metric, length_errors=10.0**-decimals / np.sqrt(12))
+        true = isoembed.Embedding(exact, points, method="exact", tolerance=1.0)
+        sigma = found.integral_deviation(found.length_errors)
+        inside += [abs(getattr(found, n) - getattr(true, n)) <= 2 * getattr(sigma, n) for n in SCALARS]
+    assert np.mean(inside) > 0.9
 
 
 def test_integrals_alone():

@@ -85,11 +85,11 @@ class Aim(Method):
             from isoembed.aim.choice import with_neighbors
 
             embedding = with_neighbors(embedding, log)
-        rounding = None if self.best_fit else metric.rounding
-        if rounding is not None and (not embedding.converged or embedding.rough_edges.any()):
+        doubtful = embedding.rough_edges.any() if embedding.converged else not self.best_fit
+        if doubtful and metric.rounding is not None:
             from isoembed.aim.measured_lengths import within_digits
 
-            embedding = within_digits(metric, rounding, embedding, start, log)
+            embedding = within_digits(metric, metric.rounding, embedding, start, log)
         if self.which is not None and embedding.converged:
             from isoembed.aim.choice import chosen
 

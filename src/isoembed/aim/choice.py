@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from isoembed.aim.accuracy import SAME
 from isoembed.aim.anneal import anneal
-from isoembed.aim.nearby_realizations import NEAR, SOFTEST, nearby_realizations
+from isoembed.aim.nearby_realizations import sought
+from isoembed.aim.realization_search import RealizationSearch
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
@@ -19,31 +21,22 @@ from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
 
-SAME = 1e-7
-"""Realizations as near as this are one, in mean edge lengths."""
+MOTIONS = 4  # softest motions, along which others are sought
+NEAR = 0.05  # mean edge lengths: on rough bodies there are too many farther away
 
-REALIZED = 1e-11
-"""Largest residual of a realization beside another one, in mean edge lengths."""
-
-SOUGHT = (
-    f"others were sought along the {SOFTEST} softest motions, within {NEAR:g} mean edge "
-    "lengths, which need not find all: isoembed realizations searches further"
-)
+SOUGHT = sought(MOTIONS, NEAR)
 
 
 def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
     """The same surface with the realizations beside it that are found along its softest motions."""
     metric = embedding.metric
     with log.stage("neighbors") as recorder:
-        met = nearby_realizations(
-            LengthSystem(metric.triangulation, space=metric.space),
-            embedding.vertices,
-            metric.lengths,
-            recorder,
-            residual_tolerance=REALIZED,
-        )
+        system = LengthSystem(metric.triangulation, space=metric.space)
+        search = RealizationSearch(metric, system, embedding.vertices, recorder, MOTIONS, NEAR)
+        for _ in search.steps(1):
+            pass
     others = list(embedding.others)
-    for vertices in met:
+    for vertices in search.found:
         other = Embedding(metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
         if all(other.distance(known) > SAME for known in (embedding, *others)):
             others.append(other)

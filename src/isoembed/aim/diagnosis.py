@@ -2,10 +2,13 @@
 
 import numpy as np
 
+from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Mask
+from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.fitted import FittedSurface
 from isoembed.thresholds import rounded_up
@@ -61,10 +64,15 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
     if -total > 0.05 * 4 * np.pi:  # less negative curvature may be noise on a convex body
         return [found]
+    level = rounded_up(-lowest)
+    try:
+        convex_polyhedron(metric.normalized, 1e-10, Log(), float(level))  # what is advised is tried
+    except (InvalidMetric, NotEmbedded):
+        return [found]
     return [
         found,
-        f"If the body is convex, --method alexandrov --repair {rounded_up(-lowest)} searches for it, on "
-        "triangles of its own",
+        f"If the body is convex, --method alexandrov --repair {level} (Alexandrov(repair={level})) finds it, "
+        "on triangles of its own",
     ]
 
 

@@ -26,6 +26,14 @@ NEAR = 0.03  # mean edge lengths: farther, quadratic equations are a poor guide
 APART = 0.1  # share of the distance expected: nearer, Newton's method fell back
 
 
+def sought(motions: int, near: float) -> str:
+    """What to say of a search along so many of the softest motions, within so many mean edge lengths."""
+    return (
+        f"others were sought along the {motions} softest motions, within {near:g} mean edge lengths, which "
+        "need not find all: isoembed realizations searches further"
+    )
+
+
 def nearby_realizations(
     system: LengthSystem,
     vertices: Floats,

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from isoembed.aim.accuracy import REALIZED, SAME
 from isoembed.aim.anneal import POLISH_STEPS, anneal
 from isoembed.aim.best_fit import best_fit
-from isoembed.aim.choice import SOUGHT
 from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.flipped_vertices import with_flipped_vertices
@@ -19,12 +18,12 @@ from isoembed.aim.lengths_newton import LENGTHS_DEVIATION, newton_on_lengths
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
 from isoembed.aim.local_search import COARSE, local_search, misses_locally
 from isoembed.aim.mirrored_patches import mirrored_realizations
-from isoembed.aim.nearby_realizations import nearby_realizations
+from isoembed.aim.nearby_realizations import NEAR, SOFTEST, nearby_realizations, sought
 from isoembed.aim.radii_leap import RADII_DEVIATION, newton_on_radii, radii_start
 from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.search import AT_ONCE, FIT, NEARLY, PATCH_EFFORT, PLACED, Search
-from isoembed.alexandrov.method import Alexandrov
+from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.evidence import Evidence
@@ -187,13 +186,12 @@ class Strategies:
         with self.log.stage("waypoint") as recorder:
             convex = self.search.convexification.metric(FAR_MARGIN, recorder)
         if convex is not None:
-            method = Alexandrov()
             try:
-                found = method.run(convex.normalized, PLACED, self.log)
+                found = convex_polyhedron(convex.normalized, PLACED, self.log)
                 return self.in_given_order(convex.unit * found.vertices)
             except NotEmbedded as failure:
-                found = failure.embedding
-                return self.in_given_order(convex.unit * found.vertices[: self.search.numbers.size])
+                nearest = failure.embedding.vertices[: self.search.numbers.size]
+                return self.in_given_order(convex.unit * nearest)
             except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
                 pass
         faces = self.metric.faces
@@ -357,5 +355,6 @@ class Strategies:
             different.sort(key=lambda s: (convex and s.concave_edges.any(), s.fine_roughness))
         if not self.sought:
             return different[0].with_others(different[1:])
-        found = different[0].with_others(different[1:], Evidence("searched", SOUGHT))
-        return found.with_message(f"{found.message}; {SOUGHT}")
+        said = sought(SOFTEST, NEAR)
+        found = different[0].with_others(different[1:], Evidence("searched", said))
+        return found.with_message(f"{found.message}; {said}")

@@ -29,7 +29,12 @@ from isoembed.linalg import Factor, SingularMatrix, SymmetricFactor
 from isoembed.linalg.krylov import gmres
 from isoembed.progress.stages import StageRecorder
 
-START_RADII = (2.0, 16.0, 64.0, 256.0)  # in least radii, tried in turn until a path arrives
+START_RADII = (2.0, 16.0, 64.0, 256.0)
+"""In least radii, tried in turn until a path arrives; then again, with curvatures over roots of deficits.
+
+The deficits around the middle of a needle are so small against those at its tips that a sum of squares
+neglects their curvatures.
+"""
 FORCING = 0.03  # relative residual of the linear equations on the way
 EXACT = 1e-4  # the same after a step that was too short: small deficits need it
 TOO_SHORT = 4  # halvings with a fresh factorization after which the equations are solved again
@@ -139,7 +144,8 @@ def follow_path(
     analyses = analyses or Analyses.of(tables)
     tables = tables.copy()
     make_delaunay(tables, np.zeros(deficits.size))
-    for number, radius in enumerate(equal_radii(tables, START_RADII)):
+    radii = equal_radii(tables, START_RADII)
+    for number, radius in enumerate([*radii, *radii]):
         if resumed is not None and number <= resumed.start:
             here = resumed if number == resumed.start else None
         else:
@@ -218,7 +224,7 @@ def _start(p: Polytope, number: int, deficits: Floats) -> Waypoint:
     target = float(p.curvatures.sum() / deficits.sum())
     if number == 0 and _lowered(_share(p.curvatures, deficits), here.step) <= target:
         return here
-    way = float(np.linalg.norm(p.curvatures - target * deficits))
+    way = _norm(p.curvatures - target * deficits, _unit(number, deficits))
     # The part unlike the deficits falls to a tenth, in hyperbolic space after a failure.
     return replace(here, target=target, way=way * (0.1 if number else 1.0))
 
@@ -268,6 +274,7 @@ def _path(
 ) -> Generator[Polytope, None, None]:
     """Lead the curvatures toward zero along ``epsilon delta``; without flips, while factors allow."""
     p = here.polytope
+    unit = _unit(here.start, deficits)
     epsilon = _share(p.curvatures, deficits)
     inverse: SymmetricFactor | None = None
     fresh, halving, shown = True, 0, epsilon
@@ -280,13 +287,13 @@ def _path(
             if not flips and inverse.negative_pivots != CONVEX:
                 return
         if count % 50 == 0:  # steps in which the odds or the norm have to fall
-            odds, norm = _odds(epsilon), float(np.linalg.norm(p.curvatures))
+            odds, norm = _odds(epsilon), _norm(p.curvatures, unit)
             if odds > 0.9 * here.odds and norm > 0.999 * here.norm:  # a path that creeps is given up
                 return
             here = replace(here, odds=odds, norm=norm)
         if np.isnan(here.target):
             target = _lowered(epsilon, here.step)
-            here = replace(here, target=target, way=float(np.linalg.norm(p.curvatures - target * deficits)))
+            here = replace(here, target=target, way=_norm(p.curvatures - target * deficits, unit))
         missing = p.curvatures - here.target * deficits
         dr, iterations = _solved(p, inverse, missing, here.residual)
         if iterations > STALE and not fresh:
@@ -296,12 +303,12 @@ def _path(
         # With an older factorization two steps in a row are halved three times together; later none is.
         stale = max(3 - halving, 1) if count < 20 else 1
         goal, most = here.target * deficits, 30 if fresh else stale
-        stepped = _halved(p, dr, goal, most, flips)
+        stepped = _halved(p, dr, goal, unit, most, flips)
         too_short = stepped is None or stepped.halving > TOO_SHORT
         if too_short and fresh and here.residual > EXACT:
             here = replace(here, residual=EXACT)
             dr, _ = _solved(p, inverse, missing, here.residual)
-            stepped = _halved(p, dr, goal, most, flips) or stepped
+            stepped = _halved(p, dr, goal, unit, most, flips) or stepped
         if stepped is None:
             halving = most - 1
             if not fresh:
@@ -357,14 +364,27 @@ class _Step(NamedTuple):
     left: float
 
 
-def _halved(p: Polytope, dr: Floats, goal: Floats, most: int, flips: bool) -> _Step | None:
+def _unit(start: int, deficits: Floats) -> Floats | float:
+    """What curvatures are measured in on the path from this start."""
+    if start < len(START_RADII):
+        return 1.0
+    return np.sqrt(np.maximum(deficits, 1e-6 * deficits.max()))  # smaller ones are met by the way
+
+
+def _norm(curvatures: Floats, unit: Floats | float) -> float:
+    return float(np.linalg.norm(curvatures / unit))
+
+
+def _halved(
+    p: Polytope, dr: Floats, goal: Floats, unit: Floats | float, most: int, flips: bool
+) -> _Step | None:
     """The step to these curvatures, halved until they come nearer; None if none of so many does."""
-    size = np.linalg.norm(p.curvatures - goal)
+    size = _norm(p.curvatures - goal, unit)
     for halving in range(most):
         fraction = 0.5**halving
         q = Polytope.over(p.tables, p.radii + fraction * dr, flips=flips)
         if q is not None:
-            left = float(np.linalg.norm(q.curvatures - goal))
+            left = _norm(q.curvatures - goal, unit)
             if left <= (1 - DECREASE * fraction) * size:
                 return _Step(q, halving, left)
     return None

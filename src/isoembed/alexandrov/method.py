@@ -34,7 +34,7 @@ from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
-from isoembed.metric.convexity import deficit_rounding, flattening_advice, largest_noise, noise_level
+from isoembed.metric.convexity import deficit_rounding, largest_noise, repair_level
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair, repaired, small_by_far
@@ -44,7 +44,6 @@ from isoembed.space.models import to_model
 from isoembed.surface.curvature import FLAT_ANGLE
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
-from isoembed.thresholds import rounded_up
 
 NEAREST = "nearest "  # before the names of its arrays
 
@@ -107,61 +106,82 @@ class Alexandrov(Method):
         NotEmbedded
             No polyhedron was found; the exception holds an attempt on the given triangles.
         """
-        lifted, repair = repaired(metric, self.repair, tolerance)
-        answer = self._search(lifted, repair, tolerance, log)
-        if isinstance(answer, ConvexPolyhedron) and answer.converged:
-            return answer
-        given = GluedMetric.of(lifted)
-        noise = largest_noise(GluedMetric.of(metric).deficits)
-        flat = small_by_far(given.deficits, min(self.repair, noise))
-        if repair.vertices.size and flat.any():
-            # Only now that the negative ones are lifted it shows which deficits are noise.
-            lifted, repair = repaired(metric, self.repair, tolerance, flat=flat)
-            answer = self._search(lifted, repair, tolerance, log)
-            if isinstance(answer, ConvexPolyhedron) and answer.converged:
-                return answer
-            given = GluedMetric.of(lifted)
-        advice = self._advice(metric, given, tolerance, log)
-        raise NotEmbedded(answer.message + advice, answer, NOT_FOUND)
-
-    def _advice(
-        self, metric: PolyhedralMetric | GluedMetric, given: GluedMetric, tolerance: float, log: Log
-    ) -> str:
-        """The repair of small deficits, if it leads to a polyhedron."""
-        advice = flattening_advice(given.deficits, deficit_rounding(given.faces, given.face_lengths))
-        if not advice or self.repair:
-            return ""
-        level = float(rounded_up(noise_level(given.deficits)))
         try:
-            found = replace(self, repair=level).run(metric, tolerance, log)
+            return convex_polyhedron(metric, tolerance, log, self.repair)
+        except InvalidMetric as error:
+            raise InvalidMetric(f"{error}{self._advice(metric, tolerance, log)}") from None
+        except NotEmbedded as failure:
+            advice = self._advice(metric, tolerance, log)
+            raise NotEmbedded(f"{failure}{advice}", failure.embedding, failure.evidence) from None
+
+    def _advice(self, metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log) -> str:
+        """The repair of small deficits, if it leads to a polyhedron."""
+        given = GluedMetric.of(metric)
+        least = deficit_rounding(given.faces, given.face_lengths, given.curvature)
+        level = repair_level(given.deficits, least)
+        if level is None or self.repair:
+            return ""
+        said = f"--repair {level:.1e} (Alexandrov(repair={level:.1e}))"
+        try:
+            found = convex_polyhedron(metric, tolerance, log, level)
         except (InvalidMetric, NotEmbedded):
             return ""
-        return advice if found.converged else ""
+        change = 0.0 if found.repair is None else found.repair.largest_change
+        return (
+            f"; if deficits of {level:.1e} or less are noise, {said} finds a polyhedron, with lengths "
+            f"changed by {change:.1g} of their size at most"
+        )
 
-    def _search(
-        self, metric: PolyhedralMetric | GluedMetric, repair: Repair, tolerance: float, log: Log
-    ) -> Embedding:
-        """The polyhedron of a metric without negative deficits, or an attempt."""
-        given = GluedMetric.of(metric)
-        rounding = deficit_rounding(given.faces, given.face_lengths)
-        # A deficit within the tolerance can be told from none only by trying.
-        flat = None
-        for least in (rounding, np.maximum(rounding, tolerance)):
-            before, flat = flat, given.deficits <= least
-            if before is not None and (flat == before).all():
-                break
-            if (~flat).sum() < 3:
-                raise InvalidMetric(
-                    f"only {(~flat).sum()} vertices have a deficit that rounding does not hide, and a convex "
-                    f"polyhedron has at least 3: face {int(np.argmin(given.triangles.areas))} is too thin"
-                )
-            search = _Search(metric, flat, repair if repair.vertices.size else None, tolerance, log)
-            answer = search.answer()
-            if not answer.converged and (~flat).sum() == 4:
-                answer = replace(search, by_lengths=False).answer()
-            if isinstance(answer, ConvexPolyhedron) and answer.converged:
-                break
+
+def convex_polyhedron(
+    metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log, noise: float = 0.0
+) -> ConvexPolyhedron:
+    """Find the polyhedron of `Alexandrov`, with deficits up to this noise repaired, and give no advice.
+
+    Raises
+    ------
+    InvalidMetric, NotEmbedded
+        As `Alexandrov.run`.
+    """
+    lifted, repair = repaired(metric, noise, tolerance)
+    answer = _searched(lifted, repair, tolerance, log)
+    if isinstance(answer, ConvexPolyhedron) and answer.converged:
         return answer
+    given = GluedMetric.of(lifted)
+    flat = small_by_far(given.deficits, min(noise, largest_noise(GluedMetric.of(metric).deficits)))
+    if repair.vertices.size and flat.any():
+        # Only now that the negative ones are lifted it shows which deficits are noise.
+        lifted, repair = repaired(metric, noise, tolerance, flat=flat)
+        answer = _searched(lifted, repair, tolerance, log)
+        if isinstance(answer, ConvexPolyhedron) and answer.converged:
+            return answer
+    raise NotEmbedded(answer.message, answer, NOT_FOUND)
+
+
+def _searched(
+    metric: PolyhedralMetric | GluedMetric, repair: Repair, tolerance: float, log: Log
+) -> Embedding:
+    """The polyhedron of a metric without negative deficits, or an attempt."""
+    given = GluedMetric.of(metric)
+    rounding = deficit_rounding(given.faces, given.face_lengths)
+    # A deficit within the tolerance can be told from none only by trying.
+    flat = None
+    for least in (rounding, np.maximum(rounding, tolerance)):
+        before, flat = flat, given.deficits <= least
+        if before is not None and (flat == before).all():
+            break
+        if (~flat).sum() < 3:
+            raise InvalidMetric(
+                f"only {(~flat).sum()} vertices have a deficit that rounding does not hide, and a convex "
+                f"polyhedron has at least 3: face {int(np.argmin(given.triangles.areas))} is too thin"
+            )
+        search = _Search(metric, flat, repair if repair.vertices.size else None, tolerance, log)
+        answer = search.answer()
+        if not answer.converged and (~flat).sum() == 4:
+            answer = replace(search, by_lengths=False).answer()
+        if isinstance(answer, ConvexPolyhedron) and answer.converged:
+            break
+    return answer
 
 
 @dataclass(frozen=True, eq=False)

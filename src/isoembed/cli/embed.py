@@ -135,7 +135,7 @@ def run(options: argparse.Namespace) -> int:
             metric.triangulation.check_sphere()
         except InvalidMetric as error:
             raise InvalidMetric(
-                f"{error}; --boundary free embeds such surfaces, --boundary plane a convex cap"
+                f"{error}; --boundary free is for such surfaces, --boundary plane for convex caps"
             ) from None
     if options.which is not None and options.which not in WHICH:
         near = Path(options.which)
@@ -143,6 +143,12 @@ def run(options: argparse.Namespace) -> int:
         check_same_triangles(metric, own, source, near, "a surface is near to one on")
     if errors is not None:
         checked_errors(metric, errors)  # before anything is computed
+    elif metric.length_errors is not None and not method.takes_length_errors:
+        if method.keeps_triangles and not method.takes_boundary:
+            errors = metric.length_errors
+        else:
+            print_error(f"the method {method.name!r} takes lengths as exact: their errors are unused", "note")
+        metric = metric.with_length_errors(0.0)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
         print_error("the metric is convex in R^3, which takes it: no curvature is needed", "note")
 

@@ -34,7 +34,7 @@ from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer
 from isoembed.io.files import input_ending
 from isoembed.io.metric import in_space
-from isoembed.io.space_line import WRITTEN
+from isoembed.io.title_line import WRITTEN
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import conventions, embed_surface

@@ -26,14 +26,17 @@ CREASES = CreaseThresholds()
 Side = tuple[int, int]
 
 
-def meeting_corners(places: Floats, faces: Sequence[Sequence[int]], tolerance: float) -> Indices:
+def meeting_corners(
+    places: Floats, faces: Sequence[Sequence[int]], sheets: Indices, tolerance: float
+) -> Indices:
     """Names of the vertices of a folded sheet, the same for those on its boundary that meet, shape (V,).
 
     Parameters
     ----------
     places : ndarray, shape (V, 3)
-        From `fold_up`.
     faces : sequence of sequences of int
+    sheets : ndarray of int, shape (F,)
+        With the places, from `fold_up`.
     tolerance : float
         Corners as near as this in space are one.
 
@@ -42,11 +45,11 @@ def meeting_corners(places: Floats, faces: Sequence[Sequence[int]], tolerance: f
     InvalidMetric
         There are several sheets.
     """
-    for f, face in enumerate(faces):
-        if np.isnan(places[face]).any():
-            raise InvalidMetric(
-                f"face {f} has no side in common with the sheet of face 0: one sheet is folded up"
-            )
+    if sheets.any():
+        raise InvalidMetric(
+            f"face {np.argmax(sheets)} has no side in common with the sheet of face 0: without names of the "
+            "corners, one sheet is folded up"
+        )
     rim = np.unique([v for side, (_, *others) in _owners(faces).items() if not others for v in side])
     names = np.arange(len(places))
     if len(rim):
@@ -70,8 +73,8 @@ def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, i
 
 def fold_up(
     points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float], tolerance: float
-) -> Floats:
-    """The vertices in space, (V, 3): face 0 stays, others follow across the creases; NaN in other sheets.
+) -> tuple[Floats, Indices]:
+    """Fold sheets up: the first face of each stays, others follow across the creases.
 
     Parameters
     ----------
@@ -83,6 +86,13 @@ def fold_up(
     tolerance : float
         How far apart the places of a vertex in two faces may be.
 
+    Returns
+    -------
+    places : ndarray, shape (V, 3)
+        The vertices in space, of each sheet by itself; NaN in no face.
+    sheets : ndarray of int, shape (F,)
+        The sheet of each face, from 0 on.
+
     Raises
     ------
     InvalidMetric
@@ -92,27 +102,85 @@ def fold_up(
     points, tolerance, owners = points / size, tolerance / size, _owners(faces)
     flat = np.column_stack([points, np.zeros(len(points))])
     places = np.full_like(flat, np.nan)
-    turns = {0: (np.eye(3), np.zeros(3))}  # x = R p + t
-    places[faces[0]] = flat[faces[0]]
-    waiting = deque([0])
-    while waiting:
-        f = waiting.popleft()
-        turn, shift = turns[f]
-        for a, b in zip(faces[f], [*faces[f][1:], faces[f][0]], strict=True):
-            side = min(a, b), max(a, b)
-            for g, *_ in owners[side]:
-                if g == f:
-                    continue
-                if side not in angles:
-                    raise InvalidMetric(f"the edge {list(side)} between faces {f} and {g} has no fold angle")
-                # The face on the right of a -> b is raised by a valley, which turns it about b -> a.
-                own = turn @ _about(flat[a] - flat[b], angles[side])
-                moved = own, turn @ flat[a] + shift - own @ flat[a]
-                _put(places, faces[g], flat[faces[g]] @ own.T + moved[1], g, tolerance)
-                if g not in turns:
-                    turns[g] = moved
-                    waiting.append(g)
-    return places * size
+    turns: dict[int, tuple[Floats, Floats]] = {}  # x = R p + t
+    sheets = np.zeros(len(faces), dtype=np.int64)
+    for first in range(len(faces)):
+        if first in turns:
+            continue
+        turns[first] = np.eye(3), np.zeros(3)
+        places[faces[first]] = flat[faces[first]]
+        sheets[first] = sheets.max() + bool(first)
+        waiting = deque([first])
+        while waiting:
+            f = waiting.popleft()
+            turn, shift = turns[f]
+            for a, b in zip(faces[f], [*faces[f][1:], faces[f][0]], strict=True):
+                side = min(a, b), max(a, b)
+                for g, *_ in owners[side]:
+                    if g == f:
+                        continue
+                    if side not in angles:
+                        raise InvalidMetric(
+                            f"the edge {list(side)} between faces {f} and {g} has no fold angle"
+                        )
+                    # The face on the right of a -> b is raised by a valley, which turns it about b -> a.
+                    own = turn @ _about(flat[a] - flat[b], angles[side])
+                    moved = own, turn @ flat[a] + shift - own @ flat[a]
+                    _put(places, faces[g], flat[faces[g]] @ own.T + moved[1], g, tolerance)
+                    if g not in turns:
+                        turns[g], sheets[g] = moved, sheets[first]
+                        waiting.append(g)
+    return places * size, sheets
+
+
+def put_together(
+    places: Floats, faces: Sequence[Sequence[int]], sheets: Indices, corners: Sequence[Indices]
+) -> Floats | None:
+    """The vertices of a solid whose sheets are folded: each is moved to where it meets those before it.
+
+    Parameters
+    ----------
+    places : ndarray, shape (V, 3)
+    faces : sequence of sequences of int
+    sheets : ndarray of int, shape (F,)
+        As of `fold_up`.
+    corners : sequence of ndarray of int
+        The vertices of the solid around each face.
+
+    Returns
+    -------
+    ndarray, shape (n, 3), or None
+        NaN for vertices inside sides.  None if a sheet may turn about the line in which it meets the others.
+    """
+    from scipy.spatial.transform import Rotation  # slow to import, and seldom needed
+
+    found = np.full((max(int(c.max()) for c in corners) + 1, 3), np.nan)
+    size = float(np.ptp(places[np.isfinite(places[:, 0])], axis=0).max()) or 1.0
+    own = [
+        (np.concatenate([corners[f] for f in some]), np.concatenate([places[faces[f]] for f in some]) / size)
+        for some in (np.flatnonzero(sheets == s).tolist() for s in range(sheets.max() + 1))
+    ]
+    own.sort(key=lambda sheet: len(sheet[0]))
+    vertices, points = own.pop()
+    found[vertices] = points
+    while own:
+        known = [np.isfinite(found[vertices, 0]) for vertices, _ in own]
+        # Three points that are not in line hold a sheet: the farther from a line, the better.
+        widths = [
+            np.linalg.svd(points[here] - points[here].mean(axis=0), compute_uv=False)[1]
+            if here.sum() > 2
+            else 0
+            for here, (_, points) in zip(known, own, strict=True)
+        ]
+        k = int(np.argmax(widths))
+        if widths[k] < CREASES.meets:
+            return None
+        here, (vertices, points) = known[k], own.pop(k)
+        center, target = points[here].mean(axis=0), found[vertices[here]].mean(axis=0)
+        turn = Rotation.align_vectors(found[vertices[here]] - target, points[here] - center)[0]
+        moved = turn.apply(points - center) + target
+        found[vertices[~here]] = moved[~here]
+    return found * size
 
 
 def _put(places: Floats, face: Sequence[int], found: Floats, f: int, tolerance: float) -> None:

@@ -9,7 +9,7 @@ from isoembed.arrays import Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.polygon import Polygon
 from isoembed.gluing.thresholds import GLUING
-from isoembed.gluing.tolerance import Tolerance
+from isoembed.gluing.tolerance import Tolerance, UnequalLengths
 
 Side = tuple[int, int]
 Names = Sequence[Sequence[Hashable]]
@@ -56,6 +56,7 @@ def sides_of(corners: Names, sheets: Sequence[Polygon], tolerance: Tolerance) ->
                     "how it is glued, but sides do"
                 )
             found.setdefault(frozenset((name, other)), []).append((p, k))
+    wrong, difference = "", 0.0
     for some in found.values():
         (p, k), a, b = some[0], *_ends(corners, some[0])
         if len(some) == 1:
@@ -70,13 +71,15 @@ def sides_of(corners: Names, sheets: Sequence[Polygon], tolerance: Tolerance) ->
             )
         q, m = some[1]
         ours, theirs = _length(sheets[p], k), _length(sheets[q], m)
-        most = tolerance.between(p, q, (ours, theirs))
-        if abs(ours - theirs) > most + GLUING.rounding * (sheets[p].perimeter + sheets[q].perimeter):
-            raise InvalidMetric(
+        most, difference = tolerance.between(p, q, (ours, theirs)), max(difference, abs(ours - theirs))
+        rounding = GLUING.rounding * (sheets[p].perimeter + sheets[q].perimeter)
+        if not wrong and abs(ours - theirs) > most + rounding:
+            wrong = (
                 f"side {k} of polygon {p} has length {ours!r}, but side {m} of polygon {q}, which joins the "
-                f"same corners {a!r} and {b!r}, has {theirs!r}: more than the "
-                f"{tolerance.refusal(most, abs(ours - theirs))}"
+                f"same corners {a!r} and {b!r}, has {theirs!r}: more than the {tolerance.said(most)}"
             )
+    if wrong:
+        raise UnequalLengths(wrong, difference)
     return [(one, other) for one, other in found.values()]
 
 

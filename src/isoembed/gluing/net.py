@@ -17,13 +17,14 @@ from isoembed.gluing.outline_points import cut_outlines, glued_points
 from isoembed.gluing.polygon import Polygon, distances, shape_of, side_lengths
 from isoembed.gluing.runs import Run, read_sides
 from isoembed.gluing.thresholds import GLUING
-from isoembed.gluing.tolerance import Tolerance
+from isoembed.gluing.tolerance import Tolerance, UnequalLengths
 from isoembed.intrinsic.ears import triangulated, twins_inside
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.precision import Precision
 from isoembed.space import Space
 from isoembed.space.models import MODELS, Model
+from isoembed.thresholds import rounded_up
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -201,11 +202,30 @@ def glue(
     if len(polygons) == 0:
         raise InvalidMetric("there are no polygons")
     sheets = [Polygon.of(polygon, p, space, model) for p, polygon in enumerate(polygons)]
-    allowed = Tolerance.of(sheets, tolerance)
-    if sides is not None and corners is None:
-        return _net(sheets, sides, allowed)
-    if corners is None or sides is not None:
+    if (sides is None) == (corners is None):
         raise InvalidParameter("what is glued is told either by the sides or by the names of the corners")
+    try:
+        return _glued(sheets, sides, corners, Tolerance.of(sheets, tolerance))
+    except UnequalLengths as error:
+        raise InvalidMetric(f"{error}{_remedy(sheets, sides, corners, error.difference)}") from None
+
+
+def _remedy(sheets: Sequence[Polygon], sides: Any, corners: Any, difference: float) -> str:
+    """The tolerance with which sheets are glued whose sides differ by so much, if it helps."""
+    word = rounded_up(difference)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MeshNote)
+        try:
+            net = _glued(sheets, sides, corners, Tolerance.of(sheets, float(word)))
+        except InvalidMetric:
+            return "; correct them"
+    moved = 0.0 if net.correction is None else net.correction.largest
+    return f"; correct them, or allow it: --tolerance {word} (tolerance={word}) moves corners by {moved:.1g}"
+
+
+def _glued(sheets: Sequence[Polygon], sides: Sequence[Any] | None, corners: Any, allowed: Tolerance) -> Net:
+    if sides is not None:
+        return _net(sheets, sides, allowed)
     names = read_names(corners, sheets)
     pairs = sides_of(names, sheets, allowed)
     sheets = faced_alike(names, sheets, pairs)
@@ -221,7 +241,7 @@ def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance) 
     if correction is None:
         return Net(sheets, runs)
     if correction.largest > GLUING.same_length * max(sheet.perimeter for sheet in sheets):
-        warnings.warn(str(correction), MeshNote, stacklevel=3)
+        warnings.warn(str(correction), MeshNote, stacklevel=4)
     exact = read_sides(sides, changed, Tolerance.exact(len(changed)))
     return Net(changed, exact, correction, tolerance.precision(correction.difference))
 

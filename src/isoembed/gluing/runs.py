@@ -11,7 +11,7 @@ import numpy as np
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.polygon import Polygon, is_number
 from isoembed.gluing.thresholds import GLUING
-from isoembed.gluing.tolerance import Tolerance
+from isoembed.gluing.tolerance import Tolerance, UnequalLengths
 
 
 @dataclass(frozen=True)
@@ -193,15 +193,18 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
 
 
 def _check_lengths(runs: list[tuple[Run, Run]], tolerance: Tolerance) -> None:
-    for i, (one, other) in enumerate(runs):
-        ours, theirs = one.length, other.length
-        rounding = GLUING.rounding * (one.sheet.perimeter + other.sheet.perimeter)
-        most = slack(one, other, tolerance) + rounding
-        if abs(ours - theirs) > most:
-            raise InvalidMetric(
-                f"sides[{i}] glues {one.name}, of length {ours!r}, to {other.name}, of length {theirs!r}: "
-                f"more than the {tolerance.refusal(most, abs(ours - theirs))}"
-            )
+    def most(one: Run, other: Run) -> float:
+        return slack(one, other, tolerance) + GLUING.rounding * (one.sheet.perimeter + other.sheet.perimeter)
+
+    differences = [abs(one.length - other.length) for one, other in runs]
+    wrong = [i for i, pair in enumerate(runs) if differences[i] > most(*pair)]
+    if wrong:
+        one, other = runs[wrong[0]]
+        raise UnequalLengths(
+            f"sides[{wrong[0]}] glues {one.name}, of length {one.length!r}, to {other.name}, of length "
+            f"{other.length!r}: more than the {tolerance.said(most(one, other))}",
+            max(differences),
+        )
 
 
 def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon]) -> None:

@@ -3,7 +3,8 @@
 import numpy as np
 
 from isoembed._embed import embed
-from isoembed.errors import InvalidMetric
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.gluing.net import Net
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
@@ -27,13 +28,14 @@ def embed_net(net: Net, *, progress: Listener | None = None) -> Embedding:
     -------
     Embedding
         Where the net says how it is folded and that is not convex, the solid folded so.  Otherwise the convex
-        polyhedron of its metric, by the method ``"alexandrov"``.  Where fold angles are far off, what
-        ``"aim"`` finds on the faces between the folds.
+        polyhedron of its metric, by the method ``"alexandrov"``.  Where there is none, or fold angles are far
+        off, what ``"aim"`` finds with flat polygons between the folds.
 
     Raises
     ------
     InvalidMetric
-        The metric is not convex, and the net does not say how it is folded.
+        The metric is not convex, the net does not say how it is folded, and no solid was found whose faces
+        are its polygons.
     NotEmbedded
         No surface was found.
     """
@@ -43,13 +45,35 @@ def embed_net(net: Net, *, progress: Listener | None = None) -> Embedding:
     v = int(np.argmin(net.deficits))
     if net.deficits[v] >= -deficit_rounding(net.faces, net.face_lengths, net.curvature)[v]:
         return embed(net, method="alexandrov", progress=progress)
-    if net.folded is None:  # the triangles of its polygons are none of the faces of the solid
+    if net.folded is None:
+        found = _with_flat_polygons(net, progress)
+        if found is not None:
+            return found
         raise InvalidMetric(
-            f"vertex {v} has total angle {2 * np.pi - net.deficits[v]:.10g} > 2 pi: the metric is not "
-            "convex, and the net does not tell how one sheet of it is folded: 'isoembed unfold' writes nets "
-            "that do, as .json with folds or as .fold with edges_foldAngle"
+            f"vertex {v} has total angle {2 * np.pi - net.deficits[v]:.10g} > 2 pi, so the solid is not "
+            'convex, and the net does not say how it is folded: what is missing is "folds" (.json), for each '
+            "polygon a list of [corner, corner, degrees], or edges_foldAngle (.fold), as 'isoembed unfold' "
+            "writes them"
         )
     return folded or embed(net.simplicial(), progress=progress)
+
+
+def _with_flat_polygons(net: Net, progress: Listener | None) -> Embedding | None:
+    """The solid whose faces are the polygons, or parts of such, if one is found."""
+    if len(net.polygons) < 4:  # a sheet that is folded: its triangles are none of the faces of the solid
+        return None
+    try:
+        found = embed(net.simplicial(), progress=progress)
+    except NotEmbedded:
+        return None
+    allowed = 1e-7 * found.metric.mean_length + 2 * found._vertex_error * found.metric.unit
+
+    def is_flat(points: Floats) -> bool:
+        across = np.linalg.svd(points - points.mean(axis=0))[2][2]
+        return float(np.ptp(points @ across)) <= allowed
+
+    solids = (found, *found.others)
+    return next((s for s in solids if all(is_flat(s.vertices[outline]) for outline in net.outlines)), None)
 
 
 def _folded(net: Net, progress: Listener | None) -> Embedding | None:

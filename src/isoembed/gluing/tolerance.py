@@ -10,11 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidParameter
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.polygon import Polygon
 from isoembed.gluing.thresholds import GLUING
 from isoembed.metric.precision import PRECISION, Precision, last_digits
-from isoembed.thresholds import rounded_up
+
+
+class UnequalLengths(InvalidMetric):
+    """Lengths that are glued differ by more than the tolerance, in all by up to `difference`."""
+
+    def __init__(self, message: str, difference: float) -> None:
+        super().__init__(message)
+        self.difference = difference
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,12 +99,9 @@ class Tolerance:
         # An error is spread evenly over a unit of the last digit, and a side has two ends.
         return Precision(name, float(self.errors(difference).max()) / math.sqrt(6))
 
-    def refusal(self, most: float, difference: float) -> str:
+    def said(self, most: float) -> str:
         """The end of a sentence about lengths that differ by more."""
-        return (
-            f"tolerance {most:.2g} ({self.source}); correct them, or allow it: "
-            f"--tolerance {(word := rounded_up(difference))} (tolerance={word})"
-        )
+        return f"tolerance {most:.2g} ({self.source})"
 
     @property
     def source(self) -> str:

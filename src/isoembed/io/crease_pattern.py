@@ -13,7 +13,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.gluing import Net, glue
-from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance
+from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance, put_together
 from isoembed.gluing.polygon import is_number, points_of_the_plane
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
@@ -70,16 +70,17 @@ def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
     for k, face in enumerate(faces):
         if not face or -1 in face:
             raise FileError(f"{file}: face {k} is not made of the {len(points)} vertices")
-    near, places = meeting_tolerance(points) if tolerance is None else tolerance, None
+    near, folded = meeting_tolerance(points) if tolerance is None else tolerance, None
     if "edges" in tables:
-        places = fold_up(points, faces, _angles(tables["edges"], tables["angles"], file), near)
-    if corners is None and places is not None:
-        corners, tolerance = meeting_corners(places, faces, near).tolist(), near
+        folded = fold_up(points, faces, _angles(tables["edges"], tables["angles"], file), near)
+    if corners is None and folded is not None:
+        places, sheets = folded
+        corners, tolerance = meeting_corners(places, faces, sheets, near).tolist(), near
     elif not isinstance(corners, list) or len(corners) != len(points):
         raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
     names = [[corners[v] for v in face] for face in faces]
     net = glue([points[face] for face in faces], corners=names, tolerance=tolerance)
-    return _knowing(net, faces, places, tables.get("precision"), str(file))
+    return _knowing(net, faces, folded, tables.get("precision"), str(file))
 
 
 def creased_net(
@@ -131,8 +132,8 @@ def creased_net(
     pairs += [(at, place[p, b, a]) for (p, a, b), at in place.items() if a < b and (p, b, a) in place]
     points = np.concatenate(outlines)
     net = glue([points[face] for face in faces], pairs, tolerance=tolerance)
-    places = fold_up(points, faces, angles, meeting_tolerance(points))
-    return _knowing(net, faces, places, precision, name)
+    folded = fold_up(points, faces, angles, meeting_tolerance(points))
+    return _knowing(net, faces, folded, precision, name)
 
 
 def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
@@ -159,19 +160,20 @@ def _is_fold(fold: Any, n: int) -> bool:
     return inside and is_number(angle) and abs(angle) <= 180
 
 
-def _knowing(net: Net, faces: Sequence[Sequence[int]], places: Floats | None, said: Any, name: str) -> Net:
+def _knowing(
+    net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None, said: Any, name: str
+) -> Net:
     """The net with what its file says of it besides: places of the vertices, and their precision."""
     if said is not None:
         error = said.get("length_error") if isinstance(said, dict) else None
         if not is_number(error) or not 0 < error < math.inf or not isinstance(said.get("name"), str):
             raise FileError(f"{name}: the precision is {str(said)[:40]}, not a name and a length_error")
         net = net.knowing(precision=Precision(said["name"], float(error)))
-    if places is not None:
-        folded = np.full((net.n_vertices, 3), np.nan)
-        for vertices, face in zip(net.corners, faces, strict=True):
-            folded[vertices] = places[face]
-        if np.isfinite(folded).all():  # there is one sheet, and all vertices are corners
-            net = net.knowing(folded=folded)
+    if folded is not None:
+        places, sheets = folded
+        vertices = put_together(places, faces, sheets, net.corners)
+        if vertices is not None and len(vertices) == net.n_vertices and np.isfinite(vertices).all():
+            net = net.knowing(folded=vertices)
     return net
 
 

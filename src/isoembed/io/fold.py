@@ -19,7 +19,9 @@ from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, Polygons, at_vertices, flattened
 from isoembed.io.input_file import InputFile
 from isoembed.mesh.polygons import next_corners, polygon_normals
-from isoembed.surface.curvature import FLAT_ANGLE, SHUT
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.precision import Precision
+from isoembed.surface.curvature import FLAT_ANGLE, SHUT, bend_errors
 from isoembed.version import __version__
 
 Frame = dict[str, Any]
@@ -29,9 +31,13 @@ NAMES = {
     "vertices": "vertices_coords",
     "edges": "edges_vertices",
     "lengths": "edges_length",
+    "length_errors": "edges_isoembed:length_error",
 }
-SPACE = {"curvature": "isoembed:curvature", "model": "isoembed:model"}
-"""The space of the coordinates."""
+WHOLE = {
+    **{"curvature": "isoembed:curvature", "model": "isoembed:model"},
+    **{"precision": "isoembed:precision", "rounding_error": "isoembed:rounding_error"},
+}
+"""The space of the coordinates, and their precision."""
 CORNERS = "vertices_isoembed:corner"  # which corner of the solid a vertex of a net becomes
 
 
@@ -72,7 +78,7 @@ def _tables(document: Frame, name: str) -> Frame:
                 )
             tables["vertices"] = [[*point, 0.0] for point in points]
         mesh = {key: tables[key] for key in ("vertices", "faces")}  # which the lengths are those of
-        return mesh | {key: document[name] for key, name in SPACE.items() if name in document}
+        return mesh | {key: document[name] for key, name in WHOLE.items() if name in document}
     sizes = [len(face) if isinstance(face, list) else 0 for face in _list(tables["faces"])]
     if "lengths" in tables and max(sizes, default=0) > 3:
         k = next(k for k, size in enumerate(sizes) if size > 3)
@@ -123,6 +129,10 @@ def write(path: Path, tables: Tables) -> None:
     """Write vertices, faces, and the edges between them: their lengths and folds."""
     vertices, faces = np.asarray(tables["vertices"], dtype=np.float64), tables["faces"]
     edges, lengths, angles, inner = _edges(vertices, faces)
+    if "rounding_error" in tables and isinstance(faces, np.ndarray):  # polygons have no flat sides
+        error = Precision("", float(tables["rounding_error"])).vertex_error
+        explained = FLAT_ANGLE + bend_errors(Triangulation(faces), vertices, error=error)
+        angles[np.abs(angles) <= np.degrees(explained)] = 0.0
     letters = np.where(angles == 0, "F", np.where(angles < 0, "M", "V"))
     said = {
         "file_spec": 1.2,
@@ -130,7 +140,7 @@ def write(path: Path, tables: Tables) -> None:
         "file_classes": ["singleModel"],
         "frame_classes": ["foldedForm"],
         "frame_attributes": ["3D", "manifold", "orientable"],
-        **{name: np.asarray(tables[key]).item() for key, name in SPACE.items() if key in tables},
+        **{name: np.asarray(tables[key]).item() for key, name in WHOLE.items() if key in tables},
         "edges_assignment": np.where(inner, letters, "B").tolist(),
         "faces_vertices": [np.asarray(face).tolist() for face in faces],
     }

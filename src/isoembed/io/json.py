@@ -18,7 +18,7 @@ from isoembed.io.text_scan import LONGEST, lines
 from isoembed.strict_json import strict_json
 
 ROWS = {"faces": "face", "edges": "edge", "vertices": "vertex"}
-PLAIN = {"lengths": "length"}
+PLAIN = {"lengths": "length", "length_errors": "length error"}
 
 Document = dict[str, Any]
 
@@ -111,6 +111,8 @@ def _usual_tables(document: dict[str, Any]) -> Tables | None:
     tables = {key: value for key, value in document.items() if value is not None}
     for key in (key for key in (*ROWS, *PLAIN) if key in tables):
         rows = tables[key]
+        if key == "length_errors" and type(rows) in (int, float):  # one for all
+            continue
         if not isinstance(rows, list) or not rows:
             return None
         shape: tuple[int, ...] = (len(rows),)
@@ -125,7 +127,7 @@ def _usual_tables(document: dict[str, Any]) -> Tables | None:
         array = np.fromiter(rows, np.int64 if kinds == {int} else np.float64, len(rows)).reshape(shape)
         if kinds == {int} and np.abs(array).max(initial=0) >= 10**LONGEST:
             return None
-        tables[key] = array.astype(np.float64) if key in ("lengths", "vertices") else array
+        tables[key] = array.astype(np.float64) if key in (*PLAIN, "vertices") else array
     return tables
 
 
@@ -136,7 +138,7 @@ def _any_tables(document: dict[str, Any]) -> Tables:
         if key in tables:
             _check_rows(tables[key], key, row)
     for key, row in PLAIN.items():
-        if key in tables:
+        if key in tables and not (key == "length_errors" and type(tables[key]) in (int, float)):
             _check_list(tables[key], key)
             _check_numbers(tables[key], row + " {}")
             tables[key] = np.array(tables[key], dtype=np.float64)

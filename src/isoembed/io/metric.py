@@ -1,5 +1,6 @@
 """Metrics from files and into files."""
 
+import math
 import os
 from pathlib import Path
 from typing import Any
@@ -12,10 +13,11 @@ from isoembed.io import json
 from isoembed.io.files import FileError, Tables, Writer, check_ending, input_ending, write_atomically
 from isoembed.io.input_file import opened
 from isoembed.io.registry import FORMATS, METRIC_ENDINGS, check_output, tables_writer
-from isoembed.io.space_line import WRITTEN
+from isoembed.io.title_line import WRITTEN
 from isoembed.metric.given_mesh import triangle_mesh
 from isoembed.metric.least_space import least_convex_space
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.precision import Precision
 from isoembed.space import Space
 from isoembed.space.models import MODELS, from_model
 
@@ -42,7 +44,10 @@ def read_metric(
     source : path or "-"
         ``.npz`` or ``.json`` with ``faces`` (F, 3), ``lengths`` (E,) and ``edges`` (E, 2), which may be
         left out where the lengths are in the order of `Triangulation.edges`; or with ``faces`` and
-        ``vertices`` (V, 3); or a mesh.  Of vertices the lengths are taken and the coordinates thrown away.
+        ``vertices`` (V, 3); or a mesh.  ``length_errors`` (E,) beside the lengths, in their order, or one
+        number for all, are their standard deviations.  Of vertices the lengths are taken and the coordinates
+        thrown away; the ``rounding_error`` of a length is what their ``precision`` left of it, root mean
+        square.
         Faces between vertices may be polygons.  A ``curvature`` is that of the triangles and of space; the
         vertices are then in the ``model`` of it that the file names, by default ``"conformal"``.  ``-`` reads
         JSON from standard input.
@@ -119,13 +124,25 @@ def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> T
 def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data: Floats) -> Writer:
     """Writer of a metric in the format of this ending; see `write_atomically`."""
     tables: dict[str, Any] = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
-    if not metric.space.is_euclidean:
-        tables["curvature"] = metric.curvature
-    return tables_writer(path, tables)
+    if metric.length_errors is not None:
+        tables["length_errors"] = metric.length_errors
+    return tables_writer(path, tables | facts(metric))
+
+
+def facts(metric: PolyhedralMetric) -> dict[str, Any]:
+    """The words and single numbers of a metric that go into files: curvature, precision of coordinates."""
+    found: dict[str, Any] = {} if metric.space.is_euclidean else {"curvature": np.array(metric.curvature)}
+    if metric.precision is not None:
+        error = metric.precision.length_error * metric.mean_length
+        found |= {"precision": metric.precision.name, "rounding_error": np.array(error)}
+    return found
 
 
 def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None:
-    """Write ``faces``, ``edges`` and ``lengths``, and a ``curvature``, as ``.npz`` or ``.json``.
+    """Write ``faces``, ``edges`` and ``lengths``, and what else is known of them, as ``.npz`` or ``.json``.
+
+    That is a ``curvature``, ``length_errors`` (E,), and the ``precision`` of the coordinates that the lengths
+    come from with the ``rounding_error`` of a length, root mean square.
 
     Raises
     ------
@@ -139,9 +156,16 @@ def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None
 def metric_of(tables: Tables) -> PolyhedralMetric:
     """Metric of the arrays of a file."""
     said = {key: tables[key] for key in ("curvature",) if key in tables}
+    errors = tables.get("length_errors")
     if "lengths" in tables:
-        return PolyhedralMetric(tables["faces"], tables["lengths"], tables.get("edges"), **said)
-    return PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **said)
+        given = tables["faces"], tables["lengths"], tables.get("edges")
+        metric = PolyhedralMetric(*given, length_errors=errors, **said)
+    else:
+        metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **said)
+    if "rounding_error" in tables:
+        error = tables["rounding_error"] / metric.mean_length
+        return metric._knowing(precision=Precision(tables["precision"], error))
+    return metric
 
 
 def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = False) -> Tables:
@@ -151,22 +175,24 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         raise FileError(
             f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices"
         )
-    for key in ("faces", "edges", "lengths", "vertices"):
+    for key in ("faces", "edges", "lengths", "length_errors", "vertices"):
         if isinstance(tables.get(key), np.ndarray):
             _check_array(tables[key], key)
     if "curvature" in tables:
         tables = _in_space(tables, name)
+    if "rounding_error" in tables:
+        tables = {**tables, **_precision(tables, name)}
     if "lengths" in tables:
         if merge is not None:
             raise FileError(f"{name} holds lengths: vertices are merged where they are all that there is")
         return tables
     merge = 0.0 if merge is None and repeated else merge
-    said = {key: tables[key] for key in ("curvature",) if key in tables}
+    said = {key: tables[key] for key in ("curvature", "precision", "rounding_error") if key in tables}
     vertices, triangles = triangle_mesh(
         tables["vertices"],
         tables["faces"],
         merge,
-        space=Space(**said),
+        space=Space(said.get("curvature", 0.0)),
         leave_out=True,
         repeated=repeated,
     )
@@ -196,8 +222,22 @@ def _in_space(tables: Tables, name: str) -> Tables:
     return found
 
 
+def _precision(tables: Tables, name: str) -> Tables:
+    """The precision of the coordinates that a file says, with the error of a length in their unit."""
+    try:
+        error = float(tables["rounding_error"])
+    except (TypeError, ValueError):
+        error = math.nan
+    if not 0 < error < math.inf:
+        raise FileError(
+            f"{name}: the rounding error is {str(tables['rounding_error'])[:40]!r}, not a positive finite "
+            "number"
+        )
+    return {"precision": str(tables.get("precision", "few digits")), "rounding_error": error}
+
+
 def _check_array(array: np.ndarray[Any, Any], key: str) -> None:
-    if array.ndim == 0:
+    if array.ndim == 0 and key != "length_errors":  # of which one number is for all
         raise InvalidMetric(f"{key} is the single value {array.item()!r}, not an array")
     if array.dtype.kind not in "iuf":
         raise InvalidMetric(f"{key} has the type {array.dtype}, not numbers")

@@ -9,7 +9,6 @@ from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
-from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import (
     Bytes,
     copy_words,
@@ -22,6 +21,7 @@ from isoembed.io.text_scan import (
     triangles,
     word_begin,
 )
+from isoembed.io.title_line import title_line, title_said
 from isoembed.kernel import kernel
 
 CONTINUED = re.compile(r"\\\r?\n")
@@ -37,7 +37,7 @@ def read(file: InputFile) -> Tables:
         Naming the line that cannot be understood.
     """
     mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8-sig", errors="replace"))
-    return {**mesh, **space_said(file.head)}
+    return {**mesh, **title_said(file.head)}
 
 
 def _read_plain(data: bytes) -> Tables | None:
@@ -102,7 +102,7 @@ def _vertex(entry: str, count: int) -> int:
 def write(path: Path, tables: Tables) -> None:
     """Write vertices and faces; OBJ has no place for data at the vertices."""
     with path.open("w", encoding="utf-8") as file:
-        if line := space_line(tables):
+        if line := title_line(tables):
             file.write(f"# {line}\n")
         file.writelines(lines("v %r %r %r\n", np.asarray(tables["vertices"])))
         for some in by_size(tables["faces"]):

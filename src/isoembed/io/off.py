@@ -10,7 +10,6 @@ from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
-from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import (
     Bytes,
     copy_words,
@@ -22,6 +21,7 @@ from isoembed.io.text_scan import (
     triangles,
     word_begin,
 )
+from isoembed.io.title_line import title_line, title_said
 from isoembed.kernel import kernel
 
 HEADERS = tuple(f"{st}{c}{n}OFF" for st in ("", "ST") for c in ("", "C") for n in ("", "N"))
@@ -37,7 +37,7 @@ def read(file: InputFile) -> Tables:
         Naming the line that cannot be understood, or what is missing.
     """
     mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8-sig", errors="replace"))
-    return {**mesh, **space_said(file.head)}
+    return {**mesh, **title_said(file.head)}
 
 
 def _read_plain(data: bytes) -> Tables | None:
@@ -116,7 +116,7 @@ def write(path: Path, tables: Tables) -> None:
     vertices, faces = np.asarray(tables["vertices"]), tables["faces"]
     with path.open("w", encoding="utf-8") as file:
         file.write("OFF\n")
-        if line := space_line(tables):
+        if line := title_line(tables):
             file.write(f"# {line}\n")
         file.write(f"{len(vertices)} {len(faces)} 0\n")
         file.writelines(lines("%r %r %r\n", vertices))

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, at_vertices, by_size
 from isoembed.io.input_file import InputFile
-from isoembed.io.space_line import space_line, space_said
 from isoembed.io.strips import strip_triangles
 from isoembed.io.text_scan import LONGEST
+from isoembed.io.title_line import title_line, title_said
 
 Columns = NDArray[Any]
 
@@ -133,7 +133,7 @@ def read(file: InputFile) -> Tables:
     if len(strips):
         faces = [*faces, *chain.from_iterable(_strip(strip) for strip in strips)]
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-    return {"vertices": points, "faces": faces, **space_said(file.head)}
+    return {"vertices": points, "faces": faces, **title_said(file.head)}
 
 
 def write(path: Path, tables: Tables) -> None:
@@ -145,7 +145,7 @@ def write(path: Path, tables: Tables) -> None:
     faces = tables["faces"]
     count = "uchar" if max(map(len, faces)) < 256 else "int"
     head = ["ply", "format binary_little_endian 1.0"]
-    head += [f"comment {line}"] if (line := space_line(tables)) else []
+    head += [f"comment {line}"] if (line := title_line(tables)) else []
     head += [f"element vertex {len(columns[0])}"]
     head += [f"property double {name}" for name in names]
     head += [f"element face {len(faces)}", f"property list {count} int vertex_indices", "end_header"]

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
-from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import Bytes, copy_words, lines, next_line, numbers, word_begin, word_end
+from isoembed.io.title_line import title_line, title_said
 from isoembed.kernel import kernel
 from isoembed.surface.measures import face_normals
 
@@ -51,7 +51,7 @@ def read(file: InputFile) -> Tables:
         raise FileError(f"{file} is not a readable STL file: a vertex is not three numbers")
     if corners != 3 * facets:
         raise FileError(f"{file} is not a readable STL file: it has {facets} facets, but {corners} corners")
-    return {**_apart(values.reshape(-1, 3)), **space_said(file.head)}
+    return {**_apart(values.reshape(-1, 3)), **title_said(file.head)}
 
 
 def write(path: Path, tables: Tables) -> None:
@@ -62,7 +62,7 @@ def write(path: Path, tables: Tables) -> None:
     norms = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, norms, out=np.zeros_like(normals), where=norms > 0)
     with path.open("w", encoding="utf-8") as file:
-        file.write(f"solid {space_line(tables)}".rstrip() + "\n")
+        file.write(f"solid {title_line(tables)}".rstrip() + "\n")
         file.writelines(lines(FACET, np.hstack([normals, points[faces].reshape(-1, 9)])))
         file.write("endsolid\n")
 

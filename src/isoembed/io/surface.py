@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.format import Polygons
-from isoembed.io.metric import metric_of, read_tables
+from isoembed.io.metric import facts, metric_of, read_tables
 from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_writer
-from isoembed.io.space_line import WRITTEN
+from isoembed.io.title_line import WRITTEN
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.space.models import to_model
@@ -70,7 +70,11 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     straight = to_model(metric.space, vertices, "projective")
     if volume(metric.faces, np.asarray(straight / own.unit, dtype=np.float64)) < 0:
         metric = PolyhedralMetric(
-            metric.faces[:, ::-1], metric.lengths, metric.edges, curvature=metric.curvature
+            metric.faces[:, ::-1],
+            metric.lengths,
+            metric.edges,
+            curvature=metric.curvature,
+            length_errors=metric.length_errors,
         ).rounded_as(metric)
     surface = Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
     if surface.concave_edges.any():
@@ -102,7 +106,7 @@ def surface_data(embedding: Embedding) -> dict[str, Floats]:
         "vertices": to_model(space, embedding.vertices, WRITTEN),
         "mean_curvature": embedding.mean_curvature,
         "residual": vertex_residuals(embedding),
-        **({} if space.is_euclidean else {"curvature": np.array(space.curvature)}),
+        **facts(embedding.metric),
     }
 
 
@@ -117,7 +121,8 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
 
     In hyperbolic and spherical space the vertices are conformal coordinates: Poincare's ball, or
     stereographic projection.  The file says so and holds the ``curvature`` of space, as a number where it can
-    (NPZ, JSON, FOLD and VTK's formats), or else in a comment or title.
+    (NPZ, JSON, FOLD and VTK's formats), or else in a comment or title.  So it does of the ``precision`` of
+    rounded coordinates that the lengths came from, and of the ``rounding_error`` of a length.
 
     Raises
     ------

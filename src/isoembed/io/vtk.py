@@ -16,9 +16,9 @@ from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
-from isoembed.io.space_line import space_line
 from isoembed.io.strips import strip_triangles
 from isoembed.io.text_scan import LONGEST, numbers, words_end
+from isoembed.io.title_line import title_line, title_said
 from isoembed.version import __version__
 
 HEADER = "# vtk DataFile Version"
@@ -65,7 +65,7 @@ def is_polydata(head: str) -> bool:
 def read(file: InputFile) -> Tables:
     """Read vertices and faces; data at them are left aside."""
     mesh = read_polydata(file)
-    return {"vertices": mesh.points, "faces": mesh.polygons, **single(mesh.whole)}
+    return {"vertices": mesh.points, "faces": mesh.polygons, **title_said(file.head), **single(mesh.whole)}
 
 
 def single(whole: Mapping[str, Floats]) -> Tables:
@@ -336,7 +336,7 @@ def write(path: Path, tables: Tables) -> None:
         (f"CELL_TYPES {n}", np.where(sizes == 3, TRIANGLE, POLYGON).astype(">i4")),
     ]
     parts += _field(at_vertices(tables), f"POINT_DATA {len(points)}\n")
-    title = space_line(tables) or f"written by isoembed {__version__}"
+    title = title_line(tables) or f"written by isoembed {__version__}"
     with path.open("wb") as file:
         file.write(f"{HEADER} 4.2\n{title}\nBINARY\n".encode())
         file.write(b"DATASET UNSTRUCTURED_GRID\n")

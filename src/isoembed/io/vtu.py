@@ -22,8 +22,8 @@ from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
-from isoembed.io.space_line import space_line
 from isoembed.io.text_scan import numbers
+from isoembed.io.title_line import title_line, title_said
 from isoembed.io.vtk import POLYGON, TRIANGLE, Polygons, joined, polygons, single
 
 CODES = {
@@ -173,7 +173,7 @@ def read_pieces(
             raise
         what = file.ending[1:].upper()
         raise FileError(f"{file} is not a readable {what} file: {first_line(error)}") from None
-    return {"vertices": np.concatenate(vertices), "faces": joined(faces), **whole}
+    return {"vertices": np.concatenate(vertices), "faces": joined(faces), **title_said(file.head), **whole}
 
 
 def _cells(file: InputFile, source: Source, piece: ElementTree.Element, n_points: int) -> Polygons:
@@ -203,7 +203,7 @@ def write_piece(path: Path, tables: Tables, names: tuple[str, str], cells: Seque
     """
     points = np.asarray(tables["vertices"])
     kind, what = names
-    said = f"<!-- {line} -->\n" if (line := space_line(tables)) else ""
+    said = f"<!-- {line} -->\n" if (line := title_line(tables)) else ""
     with path.open("w", encoding="ascii") as file:
         file.write(
             f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="0.1" byte_order="LittleEndian" '

@@ -100,7 +100,7 @@ def check_convex(deficits: Floats, rounding: Floats | float, doubt: tuple[str, F
                 else ""
             )
             + ": the metric is not convex, and no convex polyhedron has it"
-            + _advice(deficits, doubt)
+            + _explanation(deficits, doubt)
         )
 
 
@@ -136,8 +136,8 @@ def noise_level(deficits: Floats) -> float:
     return float(below[np.argmax(gaps)])
 
 
-def flattening_advice(deficits: Floats, least: Floats | float) -> str:
-    """What to say where no polyhedron was found, if some deficits are much smaller than all others.
+def repair_level(deficits: Floats, least: Floats | float) -> float | None:
+    """The noise, radians, that a repair may take away where no polyhedron was found; None if there is none.
 
     Parameters
     ----------
@@ -147,28 +147,16 @@ def flattening_advice(deficits: Floats, least: Floats | float) -> str:
     """
     level = noise_level(deficits)
     small = (np.abs(deficits) > least) & (np.abs(deficits) <= level)
-    if not small.any() or level > HARDLY_NOISE:
-        return ""
-    word = rounded_up(level)
-    return (
-        f"; {small.sum()} small deficits are {word} or less: if that is noise, --repair {word} "
-        f"(Alexandrov(repair={word})) makes them zero"
-    )
+    return float(rounded_up(level)) if small.any() and level <= HARDLY_NOISE else None
 
 
-def _advice(deficits: Floats, doubt: tuple[str, Floats] | None) -> str:
-    """What a repair would take for noise, and whether it may be."""
-    noise = noise_level(deficits)
-    if not MIN_NOISE < noise <= HARDLY_NOISE:
+def _explanation(deficits: Floats, doubt: tuple[str, Floats] | None) -> str:
+    """Whether the precision of the coordinates explains negative deficits."""
+    if doubt is None:
         return ""
-    why = "if that is noise,"
-    if doubt is not None:
-        name, spread = doubt
-        most = DEVIATIONS * spread
-        explained = f"{most[np.argmin(deficits)]:.1g}"
-        if (deficits >= -most).all():
-            why = f"the coordinates have {name}, which puts deficits off by up to {explained}:"
-        else:
-            why = f"the coordinates have {name}, which explains only {explained}; if it is noise,"
-    level = rounded_up(noise)
-    return f"; {why} --repair {level} (Alexandrov(repair={level})) flattens what is below"
+    name, spread = doubt
+    most = DEVIATIONS * spread
+    explained = f"{most[np.argmin(deficits)]:.1g}"
+    if (deficits >= -most).all():
+        return f"; the coordinates have {name}, which puts deficits off by up to {explained}"
+    return f"; the coordinates have {name}, which explains only {explained}"

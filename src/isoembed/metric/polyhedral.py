@@ -48,6 +48,8 @@ class PolyhedralMetric:
     curvature : float, optional
         Of the triangles, in 1/length^2, and of the space that the surface is to be in: zero in the plane and
         R^3, negative in hyperbolic space, positive on the sphere.
+    length_errors : float or array_like, shape (E,), optional
+        Standard deviations of the lengths, as of `with_length_errors`, in the order of the lengths.
 
     Attributes
     ----------
@@ -89,12 +91,19 @@ class PolyhedralMetric:
         edges: ArrayLike | None = None,
         *,
         curvature: float = 0.0,
+        length_errors: ArrayLike | None = None,
     ) -> None:
         triangulation = Triangulation(faces)
         values = _length_array(lengths)
+        errors = None if length_errors is None else np.asarray(length_errors, dtype=np.float64)
         if edges is not None:
-            values = _matched(triangulation, values, edges)
+            order = _matching(triangulation, values, edges)
+            if errors is not None and errors.shape == values.shape:
+                errors = errors[order]
+            values = values[order]
         self._set(triangulation, values, Space(curvature))
+        if errors is not None:
+            self._put(**self._measured(errors))
 
     @classmethod
     def from_mesh(
@@ -229,11 +238,12 @@ class PolyhedralMetric:
     def _set(self, triangulation: Triangulation, lengths: Floats, space: Space) -> None:
         _check_lengths(triangulation, lengths, space)
         lengths.flags.writeable = False
-        object.__setattr__(self, "precision", None)
-        object.__setattr__(self, "length_errors", None)
-        object.__setattr__(self, "triangulation", triangulation)
-        object.__setattr__(self, "lengths", lengths)
-        object.__setattr__(self, "space", space)
+        self._put(triangulation=triangulation, lengths=lengths, space=space)
+        self._put(precision=None, length_errors=None)
+
+    def _put(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     def rounded_as(self, other: PolyhedralMetric | GluedMetric) -> PolyhedralMetric:
         """Return the metric with the `precision` of another in the same unit, whose surface it is."""
@@ -245,8 +255,7 @@ class PolyhedralMetric:
         """The same triangles and lengths with another precision, errors or rounding of these."""
         changed = copy(self)
         changed.__dict__.pop("normalized", None)
-        for name, value in known.items():
-            object.__setattr__(changed, name, value)
+        changed._put(**known)
         return changed
 
     @property
@@ -280,6 +289,10 @@ class PolyhedralMetric:
         InvalidMetric
             They are of another shape, negative or not finite, or zero for some edges only.
         """
+        return self._knowing(**self._measured(errors))
+
+    def _measured(self, errors: ArrayLike) -> dict[str, Any]:
+        """Standard deviations, checked, as `with_length_errors` sets them."""
         given = np.asarray(errors, dtype=np.float64)
         sigma = np.full(self.lengths.shape, float(given)) if given.ndim == 0 else np.array(given)
         if sigma.shape != self.lengths.shape:
@@ -293,7 +306,7 @@ class PolyhedralMetric:
                 "number; zero for all edges is none"
             )
         # Errors that are given, be they zero, go before the digits.
-        return self._knowing(length_errors=None if exact else frozen(sigma), rounding=None)
+        return {"length_errors": None if exact else frozen(sigma), "rounding": None}
 
     def in_space(self, space: Space) -> PolyhedralMetric:
         """Return the metric with the same triangles and lengths, of the curvature of another space.
@@ -377,8 +390,8 @@ def _length_array(lengths: ArrayLike) -> Floats:
     return values
 
 
-def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) -> Floats:
-    """Bring lengths that come with their edges into the triangulation's order."""
+def _matching(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) -> Indices:
+    """Find the places of lengths that come with their edges in the triangulation's order."""
     pairs = index_array(edges, 2, "edge", "ends")
     if len(pairs) != len(lengths):
         raise InvalidMetric(f"there are {len(pairs)} edges but {len(lengths)} lengths")
@@ -388,9 +401,7 @@ def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) ->
         k = int(np.argmax(index < 0))
         raise InvalidMetric(f"edge {k} {pairs[k].tolist()} is in no face")
     if len(pairs) == triangulation.n_edges and (np.bincount(index) == 1).all():
-        matched = np.empty_like(lengths)
-        matched[index] = lengths
-        return matched
+        return np.argsort(index)
     order = np.argsort(index, kind="stable")
     present, start = np.unique(index[order], return_index=True)
     if len(present) < triangulation.n_edges:
@@ -407,7 +418,7 @@ def _matched(triangulation: Triangulation, lengths: Floats, edges: ArrayLike) ->
             f"edge {k} {pairs[k].tolist()} has length {lengths[k]}, "
             f"but edge {first} is the same edge and has {lengths[first]}"
         )
-    return matched
+    return order[start]
 
 
 def _check_positive(edges: Indices, lengths: Floats) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.thresholds import threshold
 
 
@@ -102,6 +102,31 @@ def rounding_error(lengths: Floats) -> float | None:
         return None
     error = unit / math.sqrt(12) / float(lengths.mean())
     return error if error <= COARSE and len(np.unique(np.rint(lengths / unit))) >= DESIGNED else None
+
+
+def shared_errors(lengths: Floats, errors: Floats) -> Indices:
+    """Which lengths have one and the same error: a label for each, shape (E,).
+
+    Lengths of a design that are equal were equal before they were rounded, so their errors are, too.  Those
+    of a measured body are equal by chance: then no label is repeated.  Nor is one where the errors are not
+    those of a rounded decimal, a unit over the root of 12.
+
+    Parameters
+    ----------
+    lengths, errors : ndarray, shape (E,)
+        With standard deviations.
+    """
+    each = np.arange(len(lengths))
+    if not 1e-200 < errors.min() == errors.max():
+        return each
+    step = math.sqrt(12) * float(errors[0])
+    unit = 10.0 ** round(math.log10(step))
+    if not 0.8 < step / unit < 1.25 or not _multiples(lengths, unit):  # typed as .3, say
+        return each
+    values, labels = np.unique(np.rint(lengths / unit), return_inverse=True)
+    places = float(values[-1] - values[0]) + 1
+    by_chance = places * -math.expm1(-len(lengths) / places)  # different values of so many lengths
+    return labels if len(values) == 1 or len(values) < by_chance / 2 else each
 
 
 def last_digits(

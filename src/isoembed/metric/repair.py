@@ -181,7 +181,8 @@ def _least_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Fl
     fewest, left = lifted.size + 1, MAX_BLOCK_EXCHANGES
     for _ in range(200):  # far beyond what a Delaunay triangulation needs
         u = np.zeros(delta.size)
-        u[lifted] = factor_general(H[lifted][:, lifted]).solve(-delta[lifted])
+        if lifted.any():
+            u[lifted] = factor_general(H[lifted][:, lifted]).solve(-delta[lifted])
         wrong = ~flat & np.where(lifted, u < 0, H @ u + delta < -slack)
         count = int(wrong.sum())
         if count == 0:

@@ -13,7 +13,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons
-from isoembed.io.space_line import WRITTEN
+from isoembed.io.title_line import WRITTEN
 from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.pieces import Pieces, middles
 from isoembed.space import Space

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from isoembed._embed import Method
 from isoembed.aim.adaptive import Aim
-from isoembed.alexandrov.method import Alexandrov
+from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
@@ -165,10 +165,10 @@ def _raised(
 ) -> SheetEmbedding:
     [loop] = metric.triangulation.boundaries
     try:
-        polyhedron = Alexandrov().run(doubled(metric), tolerance, log)
+        vertices = convex_polyhedron(doubled(metric), tolerance, log).vertices
     except NotEmbedded as failure:  # Newton's method may come nearer to the lengths, and its residual tells
-        polyhedron = failure.embedding
-    half = polyhedron.vertices[: metric.triangulation.n_vertices]
+        vertices = failure.embedding.vertices
+    half = vertices[: metric.triangulation.n_vertices]
     x = upright(half, half[loop])
     with log.stage("Newton with heights") as recorder:
         x = with_heights(metric, x, 0 * heights, recorder)

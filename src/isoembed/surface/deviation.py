@@ -1,7 +1,8 @@
 """How far a surface may be off because the lengths of its edges are.
 
 Independent errors of the lengths, of standard deviations s, move every quantity f of the surface by
-``df/dl . dl`` to first order: its standard deviation is ``|s df/dl|``.
+``df/dl . dl`` to first order: its standard deviation is ``|s df/dl|``.  Lengths whose errors are the same
+count as one: the sum of their s df/dl.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.variation import area_derivative
@@ -49,9 +50,14 @@ class IntegralDeviation:
 
     @classmethod
     def of(
-        cls, metric: PolyhedralMetric, vertices: Floats, errors: Floats, volume_rates: Floats
+        cls,
+        metric: PolyhedralMetric,
+        vertices: Floats,
+        errors: Floats,
+        shared: Indices,
+        volume_rates: Floats,
     ) -> IntegralDeviation:
-        """From standard deviations of the lengths, and derivatives of the volume by these, each (E,)."""
+        """From errors of the lengths, as of `Deviation.of`, and derivatives of the volume by these, (E,)."""
         space = metric.space
         # Schlaefli: sum l dtheta = -2 k dV
         integral_rates = dihedral_angles(metric.triangulation, vertices, space) / 2
@@ -59,7 +65,8 @@ class IntegralDeviation:
             integral_rates = integral_rates - space.curvature * volume_rates
         rates = np.array([area_derivative(metric), volume_rates, integral_rates])
         with np.errstate(invalid="ignore"):
-            scaled = np.where(errors > 0, errors * rates, 0.0)
+            each = np.where(errors > 0, errors * rates, 0.0)
+            scaled = np.array([np.bincount(shared, row) for row in each])
             covariance = scaled @ scaled.T
             sigma = np.sqrt(np.diag(covariance))
             correlation = covariance / sigma / sigma[:, None]
@@ -113,22 +120,28 @@ class Deviation(Changes):
 
     @classmethod
     def of(
-        cls, derivatives: LengthDerivatives, metric: PolyhedralMetric, vertices: Floats, errors: Floats
+        cls,
+        derivatives: LengthDerivatives,
+        metric: PolyhedralMetric,
+        vertices: Floats,
+        errors: Floats,
+        shared: Indices,
     ) -> Deviation:
-        """Estimate from the standard deviations of the lengths, (E,).
+        """Estimate from the standard deviations of the lengths, (E,), and labels of `shared_errors`, (E,).
 
         Area, volume and integrated mean curvature take one solve together.  For the rest, signs are drawn at
         random for the errors, and the squares of what each draw does are averaged; where the draws are more
-        than the edges, each edge is taken once instead, and the result is exact.
+        than the errors, each is taken once instead, and the result is exact.
         """
         t = metric.triangulation
         integrals = IntegralDeviation.of(
-            metric, vertices, errors, derivatives.vjp(volume_gradient(t, vertices))
+            metric, vertices, errors, shared, derivatives.vjp(volume_gradient(t, vertices))
         )
-        exact = len(errors) <= PROBES
+        n = int(shared.max()) + 1
+        exact = n <= PROBES
         sums = [np.zeros(n) for n in (len(vertices), t.n_faces, t.n_edges, len(vertices))]
-        for draw in _units(len(errors)) if exact else _signs(len(errors)):
-            dl = errors * draw
+        for draw in _units(n) if exact else _signs(n):
+            dl = errors * draw[shared]
             moved = derivatives.jvp(dl)
             for total, square in zip(sums, _squares(t, vertices, metric.lengths, dl, moved), strict=True):
                 total += square

@@ -10,6 +10,7 @@ import numpy as np
 from isoembed.metric.curvature import negative_deficits
 from isoembed.strict_json import plain
 from isoembed.surface.certificate import NO_SPHERE, NOT_ASKED
+from isoembed.surface.curvature import bend_errors
 from isoembed.surface.sentence import mirrored_dents
 from isoembed.version import __version__
 
@@ -41,6 +42,7 @@ def report(surface: Embedding) -> dict[str, Any]:
             "edges": triangulation.n_edges,
             "faces": triangulation.n_faces,
             "negative_deficits": int(negative_deficits(surface.metric).sum()),
+            "precision": _precision(surface),
         },
         "residual": {
             "max": surface.residual,
@@ -81,3 +83,17 @@ def report(surface: Embedding) -> dict[str, Any]:
             **surface.integral_deviation(surface.length_errors).report,
         }
     return dict(plain(found))
+
+
+def _precision(surface: Embedding) -> dict[str, Any] | None:
+    """That of the coordinates that the lengths come from, and which bends it explains."""
+    precision = surface.metric.precision
+    if precision is None:
+        return None
+    bends = bend_errors(surface.triangulation, surface._normalized, surface._space, surface._vertex_error)
+    return {
+        "name": precision.name,
+        "length_error": precision.length_error,
+        "vertex_error": precision.vertex_error,
+        "bend": {"median": float(np.median(bends)), "max": float(bends.max())},
+    }

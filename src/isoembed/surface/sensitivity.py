@@ -16,6 +16,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.precision import shared_errors
 from isoembed.surface.checked import checked, checked_errors
 
 if TYPE_CHECKING:
@@ -129,6 +130,9 @@ class Sensitivity:
     def deviation(self, errors: ArrayLike) -> Deviation:
         """How far a surface in R^3 may be off because its lengths have independent errors, to first order.
 
+        Where few different lengths are rounded to a decimal place, whose standard deviation is the errors',
+        equal ones have the same error.
+
         Parameters
         ----------
         errors : float or array_like, shape (E,)
@@ -144,7 +148,8 @@ class Sensitivity:
         from isoembed.surface.deviation import Deviation
 
         sigma = self._flat_errors(errors)
-        found = Deviation.of(self._derivatives, self.metric.normalized, self._normalized, sigma)
+        shared = shared_errors(self.metric.lengths, sigma * self.metric.unit)
+        found = Deviation.of(self._derivatives, self.metric.normalized, self._normalized, sigma, shared)
         return found.scaled(self.metric.unit)
 
     def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
@@ -165,13 +170,14 @@ class Sensitivity:
         from isoembed.surface.derivatives import volume_gradient
         from isoembed.surface.deviation import IntegralDeviation
 
-        sigma = checked_errors(self.metric, errors) / self.metric.unit
+        sigma = checked_errors(self.metric, errors)
+        shared, sigma = shared_errors(self.metric.lengths, sigma), sigma / self.metric.unit
         metric, x = self.metric.normalized, self._normalized
         try:
             volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x, metric.space))
         except SingularMatrix:
             volume_rates = np.full(len(sigma), np.inf)
-        return IntegralDeviation.of(metric, x, sigma, volume_rates).scaled(self.metric.unit)
+        return IntegralDeviation.of(metric, x, sigma, shared, volume_rates).scaled(self.metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
         """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.

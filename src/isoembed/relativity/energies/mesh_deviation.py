@@ -7,6 +7,7 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import ArrayLike
 
+from isoembed.metric.precision import shared_errors
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.mesh_energies import mesh_energies
 from isoembed.surface.checked import checked_errors
@@ -52,12 +53,13 @@ def mesh_deviation(
         As `Embedding.jvp`.
     """
     noisy = checked_errors(embedding.metric, errors)
+    shared = shared_errors(embedding.metric.lengths, noisy)
     given = lengths or "geodesic"
     values = _values(mesh_energies(embedding, mean_curvature, momentum, lengths=given))
     squares = dict.fromkeys(values, 0.0)
     rng = np.random.default_rng(0)
     for _ in range(PROBES):
-        changes = noisy * rng.choice([-1.0, 1.0], len(noisy))
+        changes = noisy * rng.choice([-1.0, 1.0], len(noisy))[shared]
         motion = embedding.jvp(changes)
         farthest = float(np.linalg.norm(motion / embedding.metric.unit, axis=1).max())
         # The largest displacement of a vertex, in mean edge lengths.

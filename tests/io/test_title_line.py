@@ -1,13 +1,16 @@
-"""Surfaces and metrics of hyperbolic and spherical space in files: which space, and in which coordinates."""
+"""What files say of a surface or a metric as a whole: its space, the precision of its coordinates, errors."""
 
 import json
 import re
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+import solids
 import zoo
-from isoembed import Embedding, Hyperbolic, PolyhedralMetric, Space, Spherical
+from isoembed import Embedding, Hyperbolic, InvalidMetric, PolyhedralMetric, Space, Spherical, embed
+from isoembed.gluing import unfold
 from isoembed.io import (
     METRIC_ENDINGS,
     SURFACE_ENDINGS,
@@ -18,7 +21,7 @@ from isoembed.io import (
     write_metric,
     write_surface,
 )
-from isoembed.io.space_line import space_line, space_said
+from isoembed.io.title_line import title_line, title_said
 from isoembed.space.models import MODELS, to_model
 from isoembed.surface.polyhedron import Polyhedron
 from regular_in_space import regular_solid
@@ -205,5 +208,66 @@ def test_what_is_refused(said, sentence, tmp_path):
 
 def test_the_line_says_what_it_was_given():
     tables = {"curvature": np.array(Spherical(0.1).curvature), "model": "conformal"}
-    assert float(space_said(f"# {space_line(tables)}\n")["curvature"]) == 0.1
-    assert space_line({}) == "" and space_said("# curvature of space") == {}
+    assert float(title_said(f"# {title_line(tables)}\n")["curvature"]) == 0.1
+    assert title_line({}) == "" and title_said("# curvature of space") == {}
+
+
+@pytest.mark.parametrize("ending", SURFACE_ENDINGS)
+def test_surfaces_keep_the_precision_of_their_coordinates(ending, tmp_path):
+    points = solids.uniform("dodecahedron")
+    polygons = solids.polygons(points)
+    rounded = np.round(points @ Rotation.random(random_state=1).as_matrix().T, 6)
+    found = embed(PolyhedralMetric.from_mesh(rounded, polygons))
+    write_surface(tmp_path / f"s{ending}", found)
+    again = read_surface(tmp_path / f"s{ending}")
+    given, kept = found.metric, again.metric
+    assert kept.precision.name == given.precision.name
+    assert kept.precision.length_error == pytest.approx(given.precision.length_error, rel=1e-12)
+    net = unfold(again)
+    assert sum(map(len, net.folds)) == 11 and len(net.sides) == 19  # of 30 edges; else each face has 3 parts
+
+
+def test_a_rounding_error_that_is_none(tmp_path):
+    tables = {"vertices": np.eye(4)[:, :3].tolist(), "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]}
+    (tmp_path / "m.json").write_text(json.dumps(tables | {"rounding_error": [1]}))
+    with pytest.raises(FileError, match=r"m\.json: the rounding error is '\[1\]', not a positive finite"):
+        read_metric(tmp_path / "m.json")
+
+
+@pytest.mark.parametrize("ending", METRIC_ENDINGS)
+def test_length_errors_of_metrics(ending, tmp_path):
+    metric = body(0.0).metric
+    rng = np.random.default_rng(0)
+    errors = rng.uniform(1e-3, 2e-3, len(metric.lengths))
+    order = rng.permutation(len(errors))
+    given = metric.faces, metric.lengths[order], metric.edges[order]
+    measured = PolyhedralMetric(*given, length_errors=errors[order])
+    np.testing.assert_array_equal(measured.length_errors, errors)
+    write_metric(tmp_path / f"m{ending}", measured)
+    again = read_metric(tmp_path / f"m{ending}")
+    np.testing.assert_array_equal(again.length_errors, errors)
+    np.testing.assert_array_equal(again.lengths, metric.lengths)
+
+
+@pytest.mark.parametrize(
+    ("errors", "sentence"),
+    [
+        ([0.1] * 5, r"the length errors have the shape \(5,\), not \(6,\)"),
+        ([0.1] * 5 + [-1], r"the length error of edge 5 \[2, 3\] is -1.0, not a positive"),
+        ([0.1] * 5 + ["x"], 'length error 5 is "x", not a number'),
+        ("x", 'length_errors is "x", not a list'),
+    ],
+)
+def test_length_errors_that_are_none(errors, sentence, tmp_path):
+    tables = {"faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], "lengths": [1.0] * 6}
+    (tmp_path / "m.json").write_text(json.dumps(tables | {"length_errors": errors}))
+    with pytest.raises(InvalidMetric, match=sentence):
+        read_metric(tmp_path / "m.json")
+
+
+def test_one_length_error_for_all_edges(tmp_path):
+    tables = {"faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], "lengths": [1.0] * 6}
+    (tmp_path / "m.json").write_text(json.dumps(tables | {"length_errors": 0.01}))
+    assert read_metric(tmp_path / "m.json").length_errors.tolist() == [0.01] * 6
+    np.savez(tmp_path / "m.npz", length_errors=0.01, **tables)
+    assert embed(read_metric(tmp_path / "m.npz")).length_errors.tolist() == [0.01] * 6
