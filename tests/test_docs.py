@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from markdown_it import MarkdownIt
 from PIL import Image
 
 import isoembed
@@ -99,6 +100,29 @@ def texts():
     for page in sorted((DOCS / "tutorials").glob("*.ipynb")):
         cells = json.loads(page.read_text(encoding="utf-8"))["cells"]
         yield page, "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
+
+
+def spans(text):
+    """The code spans that the author of a page meant, and those that Markdown makes of it, spaces made one.
+
+    A line that happens to begin with + or - is a list, and cuts the code span in which it stands.
+    """
+    bare = re.sub(r"^```.*?^```$|^ {4}[^\n]*$", "", text, flags=re.MULTILINE | re.DOTALL)
+    meant = [" ".join(span[1].split()) for span in re.finditer(r"(?<!`)`([^`]+)`(?!`)", bare)]
+    tokens = MarkdownIt("commonmark").enable("table").parse(bare)
+    made = [part.content for token in tokens for part in token.children or () if part.type == "code_inline"]
+    return [span.replace("\\|", "|") for span in meant], [" ".join(span.split()) for span in made]
+
+
+@pytest.mark.parametrize(("page", "text"), list(texts()), ids=lambda value: getattr(value, "name", ""))
+def test_code_spans_are_rendered_whole(page, text):
+    meant, made = spans(text)
+    assert meant == made
+
+
+def test_a_code_span_that_a_list_cuts_is_seen():
+    meant, made = spans("The trace is `k = k1\n+ k2`.\n")
+    assert meant == ["k = k1 + k2"] and made == []
 
 
 def anchors(text):
