@@ -1,7 +1,7 @@
 """Sphinx extension: the pages of short examples, with the pictures that they draw when the site is built.
 
-A block ``{examples} TOPIC`` in a page holds names of examples, one a line.  It becomes thumbnails and, for each
-example, its title, what its docstring says, its picture, its code and the script to download.  A block
+A block ``{examples} TOPIC`` in a page holds names of examples, one a line.  It becomes thumbnails and, for
+each example, its title, what its docstring says, its picture, its code and the script to download.  A block
 ``{thumbnails} TOPIC`` becomes the thumbnails of that page, which lead to it.
 """
 

@@ -208,6 +208,20 @@ def test_every_page_is_in_the_table_of_contents():
     assert listed == (pages | tutorials) - {"index"}
 
 
+def reference_pages():
+    """The pages of the last table of contents of the first page, and those of docs/api/."""
+    *_, (caption, text) = re.findall(
+        r"^:caption: (\w+)\n\n(.*?)^```", (DOCS / "index.md").read_text(), re.MULTILINE | re.DOTALL
+    )
+    assert caption == "Reference"
+    return {DOCS / f"{entry}.md" for entry in text.split()} | set((DOCS / "api").glob("*.md"))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_pages_that_are_read_from_end_to_end_are_short(page):
+    assert page in reference_pages() or len(page.read_text(encoding="utf-8").split()) <= 2500
+
+
 def reference(command):
     """What docs/command-line.md says of a command, there and where it refers to for the options."""
     text = (DOCS / "command-line.md").read_text(encoding="utf-8")
