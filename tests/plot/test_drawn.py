@@ -75,7 +75,7 @@ def test_where_a_surface_is_does_not_show(curvature):
 
 def test_the_figure_has_the_sphere_at_infinity_and_the_arcs(cube):
     picture = figure(cube)
-    axes, _ = picture.axes
+    (axes,) = picture.axes
     (circle,) = axes.patches
     drawn = Drawn.of(cube)
     pose = Pose.of(drawn.put(cube.vertices))
