@@ -12,7 +12,7 @@ from isoembed.arrays import Floats
 
 LIGHTNESS = (0.36, 0.93)
 HUE = (292.0, 102.0)  # degrees
-ZERO, FAR = 0.96, 0.50  # lightness at zero, and at the value that is farthest from it
+ZERO, FAR = 0.92, 0.50  # lightness at zero, and at the value that is farthest from it
 BLUE, ORANGE, STRONG = 252.0, 45.0, 0.145  # degrees, degrees, chroma
 CHROMA = (0.102, 0.17, 0.4)  # least, growth and place of the least: just within what screens show
 
