@@ -5,8 +5,8 @@
 needs git, a package index, and ``pip install -e '.[release]'``.  What git knows is built, with the links of
 README.md made whole.  Two fresh environments, without extras and with those of pictures and HDF5, take the
 wheel; outside of the clone README.md and pages of docs/ run there.  Every other Python from 3.11 to 3.14 that
-is installed takes it without extras, and runs README.md.  The time from the beginning of ``pip install`` to the
-first picture is printed.
+is installed takes it without extras, and runs README.md.  The time from the beginning of ``pip install`` to
+the first picture is printed.
 """
 
 import argparse
