@@ -140,7 +140,7 @@ def main() -> None:
             programs = environment(place / name)
             seconds, more = check_installed(requirement, programs, place / f"pages {name}")
             print(f"pip install took {seconds:.0f} s, and the first picture {more:.0f} s more", flush=True)
-        everywhere = wheel if wheel.stem.endswith("py3-none-any") else sdist
+        everywhere = wheel if re.search("-py3-none-|-abi3-", wheel.name) else sdist
         for version in PYTHONS:
             if version == f"{sys.version_info[0]}.{sys.version_info[1]}":
                 continue
