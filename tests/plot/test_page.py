@@ -131,7 +131,7 @@ def test_the_vertices_are_there(page, ellipsoid):
 
 def test_quantities_of_both_signs_have_their_own_colors(page):
     own = {quantity["name"]: quantity["ramp"] for quantity in page[2]["quantities"]}
-    assert {name for name, colors in own.items() if colors} == {"conformal factor"}  # of an ellipsoid H, K > 0
+    assert {name for name, colors in own.items() if colors} == {"conformal factor"}  # H, K > 0
     low, high = page[2]["frames"][-1]["values"]["conformal factor"]["bounds"]
     zero = round(len(own["conformal factor"]) * -low / (high - low))
     amounts = [[int(color[k : k + 2], 16) for k in (1, 3, 5)] for color in own["conformal factor"]]
