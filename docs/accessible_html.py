@@ -13,6 +13,7 @@ MENDED = (
     (re.compile(r'(<div class="(?:math|table)-wrapper[^>]*)>'), r'\1 tabindex="0">'),  # and tables, formulas
     (re.compile(r'(<div class="citation"[^>]*) role="doc-biblioentry">'), r"\1>"),  # it is in no list of such
     (re.compile(r'<div role="list" class="citation-list">'), '<div class="citation-list">'),  # of no items
+    (re.compile(r'<div id="search-results"></div>'), '<h1>Search</h1>\n<div id="search-results"></div>'),
     (re.compile(r"<th[^>]*>(?:<p></p>)?</th>"), "<td></td>"),  # tables whose columns need no names
 )
 """What stands in pages, and what is better."""
