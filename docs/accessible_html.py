@@ -10,8 +10,10 @@ MENDED = (
     (re.compile(r'<aside class="sidebar-drawer">'), '<aside class="sidebar-drawer" aria-label="All pages">'),
     (re.compile(r'<aside class="toc-drawer">'), '<aside class="toc-drawer" aria-label="On this page">'),
     (re.compile(r"<pre>"), '<pre tabindex="0">'),  # long lines are scrolled
-    (re.compile(r'(<div class="math-wrapper[^>]*)>'), r'\1 tabindex="0">'),  # and so are formulas
+    (re.compile(r'(<div class="(?:math|table)-wrapper[^>]*)>'), r'\1 tabindex="0">'),  # and tables, formulas
     (re.compile(r'(<div class="citation"[^>]*) role="doc-biblioentry">'), r"\1>"),  # it is in no list of such
+    (re.compile(r'<div role="list" class="citation-list">'), '<div class="citation-list">'),  # of no items
+    (re.compile(r'<div id="search-results"></div>'), '<h1>Search</h1>\n<div id="search-results"></div>'),
     (re.compile(r"<th[^>]*>(?:<p></p>)?</th>"), "<td></td>"),  # tables whose columns need no names
 )
 """What stands in pages, and what is better."""

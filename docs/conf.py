@@ -25,7 +25,6 @@ extensions = [
     "example_gallery",
     "accessible_html",
 ]
-exclude_patterns = ["examples"]
 
 # The pages are written for GitHub as much as for the site: dollars are math, headings have GitHub's anchors.
 myst_enable_extensions = ["dollarmath", "amsmath"]

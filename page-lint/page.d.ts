@@ -51,6 +51,7 @@ interface Quantity {
   unit: string;
   scale: "linear" | "log";
   at: "vertices" | "faces";
+  ramp?: string[] | null; // its colors, if they are not those of all
 }
 
 interface PageData {

@@ -2,25 +2,33 @@
 
     python release/check.py [--output FOLDER]
 
-needs git, a package index, and ``pip install -e '.[release]'``.  Two fresh environments, without extras and
-with those of pictures and HDF5, take the wheel; outside of the clone README.md and pages of docs/ run there.
-The time from the beginning of ``pip install`` to the first picture is printed.
+needs git, a package index, and ``pip install -e '.[release]'``.  What git knows is built, with the links of
+README.md made whole.  Two fresh environments, without extras and with those of pictures and HDF5, take the
+wheel; outside of the clone README.md and pages of docs/ run there.  Every other Python from 3.11 to 3.14 that
+is installed takes it without extras, and runs README.md.  The time from the beginning of ``pip install`` to
+the first picture is printed.
 """
 
 import argparse
+import os
+import re
+import shutil
 import subprocess
 import sys
 import tarfile
 import tempfile
 import time
-import venv
+import tomllib
 import zipfile
 from pathlib import Path, PurePosixPath
+
+from readme import relative_links, whole
 
 ROOT = Path(__file__).resolve().parents[1]
 RUNNER = ROOT / "tests" / "support" / "page_blocks.py"
 PAGES = ["README.md", "docs/index.md", "docs/getting-started.md"]
 EXTRAS = "plot,hdf5"
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 FIRST = ("surface ellipsoid --axes 3 2 1 --vertices 400 -o m.npz", "embed m.npz --html first.html")
 """Commands that make the first picture."""
 
@@ -57,13 +65,49 @@ def check_contents(wheel: Path, sdist: Path) -> None:
             sys.exit(f"the wheel lacks {name}")
 
 
-def environment(folder: Path) -> Path:
+def copy_of_the_sources(folder: Path) -> Path:
+    """Copy what git knows, with whole links in README.md if the repository has an address."""
+    for name in run("git", "ls-files").splitlines():
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / name, target)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    readme = folder / "README.md"
+    text = readme.read_text(encoding="utf-8")
+    if repository := project["urls"].get("Repository"):
+        version = re.search(r'"(.+)"', (ROOT / "src/isoembed/version.py").read_text(encoding="utf-8"))[1]
+        readme.write_text(whole(text, repository, version), encoding="utf-8")
+    else:
+        count = len(relative_links(text))
+        print(
+            f"README.md: {count} links lead nowhere on an index: [project.urls] has no Repository", flush=True
+        )
+    return folder
+
+
+def interpreter(version: str) -> str | None:
+    """A Python of this version that can make environments, on the path or of pyenv; None without."""
+    kept = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    for python in (f"python{version}", *map(str, kept.glob(f"{version}.*/bin/python"))):
+        asked = [python, "-c", "import venv, ensurepip, sys; print('%d.%d' % sys.version_info[:2])"]
+        try:
+            done = subprocess.run(asked, capture_output=True, text=True)
+        except FileNotFoundError:
+            continue
+        if done.stdout.strip() == version:
+            return python
+    return None
+
+
+def environment(folder: Path, python: str = sys.executable) -> Path:
     """Make an environment; return its folder of programs."""
-    venv.create(folder, with_pip=True)
+    run(python, "-m", "venv", folder)
     return folder / ("Scripts" if sys.platform == "win32" else "bin")
 
 
-def check_installed(requirement: str, programs: Path, folder: Path) -> tuple[float, float]:
+def check_installed(
+    requirement: str, programs: Path, folder: Path, pages: list[str] = PAGES
+) -> tuple[float, float]:
     """Install into an environment, make a picture, run the pages; return the seconds of the first two."""
     folder.mkdir()
     begun = time.perf_counter()
@@ -74,7 +118,7 @@ def check_installed(requirement: str, programs: Path, folder: Path) -> tuple[flo
     if not (folder / "first.html").stat().st_size:
         sys.exit("the first picture is empty")
     seen = time.perf_counter()
-    print(run(programs / "python", "-P", RUNNER, *(ROOT / page for page in PAGES), folder=folder), end="")
+    print(run(programs / "python", "-P", RUNNER, *(ROOT / page for page in pages), folder=folder), end="")
     return installed - begun, seen - installed
 
 
@@ -86,7 +130,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         place = Path(temporary)
         built = place / "dist" if output is None else output.resolve()
-        run(sys.executable, "-m", "build", "--outdir", built)
+        sources = copy_of_the_sources(place / "sources")
+        run(sys.executable, "-m", "build", "--outdir", built, sources)
         (wheel,), (sdist,) = built.glob("*.whl"), built.glob("*.tar.gz")
         run(sys.executable, "-m", "twine", "check", "--strict", wheel, sdist)
         check_contents(wheel, sdist)
@@ -95,6 +140,16 @@ def main() -> None:
             programs = environment(place / name)
             seconds, more = check_installed(requirement, programs, place / f"pages {name}")
             print(f"pip install took {seconds:.0f} s, and the first picture {more:.0f} s more", flush=True)
+        everywhere = wheel if re.search("-py3-none-|-abi3-", wheel.name) else sdist
+        for version in PYTHONS:
+            if version == f"{sys.version_info[0]}.{sys.version_info[1]}":
+                continue
+            if (python := interpreter(version)) is None:
+                print(f"NOT TESTED: Python {version} is not here", flush=True)
+                continue
+            print(f"installed with Python {version}:", flush=True)
+            programs = environment(place / version, python)
+            check_installed(str(everywhere), programs, place / f"pages {version}", PAGES[:1])
 
 
 if __name__ == "__main__":

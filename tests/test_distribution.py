@@ -1,5 +1,7 @@
 """Versions, dependencies and Pythons are the same everywhere, and what workflows name exists."""
 
+import importlib.util
+import json
 import re
 import tomllib
 
@@ -73,6 +75,33 @@ def test_the_pythons_that_are_told_are_tested_by_workflows():
     matrix = re.search(r"python: \[(.*)\]", text(".github/workflows/tests.yml"))[1]
     assert told <= set(re.findall(r'"([\d.]+)"', matrix))
     assert f">={min(told, key=Version)}" == PROJECT["requires-python"]
+
+
+def test_the_links_of_the_readme_are_whole_on_an_index():
+    spec = importlib.util.spec_from_file_location("readme", ROOT / "release" / "readme.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    shown = module.whole(text("README.md"), "https://example.org/one/isoembed/", "0.2.0")
+    links = re.findall(r"\]\(([^)]+)\)", shown)
+    assert len(links) > 30 and all(link.startswith(("https://", "#")) for link in links)
+    assert not module.relative_links(shown)
+    pictures = re.findall(r"!\[[^\]]*\]\(https://example.org/one/isoembed/raw/v0.2.0/([^)]+)\)", shown)
+    pages = re.findall(r"\(https://example.org/one/isoembed/blob/v0.2.0/([^)#]+)[^)]*\)", shown)
+    assert len(pictures) >= 6 and len(pages) > 20
+    assert all((ROOT / name).is_file() for name in pictures + pages)
+
+
+def test_the_container_installs_what_exists():
+    container = json.loads(text(".devcontainer/devcontainer.json"))
+    (extras,) = re.findall(r"'\.\[(.*?)\]'", container["postCreateCommand"])
+    assert set(extras.split(",")) <= EXTRAS.keys()
+    binder = [
+        Requirement(line) for line in text("binder/requirements.txt").splitlines() if line[0] not in "#.-"
+    ]
+    known = {
+        requirement.name for requirements in EXTRAS.values() for requirement in map(Requirement, requirements)
+    }
+    assert {requirement.name for requirement in binder} <= known | {"ipykernel", "jupyterlab"}
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.stem)

@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from markdown_it import MarkdownIt
 from PIL import Image
 
 import isoembed
@@ -101,6 +102,29 @@ def texts():
         yield page, "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
 
 
+def spans(text):
+    """The code spans that the author of a page meant, and those that Markdown makes of it, spaces made one.
+
+    A line that happens to begin with + or - is a list, and cuts the code span in which it stands.
+    """
+    bare = re.sub(r"^```.*?^```$|^ {4}[^\n]*$", "", text, flags=re.MULTILINE | re.DOTALL)
+    meant = [" ".join(span[1].split()) for span in re.finditer(r"(?<!`)`([^`]+)`(?!`)", bare)]
+    tokens = MarkdownIt("commonmark").enable("table").parse(bare)
+    made = [part.content for token in tokens for part in token.children or () if part.type == "code_inline"]
+    return [span.replace("\\|", "|") for span in meant], [" ".join(span.split()) for span in made]
+
+
+@pytest.mark.parametrize(("page", "text"), list(texts()), ids=lambda value: getattr(value, "name", ""))
+def test_code_spans_are_rendered_whole(page, text):
+    meant, made = spans(text)
+    assert meant == made
+
+
+def test_a_code_span_that_a_list_cuts_is_seen():
+    meant, made = spans("The trace is `k = k1\n+ k2`.\n")
+    assert meant == ["k = k1 + k2"] and made == []
+
+
 def anchors(text):
     """The anchors that GitHub and the site make of headings."""
     bare = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
@@ -182,6 +206,20 @@ def test_every_page_is_in_the_table_of_contents():
     pages = {file.relative_to(DOCS).with_suffix("").as_posix() for file in DOCS.glob("**/*.md")}
     tutorials = {f"tutorials/{file.stem}" for file in (DOCS / "tutorials").glob("*.ipynb")}
     assert listed == (pages | tutorials) - {"index"}
+
+
+def reference_pages():
+    """The pages of the last table of contents of the first page, and those of docs/api/."""
+    *_, (caption, text) = re.findall(
+        r"^:caption: (\w+)\n\n(.*?)^```", (DOCS / "index.md").read_text(), re.MULTILINE | re.DOTALL
+    )
+    assert caption == "Reference"
+    return {DOCS / f"{entry}.md" for entry in text.split()} | set((DOCS / "api").glob("*.md"))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_pages_that_are_read_from_end_to_end_are_short(page):
+    assert page in reference_pages() or len(page.read_text(encoding="utf-8").split()) <= 2500
 
 
 def reference(command):

@@ -25,11 +25,14 @@ EXAMPLES = loaded("drawing", DOCS / "examples" / "drawing.py").examples()
 each = pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: f"{example.topic}/{example.name}")
 
 
-def test_every_example_is_on_the_page_once():
-    listed = []
-    for language, _, text in blocks(DOCS / "examples.md"):
-        topic = re.fullmatch(r"\{examples\} (\w+)", language)
-        listed += [f"{topic[1]}/{name}" for name in text.split()]
+def test_every_example_is_on_the_page_of_its_topic():
+    listed, pages = [], sorted((DOCS / "examples").glob("*.md"))
+    for page in pages:
+        ((language, _, text),) = blocks(page)
+        assert language == f"{{examples}} {page.stem}"
+        listed += [f"{page.stem}/{name}" for name in text.split()]
+    overview = re.findall(r"^```\{thumbnails\} (\w+)$", (DOCS / "examples.md").read_text(), re.MULTILINE)
+    assert sorted(overview) == [page.stem for page in pages]
     assert sorted(listed) == [f"{example.topic}/{example.name}" for example in EXAMPLES]
     assert len({example.name for example in EXAMPLES}) == len(EXAMPLES)
 

@@ -28,11 +28,16 @@ def browser():
         yield started
 
 
+WIDTHS = {1280: 900, 390: 844}  # of a desktop and of a phone, with their heights
+
+
+@pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(SITE)))
-def test_nothing_on_the_site_breaks_a_rule(browser, page):
-    tab = Tab(browser, page, viewport={"width": 1280, "height": 900}).open()
+def test_nothing_on_the_site_breaks_a_rule(browser, page, width):
+    tab = Tab(browser, page, viewport={"width": width, "height": WIDTHS[width]}).open()
     tab.page.evaluate("window.MathJax?.startup?.promise.then(() => null)")  # formulas as text, too
     for colors in ("light", "dark"):
         tab.page.emulate_media(color_scheme=colors)
         assert violations(tab.page) == []
+    assert tab.page.evaluate("document.documentElement.scrollWidth") <= width  # wide tables and code scroll
     tab.context.close()

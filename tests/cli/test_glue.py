@@ -164,7 +164,7 @@ def test_nets_that_no_curved_surface_has(run, change, sentence):
 
 
 def test_the_nets_of_the_documentation_are_nets(run):
-    page = (ROOT / "docs" / "gluing.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "net-files.md").read_text(encoding="utf-8")
     texts = " ".join(re.findall(r"```json\n(.*?)```", page, re.DOTALL)).strip()
     counts = []
     while texts:

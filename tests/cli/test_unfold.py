@@ -83,3 +83,11 @@ def test_what_is_refused(arguments, words, call):
     status, out, err = call("unfold", *arguments)
     assert (status, out) == (2, "")
     assert words in err
+
+
+def test_a_net_of_many_folds_is_announced(call):
+    write("ball.obj", *zoo.random_hull(250, 1))
+    status, _, said = call("unfold", "ball.obj", "-o", "net.json")
+    simplify = "simplify the mesh first, to as many faces as you are ready to fold"
+    assert (status, said) == (0, f"isoembed: note: 495 folds: {simplify}\n")
+    assert call("unfold", "ball.obj", "-o", "net.json", "--quiet")[2] == ""

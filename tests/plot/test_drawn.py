@@ -75,7 +75,7 @@ def test_where_a_surface_is_does_not_show(curvature):
 
 def test_the_figure_has_the_sphere_at_infinity_and_the_arcs(cube):
     picture = figure(cube)
-    axes, _ = picture.axes
+    (axes,) = picture.axes
     (circle,) = axes.patches
     drawn = Drawn.of(cube)
     pose = Pose.of(drawn.put(cube.vertices))
@@ -85,7 +85,7 @@ def test_the_figure_has_the_sphere_at_infinity_and_the_arcs(cube):
     faces = axes.collections[-1]
     lines = sum(len(path.vertices) == 3 for path in faces.get_paths())  # there and back
     assert lines >= 9 * 2**drawn.pieces.cuts  # of a cube's edges three are hidden at most
-    (caption,) = picture.texts
+    caption = picture.texts[0]
     assert "hyperbolic space of curvature -1, Poincaré ball" in caption.get_text()
     assert "8 vertices, 6 faces" in caption.get_text()
 

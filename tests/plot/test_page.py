@@ -129,6 +129,16 @@ def test_the_vertices_are_there(page, ellipsoid):
     np.testing.assert_allclose(np.linalg.norm(placed, axis=1).max(), 1.0)
 
 
+def test_quantities_of_both_signs_have_their_own_colors(page):
+    own = {quantity["name"]: quantity["ramp"] for quantity in page[2]["quantities"]}
+    assert {name for name, colors in own.items() if colors} == {"conformal factor"}  # H, K > 0
+    low, high = page[2]["frames"][-1]["values"]["conformal factor"]["bounds"]
+    zero = round(len(own["conformal factor"]) * -low / (high - low))
+    amounts = [[int(color[k : k + 2], 16) for k in (1, 3, 5)] for color in own["conformal factor"]]
+    assert amounts[0][2] > amounts[0][0] and amounts[-1][0] > amounts[-1][2]  # blue, orange
+    assert min(amounts[zero]) > 190
+
+
 def test_the_colors_are_those_of_the_quantities(page, ellipsoid):
     _, _, data, arrays = page
     surface, frames = ellipsoid

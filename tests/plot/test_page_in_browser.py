@@ -351,7 +351,7 @@ def test_the_models_of_hyperbolic_space(browser, tmp_path):
     window.page.click("#reset")
     window.page.mouse.move(size["x"] + size["width"] / 2, size["y"] + size["height"] / 2)
     window.restore_delaunay()
-    assert re.fullmatch(r"vertex [0-7]\s+mean curvature .*", window.text("#tip"))
+    assert re.fullmatch(r"face [0-5]\s+sides 4", window.text("#tip"))
     assert "all are" in window.text("#span") and "hyperbolic" in window.text("aside")
     assert window.complaints == []
     window.context.close()

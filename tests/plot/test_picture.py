@@ -168,9 +168,32 @@ def test_faces_that_are_polygons_look_as_their_triangles_do(folded):
         np.testing.assert_allclose(parts.light[own], light, atol=1e-9)
 
 
-def test_ticks_of_whole_numbers_are_whole():
+def pyramid():
+    corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]]
+    faces = [[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    return embed(PolyhedralMetric.from_mesh(corners, faces), method="alexandrov")
+
+
+def test_a_polyhedron_has_the_colors_of_its_faces_and_no_scale_of_one_color():
+    drawn = figure(pyramid())
+    assert drawn.axes[-1].get_ylabel() == "number of sides of a face"
     cube = embed(PolyhedralMetric.from_mesh(*zoo.cube()), method="alexandrov")
-    drawn = figure(cube, color="sides")
+    drawn = figure(cube)
+    assert len(drawn.axes) == 1 and drawn.texts[-1].get_text() == "number of sides of a face: 4"
+    assert figure(cube, color="mean curvature").axes[-1].get_ylabel().startswith("mean curvature")
+
+
+@pytest.mark.parametrize(("low", "high"), [(-1.0, 1.0), (-0.2, 3.0), (-3.0, 0.2)])
+def test_values_of_both_signs_have_colors_that_say_the_sign(low, high):
+    scale = color_scale(low, high)
+    red, _, blue = scale.to_rgba(np.array([0.0, low, high]))[:, :3].T
+    assert abs(red[0] - blue[0]) < 0.1 and min(red[0], blue[0]) > 0.85  # nearly white
+    assert blue[1] > red[1] and red[2] > blue[2]
+    assert not np.array_equal(color_scale(0.0, 1.0).to_rgba(0.0), scale.to_rgba(0.0))
+
+
+def test_ticks_of_whole_numbers_are_whole():
+    drawn = figure(pyramid())
     drawn.canvas.draw()
     ticks = drawn.axes[-1].get_yticks()
-    assert 4 in ticks and (ticks == ticks.round()).all()
+    assert {3, 4} <= set(ticks) and (ticks == ticks.round()).all()

@@ -90,6 +90,11 @@ def test_bounds_are_never_empty():
     assert Quantity("", "", np.zeros(5)).bounds == (0, 1)
 
 
+def test_rounding_is_not_shown_as_structure():
+    values = np.append(np.linspace(-1e-15, 1e-15, 1000), 2.0)  # the curvature of a finely divided cube
+    assert Quantity("", "", values).bounds == pytest.approx((-2e-6, 2e-6), rel=1e-3)
+
+
 @pytest.mark.parametrize("radius", [1e-152, 1e-154, 1e-200])
 def test_gaussian_curvature_is_unknown_beyond_the_range_of_floats(radius):
     found = quantity(exact(Sphere(radius=radius), 42), "Gaussian curvature")

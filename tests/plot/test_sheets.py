@@ -21,7 +21,7 @@ from isoembed.plot import write_sheets
 from isoembed.plot.paper.convex import overlaps
 from isoembed.plot.paper.drawing import drawn
 from isoembed.plot.paper.labels import Label
-from isoembed.plot.paper.placing import GAP, MARGIN, placed
+from isoembed.plot.paper.placing import FOOT, GAP, MARGIN, placed
 
 
 def net_of(vertices, faces):
@@ -90,7 +90,8 @@ def test_valleys_of_a_surface_that_is_not_convex():
     net = net_of(*triangulate(Ergosphere(), 80))
     drawing = drawn(net)
     assert len(drawing.valleys) == sum(int((angles < 0).sum()) for angles in net.angles) > 0
-    assert "dash-dotted" in drawing.notes[0].text
+    assert [kind for kind, _ in drawing.legend] == ["cut", "mountain", "valley"]
+    assert "fold toward you" in [one.text for one in drawing.notes]
 
 
 def test_faces_that_rounding_bent_are_not_folded():
@@ -110,6 +111,27 @@ def test_numbers_that_are_others_upside_down_are_underlined():
 
 
 # Pages
+
+
+@pytest.mark.parametrize("paper", ["A4", "A3", "letter"])
+def test_each_page_has_a_ruler_and_a_legend_apart_from_the_sheets(paper):
+    drawing = drawn(squares(), paper=paper)
+    lines = np.array(drawing.ruler)
+    lengths = np.hypot(*np.moveaxis(np.diff(lines, axis=1), 2, 0)).ravel()
+    assert (lengths == 50).sum() == drawing.pages > 1
+    assert [kind for kind, _ in drawing.legend] == ["cut", "mountain"] * drawing.pages
+    samples = np.concatenate([lines, [line for _, line in drawing.legend]])
+    corners = np.concatenate([*drawing.cuts, *(one.box for one in drawing.labels)])
+    written = np.concatenate([one.box for one in drawing.notes])
+    assert written[:, 0].min() > 0 and written[:, 0].max() < drawing.width
+    for page in range(drawing.pages):
+        bottom = -(page + 1) * drawing.height
+        on_page = [
+            points[(points[:, 1] > bottom) & (points[:, 1] < bottom + drawing.height)]
+            for points in (np.concatenate([samples.reshape(-1, 2), written]), corners)
+        ]
+        foot, sheets = (points[:, 1] - bottom for points in on_page)
+        assert foot.min() > 0 and foot.max() < sheets.min()
 
 
 @pytest.mark.parametrize("paper", ["A4", "A3", "letter"])
@@ -137,7 +159,7 @@ def test_a_sheet_is_turned_to_fit():
     angle = 0.3
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     _, _, scale = placed([np.array([[0.0, 0], [1, 0], [1, 1.5], [0, 1.5]]) @ turn])
-    assert scale == pytest.approx((297 - 2 * MARGIN) / 1.5)
+    assert scale == pytest.approx((297 - FOOT - 2 * MARGIN) / 1.5)
 
 
 @pytest.mark.parametrize("unit", [1e-300, 1e300])

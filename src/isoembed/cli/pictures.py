@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from isoembed.cli.screen import UsageError
 from isoembed.io.files import Writer
-from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES
+from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES, SIDES
 from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS, PICTURE_ENDINGS
 from isoembed.surface.embedding import Embedding
 
@@ -50,7 +50,8 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
         "--color",
         choices=tuple(QUANTITIES),
         metavar="QUANTITY",
-        help=f"what the colors of the picture show: {', '.join(QUANTITIES)} (default {MEAN_CURVATURE})",
+        help=f"what the colors of the picture show: {', '.join(QUANTITIES)} "
+        f"(default {MEAN_CURVATURE}, of polyhedra {SIDES})",
     )
 
 
@@ -96,7 +97,7 @@ def picture_writers(
         return () if seen is None else seen.frames(embedding)
 
     return {
-        "picture": lambda path: picture_writer(path, embedding, color=options.color or MEAN_CURVATURE),
+        "picture": lambda path: picture_writer(path, embedding, color=options.color),
         "html": lambda path: page_writer(path, embedding, frames=frames()),
         "animate": lambda path: animation_writer(path, embedding, frames()),
     }

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer
-from isoembed.cli.screen import UsageError, print_aside
+from isoembed.cli.screen import UsageError, print_aside, print_error
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
@@ -14,6 +14,8 @@ from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.plot.endings import SHEET_ENDINGS
 from isoembed.plot.paper.placing import PAPERS
 from isoembed.plot.sheets import sheets_writer
+
+MANY_FOLDS = 300  # some hours of folding
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +52,11 @@ def run(options: argparse.Namespace) -> int:
     if drawing and ending(output) in NET_ENDINGS:
         raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
     unfolding = unfold(read_surface(options.file, merge=options.merge))
+    folds = sum(map(len, unfolding.folds))
+    if folds > MANY_FOLDS and not options.quiet:
+        print_error(
+            f"{folds:,} folds: simplify the mesh first, to as many faces as you are ready to fold", "note"
+        )
     if ending(output) in NET_ENDINGS:
         writer = net_writer(output, unfolding)
     else:

@@ -14,7 +14,6 @@ from isoembed.io import read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
-from isoembed.plot.coloring import MEAN_CURVATURE
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.page import page_writer, write_page
 from isoembed.surface.embedding import Embedding
@@ -53,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
     if ending(output) in PAGE_ENDINGS:
         writer = page_writer(output, surface, title=options.file.name)
     else:
-        writer = picture_writer(output, surface, color=options.color or MEAN_CURVATURE)
+        writer = picture_writer(output, surface, color=options.color)
     write_atomically({output: writer})
     return OK
 

@@ -60,13 +60,18 @@ class Quantity:
             first = np.floor(np.log10(low))
             return float(10**first), float(10 ** max(np.ceil(np.log10(high)), first + 1))
         middle = (low + high) / 2
-        half = max((high - low) / 2, 0.05 * abs(middle))  # a narrower range would show rounding as structure
+        largest = float(np.abs(values).max())
+        half = max(
+            (high - low) / 2, 0.05 * abs(middle), 1e-6 * largest
+        )  # less would show rounding as structure
         if half == 0:
             return 0.0, 1.0
         return float(middle - half), float(middle + half)
 
 
 MEAN_CURVATURE = "mean curvature"
+SIDES = "sides"
+FEW_FACES = 200  # polyhedra with more look smooth
 
 
 def mean_curvature(embedding: Embedding) -> Quantity:
@@ -131,7 +136,7 @@ def sides(embedding: Embedding) -> Quantity | None:
     if embedding.polygons is embedding.faces:
         return None
     counts = embedding.face_sides.astype(np.float64)
-    return Quantity("sides", "number of sides of a face", counts, at="faces")
+    return Quantity(SIDES, "number of sides of a face", counts, at="faces")
 
 
 def vertex_deviation(deviation: Changes) -> Quantity:
@@ -156,19 +161,26 @@ QUANTITIES = {
     "residual": residual,
     "concave edges": concavity,
     "conformal factor": conformal_factor,
-    "sides": sides,
+    SIDES: sides,
 }
 """By name, what makes a quantity of an embedding."""
 
 
+def usual(embedding: Embedding) -> str:
+    """What colors show where nothing is asked for: H is no property of polyhedra, whose edges have it all."""
+    is_polyhedron = embedding.polygons is not embedding.faces and len(embedding.polygons) <= FEW_FACES
+    return SIDES if is_polyhedron else MEAN_CURVATURE
+
+
 def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
-    """Everything that there is to show of a surface.
+    """Everything that there is to show of a surface, the usual one first.
 
     Parameters
     ----------
     embedding : Embedding
     """
-    return tuple(found for make in QUANTITIES.values() if (found := make(embedding)) is not None)
+    names = sorted(QUANTITIES, key=usual(embedding).__ne__)
+    return tuple(found for name in names if (found := QUANTITIES[name](embedding)) is not None)
 
 
 def quantity(embedding: Embedding, name: str) -> Quantity:

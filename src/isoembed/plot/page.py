@@ -17,7 +17,7 @@ from isoembed.io.registry import check_output
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed
-from isoembed.plot.browser.ramp import ramp
+from isoembed.plot.browser.ramp import diverging, ramp
 from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
 from isoembed.plot.coloring import (
@@ -200,15 +200,21 @@ def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) 
     }
 
 
-def _named(quantity: Quantity) -> dict[str, str]:
-    """What the script calls a quantity."""
+def _named(quantity: Quantity) -> dict[str, Any]:
+    """What the script calls a quantity, and its colors if they are not those of all."""
     return {
         "name": quantity.name,
         "label": _plain(quantity.label),
         "unit": UNITS.get(quantity.name, ""),
         "scale": quantity.scale,
         "at": quantity.at,
+        "ramp": own_ramp(quantity.scale, *quantity.bounds),
     }
+
+
+def own_ramp(scale: str, low: float, high: float) -> list[str] | None:
+    """The colors of values of both signs; None where they are those of all other quantities."""
+    return diverging(COLORS, low, high) if scale == "linear" and low < 0 < high else None
 
 
 def _pose(drawn: Drawn) -> Pose:

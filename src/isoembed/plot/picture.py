@@ -12,7 +12,8 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
-from isoembed.plot.coloring import MEAN_CURVATURE, Quantity, faces_counted, quantity
+from isoembed.plot.browser.ramp import diverging
+from isoembed.plot.coloring import Quantity, faces_counted, quantity, usual
 from isoembed.plot.drawn import Drawn, said
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.plot.infinity import draw_infinity, window
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 WIDTH, DPI = 8.0, 220  # inches, dots an inch
 COLORS, DARKEST = "viridis", 0.14  # ordered in lightness, so it survives color blindness and gray printing
+SHADES = 256
 UNKNOWN = 0.72  # gray, where a quantity has no meaning
 MARGINS = 0.9  # inches, below with the caption and above
 SHARE = 0.82  # of the width; the rest is for the color bar
@@ -41,14 +43,15 @@ INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
 OUTLINE, SEWN = 0.8, 1.2  # widths of edges and of seams
 
 
-def figure(embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE, caption: str = "") -> Figure:
+def figure(embedding: Embedding, *, color: str | Quantity | None = None, caption: str = "") -> Figure:
     """Draw a surface.
 
     Parameters
     ----------
     embedding : Embedding
-    color : str or Quantity
-        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`.
+    color : str or Quantity, optional
+        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`.  By default the
+        mean curvature; of polyhedra with up to 200 faces the number of sides of a face.
     caption : str
         By default the number of vertices, int H dA and the residual.
 
@@ -64,6 +67,7 @@ def figure(embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE, capt
     InvalidParameter
         There is no such quantity.
     """
+    color = usual(embedding) if color is None else color
     shown = quantity(embedding, color) if isinstance(color, str) else color
     panel = Panel.of(Drawn.of(embedding), embedding.vertices, shown)
     return _row([panel], shown, caption or _caption(embedding))
@@ -136,9 +140,11 @@ def figure_writer(path: str | os.PathLike[str], drawn: Figure) -> Writer:
 
 
 def write_picture(
-    path: str | os.PathLike[str], embedding: Embedding, *, color: str | Quantity = MEAN_CURVATURE
+    path: str | os.PathLike[str], embedding: Embedding, *, color: str | Quantity | None = None
 ) -> None:
     """Write the picture of a surface as ``.png``, ``.svg`` or ``.pdf``; the last two are vectors.
+
+    The color is that of `figure`.
 
     Raises
     ------
@@ -198,17 +204,26 @@ def _row(
         if panel.title:
             axes.set_title(panel.title, color=INK, fontsize=10)
 
-    bar_axes = picture.add_axes((0.885, foot + 0.1 * share, 0.018, 0.8 * share))
-    color_bar(picture, bar_axes, scale, np.concatenate([panel.values for panel in surfaces]))
-    bar_axes.set_ylabel(shown.label, color=INK, labelpad=8, fontsize=10 if height > 2.5 else 8)
-    if shown.at == "faces":
-        bar_axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     picture.text(0.43, 0.25 * MARGINS / total, caption, ha="center", va="center", fontsize=9, color=INK)
+    values = np.concatenate([panel.values for panel in surfaces])
+    fontsize = 10 if height > 2.5 else 8
+    if shown.at == "faces" and np.ptp(values) == 0:  # one color, and nothing to compare it with
+        words = f"{shown.label}: {values[0]:g}"
+        picture.text(0.9, foot + share / 2, words, rotation=90, va="center", fontsize=fontsize, color=INK)
+    else:
+        bar_axes = picture.add_axes((0.885, foot + 0.1 * share, 0.018, 0.8 * share))
+        color_bar(picture, bar_axes, scale, values)
+        bar_axes.set_ylabel(shown.label, color=INK, labelpad=8, fontsize=fontsize)
+        if shown.at == "faces":
+            bar_axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     return picture
 
 
 def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappable:
-    """The colors of all pictures, ordered in lightness, from a low to a high value.
+    """The colors of all pictures, from a low to a high value.
+
+    They are ordered in lightness.  From a value below zero to one above they diverge from nearly white at
+    zero: blue below, orange above.
 
     Parameters
     ----------
@@ -224,7 +239,10 @@ def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappabl
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import ListedColormap, LogNorm, Normalize
 
-    shades = ListedColormap(colormaps[COLORS](np.linspace(DARKEST, 1.0, 256)))
+    if scale == "linear" and low < 0 < high:
+        shades = ListedColormap(diverging(SHADES, low, high))
+    else:
+        shades = ListedColormap(colormaps[COLORS](np.linspace(DARKEST, 1.0, SHADES)))
     return ScalarMappable((LogNorm if scale == "log" else Normalize)(low, high), shades)
 
 

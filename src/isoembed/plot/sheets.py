@@ -34,7 +34,8 @@ def write_sheets(
 
     One sees the outside of the solid.  Solid lines are cut, dashed ones folded away from oneself, dash-dotted
     ones toward oneself.  Tabs are as deep as there is room for them, 7 mm at most; where there is none for a
-    millimeter, a side has none.  A number that would be another one upside down is underlined.
+    millimeter, a side has none.  A number that would be another one upside down is underlined.  At the foot
+    of each page are samples of the lines and a ruler of 50 mm, which shows whether a printer has scaled it.
 
     Parameters
     ----------

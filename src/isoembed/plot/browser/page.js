@@ -216,9 +216,14 @@ function build() {
     for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
   };
   texture(0);
-  const colors = Uint8Array.from(data.ramp.flatMap((c) => [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16)).concat(255)));
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, data.ramp.length, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, colors);
   texture(1);
+}
+
+function paint() { // the colors of the quantity, for the surface
+  const ramp = shown.quantity.ramp || data.ramp;
+  const colors = Uint8Array.from(ramp.flatMap((c) => [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16)).concat(255)));
+  gl.activeTexture(gl.TEXTURE0);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, ramp.length, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, colors);
 }
 
 /** @param {PackedArray} bits */
@@ -443,7 +448,10 @@ function select() { // take the frame and the quantity
   [low, high] = (kind === "log" && of ? of : frames[last].values[name]).bounds;
   const faceted = of && (at === "faces" || !shown.smooth);
   flat = faceted && of.faces ? numbers(of.faces) : null;
-  if (!gl.isContextLost()) upload();
+  if (!gl.isContextLost()) {
+    paint();
+    upload();
+  }
   legend();
   moment();
   dirty = true;
@@ -458,9 +466,10 @@ function legend() {
     else missing++;
   }
   $("label").textContent = label + (unit && ` (${unit})`);
-  $("colors").style.backgroundImage = `linear-gradient(to right, ${data.ramp.join(", ")})`;
-  $("below").style.backgroundColor = data.ramp[0];
-  $("above").style.backgroundColor = data.ramp[data.ramp.length - 1];
+  const ramp = shown.quantity.ramp || data.ramp;
+  $("colors").style.backgroundImage = `linear-gradient(to right, ${ramp.join(", ")})`;
+  $("below").style.backgroundColor = ramp[0];
+  $("above").style.backgroundColor = ramp[ramp.length - 1];
   const slack = 1e-6 * (high - low);
   $("below").style.visibility = least < low - slack ? "visible" : "hidden";
   $("above").style.visibility = most > high + slack ? "visible" : "hidden";

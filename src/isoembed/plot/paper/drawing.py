@@ -8,14 +8,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.plot.paper.labels import Label, labels
-from isoembed.plot.paper.placing import PAPERS, placed
+from isoembed.plot.paper.labels import WIDTH, Label, labels
+from isoembed.plot.paper.placing import MARGIN, PAPERS, placed
 from isoembed.plot.paper.tabs import tabs
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-NOTE = 3.0  # mm, the size of the line at the foot
+NOTE = 3.0  # mm, the size of what is written at the foot
+RULER, TICK = 50, 10  # mm
+LEGEND = {
+    "cut": (92.0, "cut"),
+    "mountain": (114.0, "fold away from you"),
+    "valley": (158.0, "fold toward you"),
+}
+"""By kind of line, where a sample of it begins, in mm from the left, and what it says."""
+SAMPLE = 10.0  # mm
 LEAST = 1e-3  # radians; nobody folds by less
 
 
@@ -33,8 +41,12 @@ class Drawing:
     mountains, valleys : list of ndarray, shape (2, 2)
         Folds away from whoever sees the outside of the solid, and toward them.
     labels : list of Label
+    ruler : list of ndarray, shape (2, 2)
+        At the foot of each page: 50 mm, by which one sees whether a printer has scaled it.
+    legend : list of (str, ndarray of shape (2, 2))
+        At the foot of each page, samples of the kinds of lines: ``"cut"``, ``"mountain"``, ``"valley"``.
     notes : list of Label
-        A line at the foot of each page.
+        At the foot of each page: a line, and what belongs to ruler and legend.
     """
 
     width: float
@@ -44,6 +56,8 @@ class Drawing:
     mountains: list[Floats]
     valleys: list[Floats]
     labels: list[Label]
+    ruler: list[Floats]
+    legend: list[tuple[str, Floats]]
     notes: list[Label]
 
 
@@ -83,16 +97,31 @@ def drawn(unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
         mountains += list(inside[bent > 0])
         valleys += list(inside[bent < 0])
     width, height = PAPERS[paper]
-    middle, foot = width / 2, height - 2 * NOTE
-    notes = [
-        Label(_note(scale, k + 1, pages, bool(valleys)), middle, -k * height - foot, 0.0, NOTE)
-        for k in range(pages)
-    ]
+    kinds = [kind for kind in LEGEND if kind != "valley" or valleys]
+    ruler, legend, notes = [], [], []
+    for k in range(pages):
+        low = -(k + 1) * height
+        of = f", page {k + 1} of {pages}" if pages > 1 else ""
+        said = (
+            f"outside of the solid{of}; {scale:.4g} mm a unit; print at 100 %: the ruler is {RULER} mm long"
+        )
+        notes.append(Label(said, width / 2, low + 1.6 * NOTE, 0.0, NOTE))
+        line, end = low + 3.2 * NOTE, MARGIN + RULER
+        ticks = np.arange(MARGIN, end + 1, TICK)
+        ruler += [_line(MARGIN, line, end, line), *(_line(x, line, x, line + 0.6 * NOTE) for x in ticks)]
+        notes.append(_after(f"{RULER} mm", end, line))
+        for kind in kinds:
+            x, said = LEGEND[kind]
+            legend.append((kind, _line(x, line, x + SAMPLE, line)))
+            notes.append(_after(said, x + SAMPLE, line))
     numbers = labels(outlines, folds, unfolding.sides)
-    return Drawing(width, height, pages, cuts, mountains, valleys, numbers, notes)
+    return Drawing(width, height, pages, cuts, mountains, valleys, numbers, ruler, legend, notes)
 
 
-def _note(scale: float, page: int, pages: int, both: bool) -> str:
-    of = f", page {page} of {pages}" if pages > 1 else ""
-    folds = "dashed: fold back; dash-dotted: fold up" if both else "dashed: fold back"
-    return f"outside of the solid{of}; {scale:.4g} mm a unit; {folds}"
+def _line(x: float, y: float, to_x: float, to_y: float) -> Floats:
+    return np.array([[x, y], [to_x, to_y]])
+
+
+def _after(text: str, x: float, y: float) -> Label:
+    """Words that begin a little to the right of a point."""
+    return Label(text, x + (len(text) / 2 + 1) * WIDTH * NOTE, y, 0.0, NOTE)

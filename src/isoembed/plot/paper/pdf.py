@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from isoembed.plot.paper.drawing import Drawing
 
 INCH, POINT = 25.4, 25.4 / 72  # mm
-DASHES = {"mountain": (0, (10, 6)), "valley": (0, (15, 5, 2.5, 5))}  # in widths of the line
+WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2}  # mm
+DASHES = {"cut": "solid", "mountain": (0, (10, 6)), "valley": (0, (15, 5, 2.5, 5))}  # in widths of the line
 
 
 def write_pdf(path: Path, drawing: Drawing) -> None:
@@ -14,13 +17,17 @@ def write_pdf(path: Path, drawing: Drawing) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
-    closed = [[*cut, cut[0]] for cut in drawing.cuts]
+    kinds = {
+        "cut": [np.vstack([cut, cut[:1]]) for cut in drawing.cuts],
+        "mountain": [*drawing.mountains],
+        "valley": [*drawing.valleys],
+    }
+    for kind, sample in drawing.legend:
+        kinds[kind].append(sample)
     underlines = [one.underline for one in drawing.labels if one.underline is not None]
     lines = (
-        (closed, 0.3, "solid"),
-        (drawing.mountains, 0.2, DASHES["mountain"]),
-        (drawing.valleys, 0.2, DASHES["valley"]),
-        (underlines, 0.2, "solid"),
+        *((some, WIDTHS[kind], DASHES[kind]) for kind, some in kinds.items()),
+        (underlines + drawing.ruler, 0.2, "solid"),
     )
     with PdfPages(path, metadata={"CreationDate": None}) as file:
         for page in range(drawing.pages):

@@ -10,6 +10,7 @@ from isoembed.errors import InvalidParameter
 
 PAPERS = {"A4": (210.0, 297.0), "A3": (297.0, 420.0), "letter": (215.9, 279.4)}  # mm
 MARGIN = 14.0  # mm, around the sheets; tabs stand out into it
+FOOT = 10.0  # mm, below them and their tabs, for the ruler and the legend
 GAP = 14.0  # mm, between sheets, for the tabs of both
 
 
@@ -63,7 +64,7 @@ def placed(
     if scale is not None and not 0 < scale < np.inf:
         raise InvalidParameter(f"scale is {scale!r}, not a positive finite number of mm")
     width, height = PAPERS[paper]
-    room = np.array([width, height]) - 2 * MARGIN
+    room = np.array([width, height - FOOT]) - 2 * MARGIN
     turns = [_turned(sheet, room) for sheet in sheets]
     sizes = [np.ptp(sheet @ turn, axis=0) for sheet, turn in zip(sheets, turns, strict=True)]
     largest = [float((room / size).min()) for size in sizes]

@@ -12,6 +12,7 @@ STYLES = {
     "mountain": 'stroke-width="0.2" stroke-dasharray="2 1.2"',
     "valley": 'stroke-width="0.2" stroke-dasharray="3 1 0.5 1"',
     "underline": 'stroke-width="0.2"',
+    "ruler": 'stroke-width="0.2"',
 }
 
 
@@ -24,6 +25,10 @@ def svg(drawing: Drawing) -> str:
         _lines("mountain", map(_path, drawing.mountains)),
         _lines("valley", map(_path, drawing.valleys)),
         _lines("underline", (_path(one.underline) for one in labels if one.underline is not None)),
+        '<g id="legend">',
+        *(_lines(kind, [_path(sample)], "class") for kind, sample in drawing.legend),
+        _lines("ruler", map(_path, drawing.ruler), "class"),
+        "</g>",
         '<g id="labels" font-family="Helvetica, Arial, sans-serif" text-anchor="middle">',
         *map(_text, labels),
         *map(_text, drawing.notes),
@@ -40,9 +45,10 @@ def svg(drawing: Drawing) -> str:
     )
 
 
-def _lines(name: str, paths: Iterable[str]) -> str:
+def _lines(name: str, paths: Iterable[str], attribute: str = "id") -> str:
     body = "".join(f'\n<path d="{path}"/>' for path in paths)
-    return f'<g id="{name}" fill="none" stroke="black" stroke-linejoin="round" {STYLES[name]}>{body}\n</g>'
+    style = f'fill="none" stroke="black" stroke-linejoin="round" {STYLES[name]}'
+    return f'<g {attribute}="{name}" {style}>{body}\n</g>'
 
 
 def _path(points: Floats) -> str:

@@ -19,7 +19,7 @@ from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.coloring import SMALLEST_RESIDUAL, Quantity
 from isoembed.plot.endings import PAGE_ENDINGS
-from isoembed.plot.page import COLORS
+from isoembed.plot.page import COLORS, own_ramp
 from isoembed.plot.series.labels import known_of
 from isoembed.plot.series.page_report import run_caption, run_report_html
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
@@ -104,8 +104,11 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
         "camera": camera().ravel().tolist(),
         "ramp": ramp(COLORS),
         "quantities": [
-            dict(zip(("name", "label", "unit", "scale"), FIELDS[name], strict=True)) | {"at": "vertices"}
-            for name in names
+            {
+                **dict(zip(("name", "label", "unit", "scale"), FIELDS[name], strict=True)),
+                **{"at": "vertices", "ramp": own_ramp(FIELDS[name][3], *shade.bounds)},
+            }
+            for name, shade in zip(names, shades, strict=True)
         ],
         "frames": frames,
     }
