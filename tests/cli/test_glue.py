@@ -213,12 +213,12 @@ def test_glue_that_fails_says_so(run, monkeypatch):
     vertices, faces = zoo.icosphere(0)
     metric = isoembed.PolyhedralMetric.from_mesh(vertices, faces)
 
-    def attempt(net, **_):
+    def attempt(net, method, **_):
         assert isinstance(net, GluedMetric)
         best = Embedding(metric, 2 * vertices, method="alexandrov", tolerance=1e-10)
         raise NotEmbedded("the path ended", best)
 
-    monkeypatch.setattr("isoembed.gluing.solid.embed", attempt)
+    monkeypatch.setattr("isoembed.gluing.solid.solve", attempt)
     status, out, err = run("glue", typed(CUBE), "-o", "cube.obj", "--report", "report.json")
     assert (status, out, err) == (3, "", "isoembed: error: the path ended\n")
     assert sorted(os.listdir()) == ["net.json", "report.json"]

@@ -18,10 +18,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed._embed import Method
 from isoembed.aim.search import Search
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.method import Method
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding

@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed._embed import Method
 from isoembed.aim.adaptive import Aim
 from isoembed.alexandrov.method import Alexandrov
 from isoembed.arrays import Floats
@@ -16,6 +15,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.mesh.checks import real_array
 from isoembed.mesh.triangulation import frozen
+from isoembed.method import Method
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.progress.stages import Log
