@@ -321,7 +321,7 @@ class Scaled(isoembed.Method):
         found = Embedding(metric, vertices, method=self.name, tolerance=tolerance)
         other = Embedding(metric, vertices @ np.diag([1, 1, -1]), method=self.name, tolerance=tolerance)
         assert found.mean_curvature.size == metric.triangulation.n_vertices
-        return found.with_others([other])
+        return found._with_others([other])
 
 
 def test_the_unit_is_restored_and_nothing_is_measured_again(monkeypatch):

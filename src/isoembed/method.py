@@ -145,9 +145,9 @@ def solve(
         fingerprint.check(resume.fingerprint)
     log = Log(progress, resume, fingerprint)
     try:
-        embedding = method.scaled(1 / metric.unit).run(unit, tolerance, log).in_unit_of(metric)
+        embedding = method.scaled(1 / metric.unit).run(unit, tolerance, log)._in_unit_of(metric)
     except NotEmbedded as failure:
-        attempt = failure.embedding.in_unit_of(metric)
+        attempt = failure.embedding._in_unit_of(metric)
         raise NotEmbedded(str(failure), attempt, failure.evidence) from None
     except KeyboardInterrupt as interruption:
         raise Interrupted(log.checkpoint, log.stages) from interruption

@@ -151,7 +151,7 @@ class Paper(Method):
         )
         if embedding.converged or not lost:
             return embedding
-        return embedding.with_message(f"{embedding.message}; {lost}")
+        return embedding._with_message(f"{embedding.message}; {lost}")
 
     def uniformize(self, metric: PolyhedralMetric, recorder: StageRecorder) -> Uniformization:
         """Section 2.1: conformal factors to the uniform metric."""

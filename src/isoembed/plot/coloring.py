@@ -11,7 +11,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons, flattened
 from isoembed.io.surface import vertex_residuals
-from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
+from isoembed.metric.curvature import area
 from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
 
@@ -76,15 +76,9 @@ def mean_curvature(embedding: Embedding) -> Quantity:
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
     """K, the deficit over the circumcentric dual area and that of the triangles, where both are known."""
-    metric = embedding.metric
-    known = dual_areas(metric.normalized) > 0
-    values = np.full(len(known), np.nan)
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        curvature = gaussian_curvature(metric)
-    known &= np.abs(curvature) < 1e300  # beyond, sums overflow
-    values[known] = curvature[known]
-    own = "k + " if metric.curvature else ""
-    return Quantity("Gaussian curvature", rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$", values)
+    own = "k + " if embedding.metric.curvature else ""
+    label = rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$"
+    return Quantity("Gaussian curvature", label, embedding.gaussian_curvature)
 
 
 def residual(embedding: Embedding) -> Quantity:

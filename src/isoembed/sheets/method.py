@@ -197,7 +197,7 @@ def _through(
     if given[e] <= tolerance:
         return found
     off = np.linalg.norm(x[a[e]] - x[b[e]]) / metric.lengths[e] - 1
-    return found.with_message(
+    return found._with_message(
         f"the boundary does not fit the lengths: the distance of its vertices {a[e]} and {b[e]} differs from "
         f"the length of their edge by {off:.2g} of it; are they in the order of Triangulation.boundaries?"
     )
@@ -259,7 +259,7 @@ def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats
         except (InvalidMetric, NotEmbedded):  # the surface may be there without the filled one
             return scaled_distances(metric), None
         if found.converged:
-            x = found.in_unit_of(closed).vertices[: t.n_vertices]
+            x = found._in_unit_of(closed).vertices[: t.n_vertices]
             return x, LeastBending(x, none, np.inf)
     return scaled_distances(metric), None
 
