@@ -25,6 +25,24 @@ from isoembed.surface.checked import checked_errors
 WHICH = ("convex", "smoothest")
 """The values of ``--which`` that are no file."""
 
+EXAMPLES = (
+    "isoembed embed metric.npz -o surface.ply",
+    "isoembed embed scan.obj --best-fit -o smooth.ply --html smooth.html",
+)
+USUAL = (
+    "method",
+    "boundary",
+    "best_fit",
+    "length_error",
+    "which",
+    "space",
+    "output",
+    "picture",
+    "html",
+    "json",
+)
+"""The options that ``--help`` lists."""
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed embed``."""

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
-from isoembed.cli.outputs import check_answer
+from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
@@ -14,6 +14,11 @@ from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.plot.endings import SHEET_ENDINGS
 from isoembed.plot.paper.placing import PAPERS
 from isoembed.plot.sheets import sheets_writer
+
+EXAMPLES = (
+    "isoembed unfold surface.ply -o net.svg",
+    "isoembed unfold surface.ply -o net.pdf --paper letter",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -55,6 +60,5 @@ def run(options: argparse.Namespace) -> int:
     else:
         writer = sheets_writer(output, unfolding, **drawing)
     write_atomically({output: writer})
-    if not options.quiet:
-        print_aside(f"{output}: {unfolding}")
+    print_aside(f"{unfolding}\n{written(options, output)}")
     return OK
