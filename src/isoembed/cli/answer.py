@@ -107,7 +107,7 @@ def answer(
             print_error(str(failure))
         if options.json:
             print_json(report())
-        else:
+        elif not options.quiet:  # a summary and a certificate take a while
             say = print_out if failure is None and not outputs else print_aside
             if options.verbose or not options.output:
                 say(describe(embedding, stages=options.verbose, failed=failure is not None))

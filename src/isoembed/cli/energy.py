@@ -191,14 +191,18 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
         print_error("; ".join([str(error), *_instead(options, error.embedding)]))
         band = _write_band(outputs, data, error.embedding.space) if options.band else []
         report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
-        _show(options, _with_check(data, report), band)
+        _show(options, _with_check(data, report))
+        _end(options, band)
         return NOT_EMBEDDED
     report, least = wang_yau_report(surface) if options.wang_yau else (surface.report, None)
     if options.band:
         why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
         print_error(f"{options.band} is not written: {why}")
-    files = outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
-    _show(options, _with_check(data, report), files)
+    try:
+        _show(options, _with_check(data, report))
+    finally:
+        files = outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
+    _end(options, files)
     return OK
 
 
@@ -307,14 +311,21 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
         deviation = None if errors is None else mesh_deviation(embedding, errors, k, p, lengths=lengths)
     except SingularMatrix:
         raise not_rigid(f"the surface of {options.input}") from None
-    files = outputs.write(output=lambda path: surface_writer(path, embedding))
-    _show(options, mesh_report(embedding, energies, lengths, str(options.input), deviation), files)
+    try:
+        _show(options, mesh_report(embedding, energies, lengths, str(options.input), deviation))
+    finally:
+        files = outputs.write(output=lambda path: surface_writer(path, embedding))
+    _end(options, files)
     return OK
 
 
-def _show(options: argparse.Namespace, report: dict[str, Any], files: list[Path]) -> None:
+def _show(options: argparse.Namespace, report: dict[str, Any]) -> None:
     if options.json:
         print_json(report)
     else:
         print_out(energy_table(report))
+
+
+def _end(options: argparse.Namespace, files: list[Path]) -> None:
+    if not options.json:
         print_aside(written(options, *files))

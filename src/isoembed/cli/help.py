@@ -139,8 +139,8 @@ def _sections(parser: argparse.ArgumentParser) -> Iterator[Section]:
     for action in chosen:
         choices = {choice.dest: choice for choice in action._get_subactions()}
         if choices.keys() == COMMANDS.keys():
-            for title, names in COMMAND_GROUPS.items():
-                yield title, [choices[name] for name in names]
+            for title, group in COMMAND_GROUPS.items():
+                yield title, [choices[name] for name in group]
         else:
             yield "surfaces", list(choices.values())
     left = [action for action in parser._get_optional_actions() if action.help is not argparse.SUPPRESS]

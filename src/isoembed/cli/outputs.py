@@ -72,10 +72,8 @@ def written(options: argparse.Namespace, *files: Path | str) -> str:
     """The last line of a command: which files it wrote, if any, and how long it took."""
     if not files:
         return elapsed(options)
-    names = (
-        ", ".join(map(str, files)) if len(files) <= SHOWN else f"{files[0]} and {len(files) - 1} more files"
-    )
-    return f"{names} written, {elapsed(options)}"
+    more = [] if len(files) <= SHOWN else [f"{len(files) - SHOWN} more"]
+    return f"{', '.join([*map(str, files[:SHOWN]), *more])} written, {elapsed(options)}"
 
 
 def elapsed(options: argparse.Namespace) -> str:
