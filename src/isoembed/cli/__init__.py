@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from isoembed import __version__
+from isoembed.cli import completion
 from isoembed.cli import help as help_
 from isoembed.cli.collection import uncollected
 from isoembed.cli.help import COMMANDS, FIRST_STEPS
@@ -71,6 +72,16 @@ class Parser(argparse.ArgumentParser):
         raise SystemExit(WRONG)
 
 
+class _Completion(argparse.Action):
+    """Option ``--completion``: print the script of a shell, for all subcommands."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: Any, shell: Any, option: Any = None
+    ) -> None:
+        print_out(completion.script(build_parser([*COMMANDS]), shell))
+        parser.exit()
+
+
 def _did_you_mean(name: str, known: Iterable[str]) -> str:
     """A question that names the most similar of the known names, if there is one."""
     from difflib import get_close_matches
@@ -88,6 +99,13 @@ def build_parser(arguments: Sequence[str]) -> Parser:
     )
     parser.examples = [line.strip() for line in FIRST_STEPS.splitlines()[1:3]]
     parser.add_argument("--version", action="version", version=f"isoembed {__version__}")
+    parser.add_argument(
+        "--completion",
+        action=_Completion,
+        choices=completion.SHELLS,
+        metavar="SHELL",
+        help=f"print what a shell reads to complete command lines: {', '.join(completion.SHELLS)}",
+    )
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name, purpose in COMMANDS.items():
         command = commands.add_parser(name, help=purpose, description=f"{purpose[0].upper()}{purpose[1:]}.")

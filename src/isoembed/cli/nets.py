@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "name",
         metavar="NAME",
         nargs="?",
-        choices=CLASSICS,
+        choices=tuple(CLASSICS),
         help=f"which to solve: {', '.join(CLASSICS)}; without it they are listed",
     )
     add_output_option(

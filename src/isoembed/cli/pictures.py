@@ -17,6 +17,9 @@ from isoembed.surface.embedding import Embedding
 if TYPE_CHECKING:
     from isoembed.plot.film import Film, Frame
 
+COLORS = {name.lower().replace(" ", "-"): name for name in QUANTITIES}
+"""The quantities of pictures, as the command spells them."""
+
 PICTURES = {"picture": PICTURE_ENDINGS, "html": PAGE_ENDINGS, "animate": ANIMATION_ENDINGS}
 
 
@@ -48,10 +51,20 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that says what the colors of a picture show."""
     parser.add_argument(
         "--color",
-        choices=tuple(QUANTITIES),
+        type=_color,
+        choices=tuple(COLORS),
         metavar="QUANTITY",
-        help=f"what the colors of the picture show: {', '.join(QUANTITIES)} (default {MEAN_CURVATURE})",
+        help=f"what the colors of the picture show: {', '.join(COLORS)} (default {next(iter(COLORS))})",
     )
+
+
+def _color(text: str) -> str:
+    return text.lower().replace(" ", "-").replace("_", "-")
+
+
+def color_of(options: argparse.Namespace) -> str:
+    """The name of the quantity that the colors show."""
+    return COLORS[options.color] if options.color else MEAN_CURVATURE
 
 
 def check_pictures(options: argparse.Namespace) -> None:
@@ -96,7 +109,7 @@ def picture_writers(
         return () if seen is None else seen.frames(embedding)
 
     return {
-        "picture": lambda path: picture_writer(path, embedding, color=options.color or MEAN_CURVATURE),
+        "picture": lambda path: picture_writer(path, embedding, color=color_of(options)),
         "html": lambda path: page_writer(path, embedding, frames=frames()),
         "animate": lambda path: animation_writer(path, embedding, frames()),
     }

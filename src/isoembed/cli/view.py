@@ -7,14 +7,13 @@ from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.pictures import add_color_option
+from isoembed.cli.pictures import add_color_option, color_of
 from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
 from isoembed.io import read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
-from isoembed.plot.coloring import MEAN_CURVATURE
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.page import page_writer, write_page
 from isoembed.surface.embedding import Embedding
@@ -59,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     if ending(output) in PAGE_ENDINGS:
         writer = page_writer(output, surface, title=options.file.name)
     else:
-        writer = picture_writer(output, surface, color=options.color or MEAN_CURVATURE)
+        writer = picture_writer(output, surface, color=color_of(options))
     write_atomically({output: writer})
     print_aside(f"{surface.triangulation.n_vertices:,} vertices\n{written(options, output)}")
     return OK
