@@ -193,7 +193,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     # These load numpy, which --help and --version do without.
-    from isoembed.cli.compilation import compilation_said
+    from isoembed.cli.waiting import waiting
     from isoembed.errors import InvalidMetric, InvalidParameter
     from isoembed.io import FileError
 
@@ -201,7 +201,11 @@ def _run(options: argparse.Namespace) -> int:
     quiet = getattr(options, "quiet", False)
     silent = quiet and not getattr(options, "json", False)
     try:
-        with _gathered(notes), compilation_said(quiet), nothing_printed() if silent else nullcontext():
+        with (
+            _gathered(notes),
+            waiting(quiet=quiet) as options.waiting,
+            nothing_printed() if silent else nullcontext(),
+        ):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
         print_error("; ".join([str(error), *notes]))

@@ -16,6 +16,7 @@ from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures,
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
+from isoembed.cli.waiting import held
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer
@@ -91,7 +92,7 @@ def answer(
         The exit status.
     """
     seen = film(options)
-    embedding, failure = solved(solve, seen, quiet=options.quiet)
+    embedding, failure = solved(options, solve, seen)
     if failure is None or options.keep:
         beside["output"] = lambda path: surface_writer(path, embedding)
         beside |= picture_writers(options, embedding, seen)
@@ -150,15 +151,14 @@ def _proof(embedding: isoembed.Embedding) -> str:
 
 
 def solved(
+    options: argparse.Namespace,
     solve: Callable[[Listener | None], isoembed.Embedding],
     seen: Listener | None = None,
-    *,
-    quiet: bool = False,
 ) -> tuple[isoembed.Embedding, NotEmbedded | None]:
     """Solve under a live view; return the surface, or the best attempt and the failure."""
     try:
-        watched = not quiet and sys.stderr is not None and sys.stderr.isatty()
-        with bar() if watched else nullcontext() as view:
+        watched = not options.quiet and sys.stderr is not None and sys.stderr.isatty()
+        with held(options), bar() if watched else nullcontext() as view:
             return solve(heard_by(view, seen)), None
     except NotEmbedded as error:
         return error.embedding, error

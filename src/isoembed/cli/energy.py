@@ -300,7 +300,7 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     errors = length_errors(options)
     if errors is not None:
         checked_errors(metric, errors)  # before anything is computed
-    embedding, failure = solved(lambda progress: isoembed.embed(metric, progress=progress))
+    embedding, failure = solved(options, lambda progress: isoembed.embed(metric, progress=progress))
     if failure is not None:
         if options.json:
             print_json({"status": "not embedded", "name": str(options.input), **failure.report})
