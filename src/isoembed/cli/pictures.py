@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 from isoembed.cli.screen import UsageError
 from isoembed.io.files import Writer
-from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES
+from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES, spelled
 from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS, PICTURE_ENDINGS
 from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from isoembed.plot.film import Film, Frame
 
-COLORS = {name.lower().replace(" ", "-"): name for name in QUANTITIES}
+COLORS = {spelled(name): name for name in QUANTITIES}
 """The quantities of pictures, as the command spells them."""
 
 PICTURES = {"picture": PICTURE_ENDINGS, "html": PAGE_ENDINGS, "animate": ANIMATION_ENDINGS}
@@ -51,15 +51,11 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that says what the colors of a picture show."""
     parser.add_argument(
         "--color",
-        type=_color,
+        type=spelled,
         choices=tuple(COLORS),
         metavar="QUANTITY",
         help=f"what the colors of the picture show: {', '.join(COLORS)} (default {next(iter(COLORS))})",
     )
-
-
-def _color(text: str) -> str:
-    return text.lower().replace(" ", "-").replace("_", "-")
 
 
 def color_of(options: argparse.Namespace) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -165,16 +166,26 @@ def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
     return tuple(found for make in QUANTITIES.values() if (found := make(embedding)) is not None)
 
 
+def spelled(name: str) -> str:
+    """The name of a quantity as the command spells it: ``gaussian-curvature``."""
+    return name.lower().replace(" ", "-").replace("_", "-")
+
+
 def quantity(embedding: Embedding, name: str) -> Quantity:
-    """The quantity of this name; NaN everywhere if this surface does not have it.
+    """The quantity of this name, in any of its spellings; NaN everywhere if the surface does not have it.
 
     Raises
     ------
     InvalidParameter
         There is no such quantity.
     """
-    if name not in QUANTITIES:
-        raise InvalidParameter(f"there is no quantity {name!r} to show; there are {', '.join(QUANTITIES)}")
+    known = {spelled(each): each for each in QUANTITIES}
+    if spelled(name) not in known:
+        near = "".join(f"; did you mean {each!r}?" for each in get_close_matches(spelled(name), known, n=1))
+        raise InvalidParameter(
+            f"there is no quantity {name!r} to show; there are {', '.join(QUANTITIES)}{near}"
+        )
+    name = known[spelled(name)]
     found = QUANTITIES[name](embedding)
     nowhere = np.full(embedding.triangulation.n_vertices, np.nan)
     return Quantity(name, f"this surface has no {name}", nowhere) if found is None else found

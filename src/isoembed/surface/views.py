@@ -7,11 +7,12 @@ the call, and the contract in pyproject.toml names each import.
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
     import pyvista
     import trimesh
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from isoembed.plot.coloring import Quantity
@@ -49,18 +50,25 @@ class Views:
 
         save_surface(self._surface, path, color=color)
 
-    def plot(self, **options: Any) -> Figure:
-        """Draw the surface; a notebook shows the picture.
+    def plot(
+        self, *, color: str | Quantity = "mean curvature", caption: str = "", ax: Axes | None = None
+    ) -> Figure:
+        """Draw the surface; a notebook shows the picture, with pyplot and without.
 
         Parameters
         ----------
-        **options
-            ``color`` and ``caption``, as of `isoembed.plot.figure`.
+        color : str or Quantity
+            What the colors show: ``"mean curvature"``, ``"Gaussian curvature"``, ``"residual"``,
+            ``"concave edges"``, ``"conformal factor"``, ``"sides"``, or a quantity of one's own.
+        caption : str
+            By default the number of vertices, int H dA and the residual.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw, with a color bar beside it and the caption, if there is one, as the title.
 
         Returns
         -------
         matplotlib.figure.Figure
-            To save: ``surface.plot().savefig("surface.pdf")``.
+            That of `ax`, or a new one.  To save: ``surface.save("surface.pdf")``, or its ``savefig``.
 
         Raises
         ------
@@ -71,7 +79,7 @@ class Views:
         """
         from isoembed.plot.picture import figure
 
-        return figure(self._surface, **options)
+        return figure(self._surface, color=color, caption=caption, ax=ax)
 
     def to_trimesh(self) -> trimesh.Trimesh:
         """The surface as an object of trimesh, with the same vertices and triangles.
