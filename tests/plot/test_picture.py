@@ -197,5 +197,5 @@ def test_colors_by_their_names(peanut, name):
 
 
 def test_a_color_that_is_mistyped(peanut):
-    with pytest.raises(InvalidParameter, match="no quantity 'mean_curvatur'.*did you mean 'mean-curvature'"):
+    with pytest.raises(InvalidParameter, match=r"no quantity 'mean_curvatur'.*did you mean 'mean-curvature'"):
         peanut.plot(color="mean_curvatur")
