@@ -205,6 +205,8 @@ def unfold(surface: Embedding | str | os.PathLike[str] | Any) -> Unfolding:
     from isoembed.gluing import unfold as unfold_surface
     from isoembed.io.surface import read_surface, surface_of
 
+    if isinstance(surface, PolyhedralMetric | GluedMetric):
+        raise InvalidParameter("the surface is a metric: embed it first, unfold(embed(metric))")
     if isinstance(surface, str | os.PathLike):
         surface = read_surface(surface)
     elif not isinstance(surface, Embedding):
@@ -242,7 +244,7 @@ def _mesh(given: Any, wanted: str) -> dict[str, Any]:
         return of_trimesh(given)
     if hasattr(given, "points") and hasattr(given, "faces"):
         return of_pyvista(given)
-    if isinstance(given, tuple) and len(given) == 2:
+    if isinstance(given, tuple | list) and len(given) == 2:
         return dict(zip(("vertices", "faces"), given, strict=True))
     instead = "PolyhedralMetric(faces, lengths, edges), " if wanted == "metric" else ""
     raise InvalidParameter(

@@ -8,6 +8,7 @@ from inspect import isabstract
 
 from isoembed.errors import InvalidParameter
 from isoembed.method import Method
+from isoembed.similar_names import did_you_mean
 
 METHODS = {
     "aim": "isoembed.aim.adaptive:Aim",
@@ -55,7 +56,9 @@ def configuration(name: str) -> type[Method]:
     else:
         brought = tuple(entry_points(group=GROUP, name=name))
         if not brought:
-            raise InvalidParameter(f"there is no method {name!r}; there are {', '.join(method_names())}")
+            names = method_names()
+            near = did_you_mean(name, names)
+            raise InvalidParameter(f"there is no method {name!r}; there are {', '.join(names)}{near}")
         found = brought[0]
     try:
         kind = found.load()

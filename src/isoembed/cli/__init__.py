@@ -9,7 +9,7 @@ import re
 import sys
 import time
 import warnings
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from types import ModuleType
@@ -30,6 +30,7 @@ from isoembed.cli.screen import (
 )
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
+from isoembed.similar_names import did_you_mean
 
 # Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
@@ -58,7 +59,7 @@ class Parser(argparse.ArgumentParser):
         found, rest = super().parse_known_args(*args, **options)
         for word in rest:
             name = word.partition("=")[0]
-            if name.startswith("--") and (question := _did_you_mean(name, self._option_string_actions)):
+            if name.startswith("--") and (question := did_you_mean(name, self._option_string_actions)):
                 self.error(f"unrecognized arguments: {name}{question}")
         return found, rest
 
@@ -66,7 +67,7 @@ class Parser(argparse.ArgumentParser):
         """Refuse the command line, and a mistyped choice with the most similar one."""
         if unknown := re.match(r"argument (.*?): invalid choice: '(.*?)' \(choose from (.*)\)", message):
             what, given, choices = unknown.groups()
-            question = _did_you_mean(given, re.findall(r"[^', ]+", choices))
+            question = did_you_mean(given, [*re.findall(r"[^', ]+", choices), "--help"])
             message = f"unknown command {given!r}{question}" if what == "COMMAND" else f"{message}{question}"
         print_error(f"{message} (see '{self.prog} --help')")
         raise SystemExit(WRONG)
@@ -80,13 +81,6 @@ class _Completion(argparse.Action):
     ) -> None:
         print_out(completion.script(build_parser([*COMMANDS]), shell))
         parser.exit()
-
-
-def _did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A question that names the most similar of the known names, if there is one."""
-    from difflib import get_close_matches
-
-    return "".join(f"; did you mean {near!r}?" for near in get_close_matches(name, known, n=1))
 
 
 def build_parser(arguments: Sequence[str]) -> Parser:

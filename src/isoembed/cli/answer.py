@@ -19,7 +19,7 @@ from isoembed.cli.summary import summary
 from isoembed.cli.waiting import held
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
-from isoembed.io.files import Writer
+from isoembed.io.files import Writer, ending
 from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
 
@@ -53,6 +53,9 @@ def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs
     FileError, UsageError
         Naming the file.
     """
+    for name, endings in PICTURES.items():
+        if options.output and ending(options.output) in endings:
+            raise UsageError(f"--output is for surfaces: did you mean --{name} {options.output}?")
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, report=REPORT_ENDINGS, **PICTURES, **beside)
     check_pictures(options)
     if options.keep and not outputs.keys() - {"report", *beside}:

@@ -38,7 +38,11 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
         if getattr(options, name, None):
             raise UsageError(f"--{name} is for one file and its --output: in a folder there are all reports")
     if options.output is None:
-        raise UsageError(f"{len(options.inputs)} files need an --output: the folder for their surfaces")
+        last = options.inputs[-1]
+        meant = f"; did you mean -o {last}?" if last != "-" and not Path(last).exists() else ""
+        raise UsageError(
+            f"{len(options.inputs)} files need an --output: the folder for their surfaces{meant}"
+        )
     if "-" in options.inputs:
         raise UsageError("standard input, -, is one file: it does not go with others")
     errors = length_errors(options)

@@ -33,7 +33,7 @@ from isoembed.io.crease_pattern import (
 from isoembed.io.files import FileError, Writer, check_ending, ending, input_ending, write_atomically
 from isoembed.io.fold import CORNERS
 from isoembed.io.input_file import InputFile
-from isoembed.io.registry import check_output
+from isoembed.io.registry import FORMATS, check_output
 from isoembed.space import Space
 from isoembed.space.models import MODELS, Model, to_model
 from isoembed.strict_json import strict_json
@@ -89,6 +89,11 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
     """
     if source == "-":
         return _net(json.read_standard_input(), "standard input", tolerance)
+    if input_ending(source) in FORMATS.keys() - set(NET_ENDINGS):
+        raise FileError(
+            f"{source} is no net, which has the ending .json or .fold: a metric or a mesh is embedded, with "
+            f"'isoembed embed {source} -o surface.ply'"
+        )
     check_ending(source, NET_ENDINGS)
     with InputFile(source) as file:
         if file.ending == ".fold":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -14,6 +13,7 @@ from isoembed.io.format import Polygons, flattened
 from isoembed.io.surface import vertex_residuals
 from isoembed.metric.curvature import area
 from isoembed.progress.stages import Log
+from isoembed.similar_names import did_you_mean
 from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ def quantity(embedding: Embedding, name: str) -> Quantity:
     """
     known = {spelled(each): each for each in QUANTITIES}
     if spelled(name) not in known:
-        near = "".join(f"; did you mean {each!r}?" for each in get_close_matches(spelled(name), known, n=1))
+        near = did_you_mean(spelled(name), known)
         raise InvalidParameter(
             f"there is no quantity {name!r} to show; there are {', '.join(QUANTITIES)}{near}"
         )
