@@ -5,7 +5,6 @@ from __future__ import annotations
 import numbers
 from collections.abc import Iterator
 from dataclasses import fields
-from html import escape
 from typing import Any, TypeVar
 
 import numpy as np
@@ -37,6 +36,8 @@ def _repr(self: Any) -> str:
 
 def html_table(self: Any) -> str:
     """What such a dataclass shows in a notebook."""
+    from html import escape  # slow to import, and seldom needed
+
     rows = "".join(
         f'<tr><th scope="row" style="text-align: left">{escape(name.replace("_", " "))}</th>'
         f'<td style="text-align: left">{escape(value)}</td></tr>'
