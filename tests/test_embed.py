@@ -3,7 +3,6 @@
 import json
 import pickle
 from importlib.metadata import EntryPoint
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,10 +12,11 @@ import isoembed
 import smooth_bodies
 import zoo
 from isoembed import InvalidParameter, embed
-from isoembed._embed import configured, method_names
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.paper import Paper
 from isoembed.errors import NotEmbedded
+from isoembed.io import FileError
+from isoembed.methods import configured, method_names
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import distance
@@ -48,9 +48,87 @@ def test_meshes_are_taken_by_their_lengths():
     pyvista = SimpleNamespace(points=x, faces=np.insert(faces, 0, 3, axis=1).ravel())
     for mesh in ((x, faces), trimesh, pyvista, embed((x, faces))):
         assert distance(embed(mesh).vertices, x) < 1e-10
-    for none in ("mesh.obj", Path("mesh.obj")):
-        with pytest.raises(InvalidParameter, match=r"or take isoembed.io.read_metric\(path\)"):
-            embed(none)
+    with pytest.raises(InvalidParameter, match=r"the metric is a dict: give PolyhedralMetric\(faces, "):
+        embed({})
+
+
+def test_files_are_taken(tmp_path):
+    x, faces = zoo.icosphere(1)
+    path = tmp_path / "mesh.obj"
+    embed((x, faces)).save(path)
+    for given in (str(path), path):
+        assert distance(embed(given).vertices, x) < 1e-10
+    with pytest.raises(FileError, match="there is no file"):
+        embed(tmp_path / "none.obj")
+
+
+def test_a_net_is_folded_without_a_method(tmp_path):
+    cube = hexahedron()
+    isoembed.unfold(cube).save(tmp_path / "net.json")
+    for given in (isoembed.glue(tmp_path / "net.json"), str(tmp_path / "net.json")):
+        assert embed(given).volume == pytest.approx(1, rel=1e-12)
+    glued = isoembed.GluedMetric.of(cube.metric)
+    assert embed(glued).method == "alexandrov"
+    with pytest.raises(InvalidParameter, match="the method 'aim' keeps the given triangles"):
+        embed(glued, method="aim")
+
+
+def hexahedron():
+    """The unit cube, as `isoembed.embed` returns it."""
+    corners = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    return embed(PolyhedralMetric.from_mesh(corners, faces))
+
+
+@pytest.mark.parametrize("ending", [".json", ".fold"])
+def test_what_is_unfolded_is_glued(tmp_path, ending):
+    cube = hexahedron()
+    unfolding = isoembed.unfold(cube)
+    assert isoembed.glue(unfolding).n_vertices == 8
+    path = tmp_path / f"net{ending}"
+    unfolding.save(path)
+    assert isoembed.glue(path).n_vertices == 8
+    with pytest.raises(InvalidParameter, match="corners goes with polygons"):
+        isoembed.glue(path, corners=["abc"])
+
+
+def test_files_and_meshes_are_unfolded(tmp_path):
+    cube = hexahedron()
+    cube.save(tmp_path / "cube.ply")
+    for given in (tmp_path / "cube.ply", (cube.vertices, cube.faces)):
+        assert len(isoembed.unfold(given).sheets) == 1
+    with pytest.raises(InvalidParameter, match="the surface is a dict: give the path of a file, or a mesh"):
+        isoembed.unfold({})
+
+
+def test_a_file_is_read_as_what_it_holds(tmp_path):
+    cube = hexahedron()
+    cube.save(tmp_path / "cube.fold")
+    isoembed.io.write_metric(tmp_path / "metric.json", cube.metric)
+    isoembed.unfold(cube).save(tmp_path / "net.json")
+    isoembed.unfold(cube).save(tmp_path / "net.fold")
+    assert isoembed.read(tmp_path / "cube.fold").volume == pytest.approx(1)
+    assert isinstance(isoembed.read(tmp_path / "metric.json"), PolyhedralMetric)
+    for net in ("net.json", "net.fold"):
+        assert isoembed.read(tmp_path / net).n_vertices == 8
+
+
+@pytest.mark.parametrize("ending", [".ply", ".npz", ".svg", ".html"])
+def test_a_surface_is_saved_by_the_ending(tmp_path, ending):
+    path = tmp_path / f"cube{ending}"
+    hexahedron().save(path)
+    assert path.stat().st_size > 500
+
+
+def test_what_is_not_saved(tmp_path):
+    cube = hexahedron()
+    cube.save(tmp_path / "cube.svg", color="residual")
+    with pytest.raises(InvalidParameter, match=r"color is for pictures \(.png, .svg, .pdf\)"):
+        cube.save(tmp_path / "cube.obj", color="residual")
+    with pytest.raises(FileError, match="jpg"):
+        cube.save(tmp_path / "cube.jpg")
+    with pytest.raises(FileError, match="ply"):
+        isoembed.unfold(cube).save(tmp_path / "net.ply")
 
 
 def test_the_default_is_aim():
@@ -243,7 +321,7 @@ class Scaled(isoembed.Method):
         found = Embedding(metric, vertices, method=self.name, tolerance=tolerance)
         other = Embedding(metric, vertices @ np.diag([1, 1, -1]), method=self.name, tolerance=tolerance)
         assert found.mean_curvature.size == metric.triangulation.n_vertices
-        return found.with_others([other])
+        return found._with_others([other])
 
 
 def test_the_unit_is_restored_and_nothing_is_measured_again(monkeypatch):
@@ -284,7 +362,7 @@ def test_methods_of_installed_packages(monkeypatch):
         what="counting:STAGE",
         aim="counting:Counting",
     )
-    monkeypatch.setattr("isoembed._embed.entry_points", installed)
+    monkeypatch.setattr("isoembed.methods.entry_points", installed)
     vertices, faces = zoo.icosphere(1)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     assert isoembed.embed(metric, method="counting").method == "counting"

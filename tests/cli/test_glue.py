@@ -188,7 +188,9 @@ def test_glue_writes_the_metric_alone(run, monkeypatch):
     cross = {"polygons": [{"regular": 6}], "sides": [[[0, k], [0, 5 - k]] for k in range(3)]}
     status, out, err = run("glue", typed(cross), "--metric", "metric.json")
     assert (status, err) == (0, "")
-    assert out == "metric.json: Net(4 vertices, 6 edges, 4 faces, mean edge length 1.36603)\n"
+    said, files = out.splitlines()
+    assert said == "Net(4 vertices, 6 edges, 4 faces, mean edge length 1.36603)"
+    assert files.startswith("metric.json written, ")
     metric = read_metric("metric.json")
     assert np.sort(deficits(metric))[-4:] == pytest.approx(np.pi * np.array([2, 2, 4, 4]) / 3, rel=1e-12)
     assert run("glue", "net.json", "--metric", "metric.npz", "--quiet") == (0, "", "")
@@ -213,14 +215,15 @@ def test_glue_that_fails_says_so(run, monkeypatch):
     vertices, faces = zoo.icosphere(0)
     metric = isoembed.PolyhedralMetric.from_mesh(vertices, faces)
 
-    def attempt(net, **_):
+    def attempt(net, method, **_):
         assert isinstance(net, GluedMetric)
         best = Embedding(metric, 2 * vertices, method="alexandrov", tolerance=1e-10)
         raise NotEmbedded("the path ended", best)
 
-    monkeypatch.setattr("isoembed.gluing.solid.embed", attempt)
+    monkeypatch.setattr("isoembed.gluing.solid.solve", attempt)
     status, out, err = run("glue", typed(CUBE), "-o", "cube.obj", "--report", "report.json")
-    assert (status, out, err) == (3, "", "isoembed: error: the path ended\n")
+    assert (status, err) == (3, "isoembed: error: the path ended\n")
+    assert re.fullmatch(r"not converged: report.json written, \S+ s; --keep writes the best attempt\n", out)
     assert sorted(os.listdir()) == ["net.json", "report.json"]
     assert json.loads(Path("report.json").read_text())["message"] == "the path ended"
     assert run("glue", "net.json", "-o", "cube.obj", "--keep")[0] == 3
@@ -419,14 +422,14 @@ def test_nets_are_written_one_by_one(run):
 def test_nets_that_fail_say_so(run, monkeypatch):
     vertices, faces = zoo.icosphere(0)
     metric = isoembed.PolyhedralMetric.from_mesh(vertices, faces)
-    solve = isoembed.embed
+    solve = folding.solve
 
-    def attempt(net, **options):
+    def attempt(net, method):
         if net.n_vertices == 20:
             raise NotEmbedded("lost", Embedding(metric, vertices, method="alexandrov", tolerance=1e-10))
-        return solve(net, **options)
+        return solve(net, method)
 
-    monkeypatch.setattr(folding, "embed", attempt)
+    monkeypatch.setattr(folding, "solve", attempt)
     status, out, err = run("nets", "platonic", "-o", "solid.npz")
     assert status == 3
     assert err == "isoembed: error: net 4, 12 pentagons: lost\n"

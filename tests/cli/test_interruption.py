@@ -12,7 +12,7 @@ import pytest
 
 import counting
 import zoo
-from isoembed import PolyhedralMetric, _embed
+from isoembed import PolyhedralMetric, methods
 from isoembed.cli import interruption, main
 from isoembed.cli.signals import Interruption, handled
 from isoembed.io import read_checkpoint, read_metric, write_metric
@@ -25,8 +25,8 @@ LEFT = "a.ply.checkpoint.npz"
 COMMAND = [
     sys.executable,
     "-c",
-    f"import sys; sys.path.insert(0, {str(SUPPORT)!r}); from isoembed import _embed; "
-    f"_embed.METHODS['counting'] = {counting.HOME!r}; from isoembed.cli import main; sys.exit(main())",
+    f"import sys; sys.path.insert(0, {str(SUPPORT)!r}); from isoembed import methods; "
+    f"methods.METHODS['counting'] = {counting.HOME!r}; from isoembed.cli import main; sys.exit(main())",
 ]
 
 
@@ -34,7 +34,7 @@ COMMAND = [
 def here(tmp_path, monkeypatch):
     """An empty folder with the metric of an icosphere in it, and a method that can be stopped."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(_embed.METHODS, "counting", counting.HOME)
+    monkeypatch.setitem(methods.METHODS, "counting", counting.HOME)
     write_metric("metric.npz", PolyhedralMetric.from_mesh(*zoo.icosphere(1)))
     return tmp_path
 

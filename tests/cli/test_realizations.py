@@ -33,10 +33,11 @@ def test_a_file_is_no_folder(call, files):
 def test_the_realizations_are_listed_and_written(call, files):
     status, out, err = call("realizations", "s.npz", "m.npz", "-o", "out")
     assert (status, err) == (0, "")
-    head, first, second, message = out.splitlines()
+    head, first, second, message, files_written = out.splitlines()
     assert head.split() == ["distance", "nearest", "roughness", "fine", "radius", "isolation"]
     assert (first.split()[0], second.split()[0]) == ("1", "2")
     assert message.startswith("2 realizations of these lengths found within 0.12 mean edge lengths of the")
+    assert files_written.startswith("out/realization-1.ply, out/realization-2.ply written, ")
     surfaces = [read_surface(Path("out", f"realization-{i}.ply")) for i in (1, 2)]
     for surface in surfaces:
         assert surface.metric.lengths == pytest.approx(files.lengths, abs=1e-12)

@@ -182,7 +182,7 @@ def test_a_message_cannot_break_out(ellipsoid, tmp_path):
     surface, frames = ellipsoid
     evil = "</script><script>alert(1)</script> & <!-- {{json}}"
     frames = [Frame(evil, 1.0, None, frames[0].vertices), *frames[1:]]
-    marked = surface.with_message(evil)
+    marked = surface._with_message(evil)
     write_page(tmp_path / "a.html", marked, frames=frames, title=evil, caption=evil)
     _, elements, data, _ = read(tmp_path / "a.html")
     assert [tag for tag, _ in elements.tags].count("script") == 3

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import zoo
-from isoembed import Embedding, PolyhedralMetric, embed, glue
+from isoembed import Embedding, InvalidParameter, PolyhedralMetric, embed, glue
 from isoembed.gallery import CassiniPeanut, Sphere, triangulate
 from isoembed.gluing.classics import CLASSICS, LATIN_CROSS
 from isoembed.io import FileError
@@ -83,7 +83,7 @@ def test_the_figure_says_which_convention(peanut):
 def test_no_global_state():
     code = """
 import sys, zoo
-from isoembed import Embedding, PolyhedralMetric, embed, glue
+from isoembed import Embedding, InvalidParameter, PolyhedralMetric, embed, glue
 from isoembed.plot import figure
 vertices, faces = zoo.icosphere(1)
 figure(Embedding(PolyhedralMetric.from_mesh(vertices, faces), vertices, method="exact", tolerance=1e-10))
@@ -197,3 +197,28 @@ def test_ticks_of_whole_numbers_are_whole():
     drawn.canvas.draw()
     ticks = drawn.axes[-1].get_yticks()
     assert {3, 4} <= set(ticks) and (ticks == ticks.round()).all()
+
+
+def test_plot_into_axes_of_ones_own(peanut):
+    from matplotlib.figure import Figure
+
+    whole = Figure()
+    left, right = whole.subplots(1, 2)
+    assert peanut.plot(ax=right, color="gaussian-curvature", caption="a peanut") is whole
+    assert not left.collections and right.collections
+    assert right.get_title() == "a peanut"
+    assert [axes.get_ylabel() for axes in whole.axes[2:]] == [
+        r"Gaussian curvature  $K = \varepsilon_a / A^*_a$"
+    ]
+    part = Figure().subfigures(1, 2)[0]
+    assert peanut.plot(ax=part.subplots()) is part.figure
+
+
+@pytest.mark.parametrize("name", ["Gaussian curvature", "gaussian_curvature", "gaussian-curvature"])
+def test_colors_by_their_names(peanut, name):
+    assert peanut.plot(color=name).axes[1].get_ylabel().startswith("Gaussian curvature")
+
+
+def test_a_color_that_is_mistyped(peanut):
+    with pytest.raises(InvalidParameter, match=r"no quantity 'mean_curvatur'.*did you mean 'mean-curvature'"):
+        peanut.plot(color="mean_curvatur")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import zoo
-from isoembed._embed import Method
+from isoembed.method import Method
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.embedding import Embedding
 

@@ -187,7 +187,7 @@ def test_an_embedding_has_its_certificate_in_the_report():
     assert surface.certificate.certified
     found = surface.report["certificate"]
     assert json.loads(json.dumps(found, allow_nan=False)) == found == surface.certificate.as_json()
-    assert surface.in_unit_of(surface.metric.scaled(3.0)).certificate is surface.certificate
+    assert surface._in_unit_of(surface.metric.scaled(3.0)).certificate is surface.certificate
     missed = embedding(vertices, faces, dented(0.2)[0]).report["certificate"]
     assert missed["reason"] == "not certified, because the lengths miss the tolerance"
     assert missed["certified"] is False and missed["radius"] is None

@@ -143,7 +143,7 @@ def test_an_embedding_in_another_unit():
     metric = metric_of(x, faces, space).scaled(1e-9)
     normalized = metric.normalized
     found = Embedding(normalized, 1e-9 * x / metric.unit, method="test", tolerance=1e-10)
-    surface = found.in_unit_of(metric)
+    surface = found._in_unit_of(metric)
     assert surface.space == metric.space
     assert surface.space.curvature == pytest.approx(-0.5e18)
     assert surface.vertices == pytest.approx(1e-9 * x, rel=1e-14)

@@ -101,7 +101,7 @@ def test_report_of_a_surface_with_length_errors():
         **found.integral_deviation(1e-3).report,
     }
     large = found.metric.scaled(8.0)
-    assert (noisy.in_unit_of(large).length_errors == large.unit * noisy.length_errors).all()
+    assert (noisy._in_unit_of(large).length_errors == large.unit * noisy.length_errors).all()
     fit = FittedSurface(found.metric, found.vertices, method="given", tolerance=1e-10, noise=0, weight=0)
     with pytest.raises(InvalidParameter, match="a best fit does not follow the errors of its lengths"):
         fit.with_length_errors(1e-3)

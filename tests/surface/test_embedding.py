@@ -104,7 +104,7 @@ def test_dents_are_counted():
 
 def test_another_message_for_the_same_embedding():
     surface = embedding(*zoo.octahedron(), stages=[Stage("guess", 0.5, 3, 2)])
-    other = surface.with_message("as said")
+    other = surface._with_message("as said")
     assert other.message == "as said"
     assert other.report == surface.report | {"message": "as said"}
     assert np.array_equal(other.vertices, surface.vertices)
@@ -236,3 +236,41 @@ def test_a_failure_carries_the_best_attempt():
     failure = NotEmbedded("the pull-back stopped at t = 0.5", surface)
     assert str(failure) == "the pull-back stopped at t = 0.5"
     assert failure.embedding is surface
+
+
+def test_edges_normals_and_angles_of_a_cube():
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    cube = embedding(corners, [half for q in quads for half in (q[:3], [q[0], *q[2:]])])
+    assert (cube.edges == cube.metric.edges).all()
+    assert cube.lengths == pytest.approx(cube.metric.lengths, rel=1e-15)
+    assert sorted(map(tuple, np.abs(cube.normals))) == sorted(4 * [(0, 0, 1), (0, 1, 0), (1, 0, 0)])
+    middles = cube.vertices[cube.faces].mean(axis=1) - cube.vertices.mean(axis=0)
+    assert (np.einsum("fi,fi->f", cube.normals, middles) > 0).all()
+    bent = np.abs(cube.dihedral_angles) > 1e-9
+    assert bent.sum() == 12
+    assert cube.dihedral_angles[bent] == pytest.approx(np.pi / 2)
+
+
+def test_lengths_are_those_of_the_surface_and_not_those_asked_for():
+    x, faces = zoo.icosphere(1)
+    metric = PolyhedralMetric.from_mesh(3 * x, faces)
+    surface = Embedding(metric, x, method="given", tolerance=1e-10)
+    assert surface.lengths == pytest.approx(metric.lengths / 3)
+    assert surface.residual == pytest.approx(2 / 3 * metric.lengths.max() / metric.mean_length)
+
+
+def test_gaussian_curvature_has_a_unit_and_is_that_of_a_sphere():
+    small, large = (embedding(*zoo.icosphere(3), scale).gaussian_curvature for scale in (1.0, 7.0))
+    assert small == pytest.approx(1, rel=0.01)
+    assert large == pytest.approx(small / 49, rel=1e-12)
+    given = PolyhedralMetric.from_mesh(*zoo.icosphere(1))
+    assert isoembed.embed(given.scaled(7)).gaussian_curvature == pytest.approx(
+        isoembed.embed(given).gaussian_curvature / 49, rel=1e-12
+    )
+
+
+def test_normals_are_of_flat_space():
+    metric = PolyhedralMetric.from_mesh(*zoo.icosphere(1)).in_space(isoembed.Hyperbolic())
+    with pytest.raises(isoembed.InvalidParameter, match="normals are those of surfaces in R"):
+        isoembed.embed(metric).normals  # noqa: B018

@@ -18,10 +18,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed._embed import Method
 from isoembed.aim.search import Search
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.method import Method
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.embedding import Embedding
@@ -94,7 +94,7 @@ class Aim(Method):
             from isoembed.aim.choice import chosen
 
             embedding = chosen(embedding, self.which, log)
-        return embedding.with_stages(log.stages)
+        return embedding._with_stages(log.stages)
 
     def _exact(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Embedding, Floats | None]:
         """The surface sought for exact lengths, and the convex surface (V, 3) that led there, if one did."""

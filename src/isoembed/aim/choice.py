@@ -40,8 +40,8 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
         other = Embedding(metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
         if all(other.distance(known) > SAME for known in (embedding, *others)):
             others.append(other)
-    found = embedding.with_others(others, Evidence("searched", SOUGHT))
-    return found.with_message(f"{found.message}; {SOUGHT}")
+    found = embedding._with_others(others, Evidence("searched", SOUGHT))
+    return found._with_message(f"{found.message}; {SOUGHT}")
 
 
 def chosen(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log: Log) -> Embedding:
@@ -77,9 +77,9 @@ def chosen(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log
             found.append(near)
         best = min(found, key=target.distance)
     rest = [surface for surface in found if surface is not best]
-    said = best.with_others(rest, embedding.uniqueness)
+    said = best._with_others(rest, embedding.uniqueness)
     if which not in ("convex", "smoothest"):
-        said = said.with_message(
+        said = said._with_message(
             f"{said.message}; of those that were found it is the nearest to the given surface, "
             f"{target.distance(best):.1e} mean edge lengths from it"
         )

@@ -80,7 +80,7 @@ def embed_within_errors(
         smoother = exact.converged and exact.fine_roughness < found.fine_roughness
         if smoother or (not found.converged and exact.residual < found.residual):
             found = replace(found, vertices=exact.vertices, weight=0.0, message="")
-    return found.with_stages(log.stages)
+    return found._with_stages(log.stages)
 
 
 def within_digits(
@@ -118,7 +118,7 @@ def within_digits(
         f"the mean edge length: the surface that has them exactly is "
         f"{'rougher' if exact.converged else 'not found'}; errors of zero insist on it"
     )
-    return found.with_others([exact] if exact.converged else []).with_message(said)
+    return found._with_others([exact] if exact.converged else [])._with_message(said)
 
 
 def _convex_start(metric: PolyhedralMetric, name: str, tolerance: float, log: Log) -> Floats:

@@ -6,7 +6,6 @@ from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
-from isoembed._embed import Method
 from isoembed.aim.adiabatic_pullback import pull_back
 from isoembed.aim.anneal import Annealed, anneal, anneal_damped, anneal_on_sphere
 from isoembed.aim.convexity import PRINTED, crumpled_vertices, reflect_and_anneal, reflected
@@ -15,6 +14,7 @@ from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.method import Method
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -151,7 +151,7 @@ class Paper(Method):
         )
         if embedding.converged or not lost:
             return embedding
-        return embedding.with_message(f"{embedding.message}; {lost}")
+        return embedding._with_message(f"{embedding.message}; {lost}")
 
     def uniformize(self, metric: PolyhedralMetric, recorder: StageRecorder) -> Uniformization:
         """Section 2.1: conformal factors to the uniform metric."""

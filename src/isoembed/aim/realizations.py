@@ -14,6 +14,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.evidence import Evidence
 from isoembed.mesh.triangulation import frozen
 from isoembed.progress.stages import Log
+from isoembed.reprs import short_repr
 from isoembed.strict_json import plain
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
@@ -21,6 +22,7 @@ from isoembed.surface.rigidity import LengthSystem
 FEWEST, MOST = 2, 8  # motions together: 2^8 roots
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Realizations:
     """Surfaces with the same lengths in the same triangles, near a surface, and where they were sought.

@@ -130,7 +130,7 @@ class Strategies:
                 self.change_sides(effort * first)
             embedding = self.smoothest()
             if not embedding.converged:
-                told = embedding.with_message(diagnosis(embedding, fitted, effort))
+                told = embedding._with_message(diagnosis(embedding, fitted, effort))
                 embedding = fitted if best_fit and fitted is not None else told
         return embedding
 
@@ -354,7 +354,7 @@ class Strategies:
             convex = self.search.convexification.is_convex
             different.sort(key=lambda s: (convex and s.concave_edges.any(), s.fine_roughness))
         if not self.sought:
-            return different[0].with_others(different[1:])
+            return different[0]._with_others(different[1:])
         said = sought(SOFTEST, NEAR)
-        found = different[0].with_others(different[1:], Evidence("searched", said))
-        return found.with_message(f"{found.message}; {said}")
+        found = different[0]._with_others(different[1:], Evidence("searched", said))
+        return found._with_message(f"{found.message}; {said}")

@@ -10,7 +10,6 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed._embed import Method
 from isoembed.alexandrov.attempt import attempted
 from isoembed.alexandrov.doubly_covered import (
     FLAT_IN_FLOATS,
@@ -34,6 +33,7 @@ from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
+from isoembed.method import Method
 from isoembed.metric.convexity import deficit_rounding, largest_noise, repair_level
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric

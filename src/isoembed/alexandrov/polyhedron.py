@@ -83,7 +83,7 @@ class ConvexPolyhedron(Polyhedron):
         frozen(self.flat_vertices)
         super().__post_init__()
 
-    def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
+    def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same polyhedron, found for the `normalized` of a metric, in the unit of that metric."""
         own = GluedMetric.of(given) if self.repair is None else self.given.scaled(given.unit)
         core = self.core and (
@@ -92,7 +92,7 @@ class ConvexPolyhedron(Polyhedron):
         )
         # First these: where floats cannot hold the vertices, `path_residuals` are measured anew.
         changed = self._with(given=own, core=core)
-        return super(ConvexPolyhedron, changed).in_unit_of(given)
+        return super(ConvexPolyhedron, changed)._in_unit_of(given)
 
     @property
     def residual(self) -> float:

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed._embed import embed
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
+from isoembed.method import solve
+from isoembed.methods import configured
 from isoembed.surface.alignment import aligned
 from isoembed.surface.checked import checked
 from isoembed.surface.derivatives import LengthDerivatives
@@ -98,7 +99,9 @@ class Realization:
             except SingularMatrix:
                 break
         error = float(np.abs(length_residuals(t, x, goal)).max()) / goal.mean()
-        vertices = unit * x if error <= 1e-10 else embed(metric).vertices  # in mean edge lengths
+        vertices = (
+            unit * x if error <= 1e-10 else solve(metric, configured("aim")).vertices
+        )  # in mean edge lengths
         return aligned(vertices, given.vertices)
 
     def linearized(self, lengths: ArrayLike) -> Linearized:

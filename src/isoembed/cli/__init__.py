@@ -7,44 +7,30 @@ horizon or no proof was found, 130 interrupted by Ctrl-C, 143 by SIGTERM.
 import argparse
 import re
 import sys
+import time
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 from isoembed import __version__
+from isoembed.cli import completion
+from isoembed.cli import help as help_
 from isoembed.cli.collection import uncollected
-from isoembed.cli.screen import OutputError, UsageError, occupy_closed_streams, print_error, print_out
+from isoembed.cli.help import COMMANDS, FIRST_STEPS
+from isoembed.cli.screen import (
+    OutputError,
+    UsageError,
+    nothing_printed,
+    occupy_closed_streams,
+    print_error,
+    print_out,
+)
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
-
-COMMANDS = {
-    "certify": "prove that an exact surface is near the one in a file, and that no other one is",
-    "compare": "say how far two surfaces with the same lengths are apart, with proven errors",
-    "deviation": "say how far a surface may be off because its lengths have errors",
-    "embed": "find the surface that has the given edge lengths",
-    "energy": "compute quasi-local energies of a surface in spacetime (Hawking, Brown-York, Liu-Yau, ...)",
-    "glue": "build a solid from a paper net: polygons whose sides are glued together",
-    "horizon": "embed horizons, from files or found in a slice, and compute their energies",
-    "inspect": "say what kind of metric a file holds, and what that means for its embedding",
-    "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
-    "realizations": "search for surfaces with the same lengths near the one in a file",
-    "series": "embed the horizons of a whole simulation, each in its own slice: tables, plots, films",
-    "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
-    "triangulate": "cut a smooth 2-metric into triangles with geodesic lengths",
-    "unfold": "make a paper net of a solid, to print, cut, fold and glue",
-    "view": "look at a surface, in the browser or as a picture",
-}
-
-FIRST_STEPS = """\
-Five things to try:
-  isoembed surface ellipsoid --axes 3 2 1 --vertices 100 -o metric.npz
-  isoembed embed metric.npz -o surface.ply
-  isoembed inspect surface.ply
-  isoembed unfold surface.ply -o net.svg
-  isoembed view surface.ply -o surface.html"""
+from isoembed.similar_names import did_you_mean
 
 # Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
@@ -53,9 +39,16 @@ ADDRESS_SPACE = 800_000_000
 class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line, and to which -1e-3 is a number."""
 
+    usual: Collection[str] = ()
+    examples: Collection[str] = ()
+
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
+
+    def format_help(self) -> str:
+        """The help: see `isoembed.cli.help`."""
+        return help_.text(self, self.usual, self.examples)
 
     def _print_message(self, message: str, file: Any = None) -> None:
         """Print the help, or the version: as an answer."""
@@ -66,23 +59,28 @@ class Parser(argparse.ArgumentParser):
         found, rest = super().parse_known_args(*args, **options)
         for word in rest:
             name = word.partition("=")[0]
-            if name.startswith("--") and (question := _did_you_mean(name, self._option_string_actions)):
+            if name.startswith("--") and (question := did_you_mean(name, self._option_string_actions)):
                 self.error(f"unrecognized arguments: {name}{question}")
         return found, rest
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        """Refuse the command line."""
-        if unknown := re.match(r"argument COMMAND: invalid choice: '(.*?)'", message):
-            message = f"unknown command {unknown[1]!r}{_did_you_mean(unknown[1], COMMANDS)}"
+        """Refuse the command line, and a mistyped choice with the most similar one."""
+        if unknown := re.match(r"argument (.*?): invalid choice: '(.*?)' \(choose from (.*)\)", message):
+            what, given, choices = unknown.groups()
+            question = did_you_mean(given, [*re.findall(r"[^', ]+", choices), "--help"])
+            message = f"unknown command {given!r}{question}" if what == "COMMAND" else f"{message}{question}"
         print_error(f"{message} (see '{self.prog} --help')")
         raise SystemExit(WRONG)
 
 
-def _did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A question that names the most similar of the known names, if there is one."""
-    from difflib import get_close_matches
+class _Completion(argparse.Action):
+    """Option ``--completion``: print the script of a shell, for all subcommands."""
 
-    return "".join(f"; did you mean {near!r}?" for near in get_close_matches(name, known, n=1))
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: Any, shell: Any, option: Any = None
+    ) -> None:
+        print_out(completion.script(build_parser([*COMMANDS]), shell))
+        parser.exit()
 
 
 def build_parser(arguments: Sequence[str]) -> Parser:
@@ -91,11 +89,17 @@ def build_parser(arguments: Sequence[str]) -> Parser:
         prog="isoembed",
         description="From the triangles and edge lengths of a closed surface to the surface in Euclidean, "
         "hyperbolic or spherical 3-space.",
-        epilog="Exit status: 0 done; 2 wrong input or command line; 3 no embedding within the tolerance, or "
-        "no horizon; 130 interrupted by Ctrl-C, 143 by SIGTERM.",
         allow_abbrev=False,
     )
+    parser.examples = [line.strip() for line in FIRST_STEPS.splitlines()[1:3]]
     parser.add_argument("--version", action="version", version=f"isoembed {__version__}")
+    parser.add_argument(
+        "--completion",
+        action=_Completion,
+        choices=completion.SHELLS,
+        metavar="SHELL",
+        help=f"print what a shell reads to complete command lines: {', '.join(completion.SHELLS)}",
+    )
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name, purpose in COMMANDS.items():
         command = commands.add_parser(name, help=purpose, description=f"{purpose[0].upper()}{purpose[1:]}.")
@@ -104,6 +108,9 @@ def build_parser(arguments: Sequence[str]) -> Parser:
             module = _loaded(name)
             module.configure(command)
             command.set_defaults(run=module.run)
+            command.examples, command.usual = module.EXAMPLES, getattr(module, "USUAL", ())
+            if command.usual:
+                command.add_argument("--help-all", action=help_.ShowAll, help="list all options")
     return parser
 
 
@@ -152,6 +159,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status.
     """
     arguments = sys.argv[1:] if argv is None else list(argv)
+    began = time.monotonic()
     occupy_closed_streams()
     interruption = Interruption()
     try:
@@ -159,7 +167,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             if not arguments:
                 print_out(FIRST_STEPS)
             with uncollected() if argv is None else nullcontext():
-                options = build_parser(arguments).parse_args(arguments)
+                options = build_parser(arguments).parse_args(arguments, argparse.Namespace(began=began))
             return _run(options)
     except SystemExit as stop:  # argparse: --help, --version, a wrong command line
         return int(stop.code or OK)
@@ -179,14 +187,19 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     # These load numpy, which --help and --version do without.
-    from isoembed.cli.compilation import compilation_said
+    from isoembed.cli.waiting import waiting
     from isoembed.errors import InvalidMetric, InvalidParameter
     from isoembed.io import FileError
 
     notes: list[str] = []
     quiet = getattr(options, "quiet", False)
+    silent = quiet and not getattr(options, "json", False)
     try:
-        with _gathered(notes), compilation_said(quiet):
+        with (
+            _gathered(notes),
+            waiting(quiet=quiet) as options.waiting,
+            nothing_printed() if silent else nullcontext(),
+        ):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
         print_error("; ".join([str(error), *notes]))

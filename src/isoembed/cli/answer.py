@@ -10,17 +10,20 @@ from types import MappingProxyType
 from typing import Any
 
 import isoembed
-from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
-from isoembed.cli.outputs import Outputs
+from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option, add_verbose_option
+from isoembed.cli.outputs import Outputs, written
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
+from isoembed.cli.waiting import held
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
-from isoembed.io.files import Writer
+from isoembed.io.files import Writer, ending
 from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
+
+CERTIFIED = 10_000  # vertices: of more, a certificate takes as long as the surface
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
@@ -32,6 +35,7 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
         "--keep", action="store_true", help="write the best attempt even if it is not an answer"
     )
     add_json_option(parser, "print the report, as one JSON object, instead of text")
+    add_verbose_option(parser)
     add_quiet_option(parser)
 
 
@@ -49,6 +53,9 @@ def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs
     FileError, UsageError
         Naming the file.
     """
+    for name, endings in PICTURES.items():
+        if options.output and ending(options.output) in endings:
+            raise UsageError(f"--output is for surfaces: did you mean --{name} {options.output}?")
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, report=REPORT_ENDINGS, **PICTURES, **beside)
     check_pictures(options)
     if options.keep and not outputs.keys() - {"report", *beside}:
@@ -62,7 +69,7 @@ def answer(
     outputs: Outputs,
     solve: Callable[[Listener | None], isoembed.Embedding],
     *,
-    describe: Callable[[isoembed.Embedding], str] = summary,
+    describe: Callable[..., str] = summary,
     reported: Mapping[str, Any] = MappingProxyType({}),
     **beside: Callable[[Path], Writer],
 ) -> int:
@@ -76,7 +83,7 @@ def answer(
     solve : callable
         Takes the listener and embeds.
     describe : callable
-        Says in a few lines what was found.
+        Says what was found: takes the surface, whether to list its ``stages``, and whether it ``failed``.
     reported : mapping
         Entries of the report besides those of the surface.
     **beside : callable
@@ -88,7 +95,7 @@ def answer(
         The exit status.
     """
     seen = film(options)
-    embedding, failure = solved(solve, seen, quiet=options.quiet)
+    embedding, failure = solved(options, solve, seen)
     if failure is None or options.keep:
         beside["output"] = lambda path: surface_writer(path, embedding)
         beside |= picture_writers(options, embedding, seen)
@@ -104,17 +111,26 @@ def answer(
             print_error(str(failure))
         if options.json:
             print_json(report())
-        elif not options.quiet:
+        elif not options.quiet:  # a summary and a certificate take a while
             say = print_out if failure is None and not outputs else print_aside
-            if not options.output:
-                say(describe(embedding))
-            elif failure is None:
-                say(_done(embedding, outputs))
+            if options.verbose or not options.output:
+                say(describe(embedding, stages=options.verbose, failed=failure is not None))
+            say(_ending(options, embedding, outputs, failed=failure is not None))
     return OK if failure is None else NOT_EMBEDDED
 
 
-def _done(embedding: isoembed.Embedding, outputs: Outputs) -> str:
-    """What was found and written, in two lines or three."""
+def _ending(
+    options: argparse.Namespace, embedding: isoembed.Embedding, outputs: Outputs, *, failed: bool
+) -> str:
+    """What was found and written, in at most four lines."""
+    if failed and not options.keep:
+        outputs = Outputs((name, path) for name, path in outputs.items() if name in ("report", "metric"))
+    files = written(options, *outputs.values())
+    if failed:
+        keep = "; --keep writes the best attempt" if options.output and not options.keep else ""
+        return f"{embedding.status}: {files}{keep}"
+    if not options.output:
+        return files
     found = f"{embedding.status}: "
     if embedding.converged:
         found += f"the largest length error is {embedding.residual:.1e} of the mean edge length"
@@ -125,21 +141,27 @@ def _done(embedding: isoembed.Embedding, outputs: Outputs) -> str:
         count, nearest = len(embedding.others), min(embedding.distance(other) for other in embedding.others)
         realizations = "another realization" if count == 1 else f"{count} other realizations, the nearest"
         beside = f"{realizations} {nearest:.1g} mean edge lengths away"
-    files = ", ".join(map(str, outputs.values()))
-    seconds = sum(stage.seconds for stage in embedding.stages)
-    return "\n".join(line for line in (found, beside, f"{files} written, {seconds:.1f} s") if line)
+    return "\n".join(line for line in (found, _proof(embedding), beside, files) if line)
+
+
+def _proof(embedding: isoembed.Embedding) -> str:
+    """Whether the surface is certified, where that is not much beside finding it."""
+    if not embedding.converged:
+        return ""
+    if embedding.triangulation.n_vertices > CERTIFIED:
+        return "not certified: 'isoembed certify' does that for many vertices"
+    return embedding.certificate.reason
 
 
 def solved(
+    options: argparse.Namespace,
     solve: Callable[[Listener | None], isoembed.Embedding],
     seen: Listener | None = None,
-    *,
-    quiet: bool = False,
 ) -> tuple[isoembed.Embedding, NotEmbedded | None]:
     """Solve under a live view; return the surface, or the best attempt and the failure."""
     try:
-        watched = not quiet and sys.stderr is not None and sys.stderr.isatty()
-        with bar() if watched else nullcontext() as view:
+        watched = not options.quiet and sys.stderr is not None and sys.stderr.isatty()
+        with held(options), bar() if watched else nullcontext() as view:
             return solve(heard_by(view, seen)), None
     except NotEmbedded as error:
         return error.embedding, error

@@ -3,13 +3,18 @@
 import argparse
 from pathlib import Path
 
-from isoembed.cli.options import add_json_option, add_merge_option
+from isoembed.cli.options import add_json_option, add_merge_option, add_quiet_option
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import MESH_ENDINGS, read_metric, read_surface
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.surface.certificate import certify
+
+EXAMPLES = (
+    "isoembed certify surface.ply metric.npz",
+    "isoembed certify surface.ply metric.npz --json",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -21,6 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

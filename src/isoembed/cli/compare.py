@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option
-from isoembed.cli.outputs import check_answer
+from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.same_triangles import check_same_triangles
-from isoembed.cli.screen import print_json, print_out
+from isoembed.cli.screen import print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import (
     MESH_ENDINGS,
@@ -37,6 +37,11 @@ SHOWN = {
     "integrated_mean_curvature": "int H dA",
 }
 
+EXAMPLES = (
+    "isoembed compare by-aim.ply by-paper.ply metric.npz",
+    "isoembed compare by-aim.ply by-paper.ply metric.npz -o difference.png",
+)
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed compare``."""
@@ -57,6 +62,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -81,6 +87,8 @@ def run(options: argparse.Namespace) -> int:
         print_json(found.report)
     else:
         print_out(_summary(one, found))
+        if output:
+            print_aside(written(options, output))
     return OK if found.certified else NOT_EMBEDDED
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option
-from isoembed.cli.outputs import check_answer
-from isoembed.cli.screen import print_json, print_out
+from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.outputs import check_answer, written
+from isoembed.cli.screen import print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import Writer, ending
@@ -21,6 +21,11 @@ from isoembed.surface.changes import Changes, root_mean_square
 from isoembed.surface.deviation import Deviation
 from isoembed.surface.deviation_bound import DeviationBound
 from isoembed.surface.embedding import Embedding
+
+EXAMPLES = (
+    "isoembed deviation surface.ply --length-error 0.001",
+    "isoembed deviation surface.ply --length-error 0.001 --bound",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -40,6 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -61,6 +67,8 @@ def run(options: argparse.Namespace) -> int:
         print_json(found.report)
     else:
         print_out(f"not proven, because {obstacle}" if obstacle else _summary(surface, found))
+        if output and not obstacle:
+            print_aside(written(options, output))
     return NOT_EMBEDDED if obstacle else OK
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import isoembed
-from isoembed._embed import configuration, method_names
 from isoembed.arrays import Floats
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
@@ -19,11 +18,30 @@ from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
 from isoembed.io.files import ending
+from isoembed.methods import configuration, method_names
 from isoembed.progress.stages import Listener
 from isoembed.surface.checked import checked_errors
 
 WHICH = ("convex", "smoothest")
 """The values of ``--which`` that are no file."""
+
+EXAMPLES = (
+    "isoembed embed metric.npz -o surface.ply",
+    "isoembed embed scan.obj --best-fit -o smooth.ply --html smooth.html",
+)
+USUAL = (
+    "method",
+    "boundary",
+    "best_fit",
+    "length_error",
+    "which",
+    "space",
+    "output",
+    "picture",
+    "html",
+    "json",
+)
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

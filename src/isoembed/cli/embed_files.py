@@ -11,7 +11,7 @@ import numpy as np
 from isoembed import Method
 from isoembed.cli.length_error import length_errors
 from isoembed.cli.many import carried_out, seen_by_all
-from isoembed.cli.outputs import stems
+from isoembed.cli.outputs import elapsed, stems
 from isoembed.cli.screen import UsageError, print_aside, print_json
 from isoembed.io import mesh_writer, report_writer, write_atomically
 from isoembed.runs import Result, Store
@@ -38,7 +38,11 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
         if getattr(options, name, None):
             raise UsageError(f"--{name} is for one file and its --output: in a folder there are all reports")
     if options.output is None:
-        raise UsageError(f"{len(options.inputs)} files need an --output: the folder for their surfaces")
+        last = options.inputs[-1]
+        meant = f"; did you mean -o {last}?" if last != "-" and not Path(last).exists() else ""
+        raise UsageError(
+            f"{len(options.inputs)} files need an --output: the folder for their surfaces{meant}"
+        )
     if "-" in options.inputs:
         raise UsageError("standard input, -, is one file: it does not go with others")
     errors = length_errors(options)
@@ -61,9 +65,11 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
         write_atomically({folder / TABLE: lambda path: path.write_text(_csv(rows), encoding="utf-8")})
     if options.json:
         print_json({**tally.report, "table": table})
-    elif not options.quiet:
+    else:
         files = f"{TABLE}, and " if table else ""
-        print_aside(f"{tally}\nin {options.output}: {files}NAME{SURFACE} and NAME{REPORT} of each")
+        print_aside(
+            f"{tally}\nin {options.output}: {files}NAME{SURFACE} and NAME{REPORT} of each\n{elapsed(options)}"
+        )
     return tally.exit_status
 
 

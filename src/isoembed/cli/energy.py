@@ -19,6 +19,7 @@ from isoembed.cli.options import (
     add_marginal_options,
     add_merge_option,
     add_output_option,
+    add_quiet_option,
     add_reference_option,
     add_vertices_option,
     marginal,
@@ -26,8 +27,8 @@ from isoembed.cli.options import (
     refuse_given,
     vertices,
 )
-from isoembed.cli.outputs import Outputs
-from isoembed.cli.screen import UsageError, print_error, print_json, print_out
+from isoembed.cli.outputs import Outputs, written
+from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.slices import OF_SLICE, add_geometry_option, add_slice_options, slice_label, slice_named
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
@@ -65,6 +66,24 @@ OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths"
 IN_SLICE = ("geometry", *(name for name in OF_SLICE if name not in OF_SPACETIME))
 OF_DECISION = ("marginal", "not_marginal")
 OF_SMOOTH = ("best_fit", "band", "wang_yau", *OF_DECISION)
+
+EXAMPLES = (
+    "isoembed energy --spacetime kerr --spin 0.5 --surface horizon",
+    "isoembed energy --spacetime kerr --spin 0.9 --surface horizon --space hyperbolic",
+)
+USUAL = (
+    "spacetime",
+    "spin",
+    "mass",
+    "surface",
+    "sphere",
+    "geometry",
+    "mean_curvature",
+    "space",
+    "wang_yau",
+    "output",
+)
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -118,6 +137,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_reference_option(parser)
     add_vertices_option(parser)
     add_json_option(parser)
+    add_quiet_option(parser)
     add_output_option(
         parser, f"where to write the embedded surface, by its ending: {' '.join(SURFACE_ENDINGS)}"
     )
@@ -169,10 +189,10 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
         surface = embed_surface(data, space=reference(options), vertices=number, best_fit=options.best_fit)
     except NotEmbedded as error:
         print_error("; ".join([str(error), *_instead(options, error.embedding)]))
-        if options.band:
-            _write_band(outputs, data, error.embedding.space)
+        band = _write_band(outputs, data, error.embedding.space) if options.band else []
         report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
         _show(options, _with_check(data, report))
+        _end(options, band)
         return NOT_EMBEDDED
     report, least = wang_yau_report(surface) if options.wang_yau else (surface.report, None)
     if options.band:
@@ -181,7 +201,8 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     try:
         _show(options, _with_check(data, report))
     finally:
-        outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
+        files = outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
+    _end(options, files)
     return OK
 
 
@@ -199,20 +220,20 @@ def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
     return report if data.gaussian_curvature is None else checked_report(report, CurvatureCheck.of(data))
 
 
-def _write_band(outputs: Outputs, data: SurfaceData, space: Space) -> None:
+def _write_band(outputs: Outputs, data: SurfaceData, space: Space) -> list[Path]:
     """Write the largest band of an axisymmetric surface that embeds, or say why none is written."""
     try:
         bands = AxisymmetricEmbedding.of(data.metric, space=space).bands
     except InvalidMetric as error:
         print_error(f"--band is for surfaces that are symmetric about the z-axis: {error}")
-        return
+        return []
     if not bands:
         print_error(f"{outputs['band']} is not written: no part of the surface is one of revolution")
-        return
+        return []
     vertices, faces = max(bands, key=lambda band: band.area).mesh()
     vertices = to_model(space, vertices, WRITTEN)
     tables = {} if space.is_euclidean else {"curvature": np.array(space.curvature)}
-    outputs.write(band=lambda path: mesh_writer(path, vertices, faces, **tables))
+    return outputs.write(band=lambda path: mesh_writer(path, vertices, faces, **tables))
 
 
 def _sphere(options: argparse.Namespace) -> SurfaceData:
@@ -279,7 +300,7 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     errors = length_errors(options)
     if errors is not None:
         checked_errors(metric, errors)  # before anything is computed
-    embedding, failure = solved(lambda progress: isoembed.embed(metric, progress=progress))
+    embedding, failure = solved(options, lambda progress: isoembed.embed(metric, progress=progress))
     if failure is not None:
         if options.json:
             print_json({"status": "not embedded", "name": str(options.input), **failure.report})
@@ -293,7 +314,8 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     try:
         _show(options, mesh_report(embedding, energies, lengths, str(options.input), deviation))
     finally:
-        outputs.write(output=lambda path: surface_writer(path, embedding))
+        files = outputs.write(output=lambda path: surface_writer(path, embedding))
+    _end(options, files)
     return OK
 
 
@@ -302,3 +324,8 @@ def _show(options: argparse.Namespace, report: dict[str, Any]) -> None:
         print_json(report)
     else:
         print_out(energy_table(report))
+
+
+def _end(options: argparse.Namespace, files: list[Path]) -> None:
+    if not options.json:
+        print_aside(written(options, *files))

@@ -7,6 +7,7 @@ from pathlib import Path
 import isoembed
 from isoembed.alexandrov.solid import Solid
 from isoembed.cli.answer import add_output_options, answer, asked_for
+from isoembed.cli.outputs import written
 from isoembed.cli.screen import print_aside
 from isoembed.cli.status import OK
 from isoembed.cli.summary import summary
@@ -15,6 +16,13 @@ from isoembed.io import METRIC_ENDINGS, metric_writer
 from isoembed.io.files import Writer
 from isoembed.io.net import read_net
 from isoembed.progress.stages import Listener
+
+EXAMPLES = (
+    "isoembed glue net.json -o solid.obj",
+    "isoembed glue net.json --html solid.html --tolerance 0.01",
+)
+USUAL = ("tolerance", "metric", "output", "report", "picture", "html", "keep", "json", "verbose", "quiet")
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -53,8 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
     if outputs.keys() == {"metric"} and not options.json:
         outputs.write(metric=metric)
-        if not options.quiet:
-            print_aside(f"{options.metric}: {net!r}")
+        print_aside(f"{net!r}\n{written(options, options.metric)}")
         return OK
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
@@ -64,6 +71,6 @@ def run(options: argparse.Namespace) -> int:
     return answer(options, outputs, solve, describe=_described, reported=correction, metric=metric)
 
 
-def _described(embedding: isoembed.Embedding) -> str:
+def _described(embedding: isoembed.Embedding, **how: bool) -> str:
     solid = f"{Solid.of(embedding)}\n\n" if isinstance(embedding, isoembed.ConvexPolyhedron) else ""
-    return f"{solid}{summary(embedding)}"
+    return f"{solid}{summary(embedding, **how)}"

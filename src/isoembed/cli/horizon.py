@@ -9,6 +9,7 @@ from isoembed.cli.options import (
     add_json_option,
     add_marginal_options,
     add_output_option,
+    add_quiet_option,
     add_report_options,
     add_vertices_option,
     marginal,
@@ -16,7 +17,7 @@ from isoembed.cli.options import (
     refuse_given,
     vertices,
 )
-from isoembed.cli.outputs import Outputs, stems
+from isoembed.cli.outputs import Outputs, stems, written
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.slices import (
     OF_SLICE,
@@ -51,6 +52,13 @@ from isoembed.runs.run import run as run_tasks
 
 OF_FILES = ("time", "surface", "marginal", "not_marginal")
 WRITTEN = ("vtk", "json", "png")
+
+EXAMPLES = (
+    "isoembed horizon --find --geometry kerr-schild --spin 0 0 0.5 -o found",
+    "isoembed horizon h.t0.ah1.gp --geometry slice.h5 --json",
+)
+USUAL = ("find", "guess", "geometry", "spin", "masses", "positions", "space", "wang_yau", "output", "json")
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -98,6 +106,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_vertices_option(parser)
     add_json_option(parser, "print JSON: an object, or a list of them")
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -123,7 +132,7 @@ def run(options: argparse.Namespace) -> int:
     )
     tasks = [HorizonTask(horizon, asked) for horizon in horizons.values() if isinstance(horizon, Moment)]
     outcomes = run_tasks(tasks, chunk=len(tasks))
-    reports, drawn = [], dict[Path, Result]()
+    reports, drawn, files = [], dict[Path, Result](), list[Path]()
     for stem, horizon in horizons.items():
         result = next(outcomes).result if isinstance(horizon, Moment) else horizon
         report = {key: part for key, part in result.report.items() if key != "moment"}
@@ -133,7 +142,7 @@ def run(options: argparse.Namespace) -> int:
         refused = result.status == REFUSED
         if options.output and not refused:
             outputs = _outputs(options, stem)
-            _write(outputs, result, report)
+            files += _write(outputs, result, report)
             if result.answered:
                 drawn[outputs["png"]] = result
         if not result.answered:
@@ -148,8 +157,9 @@ def run(options: argparse.Namespace) -> int:
         return WRONG
     if options.json:
         print_json(reports if len(reports) > 1 else reports[0])
-    if drawn:
-        _draw(drawn)
+    files += _draw(drawn) if drawn else []
+    if not options.json:
+        print_aside(written(options, *files))
     return OK if found == {"embedded"} else NOT_EMBEDDED
 
 
@@ -226,25 +236,25 @@ def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
     return Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN)
 
 
-def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> None:
+def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> list[Path]:
     """Write the report, and the surface if there is one."""
     if not result.answered:
-        outputs.write(json=lambda _: report_writer(report))
-        return
-    outputs.write(
+        return outputs.write(json=lambda _: report_writer(report))
+    return outputs.write(
         json=lambda _: report_writer(report),
         vtk=lambda path: mesh_writer(path, **mesh_of(result), **_when(report)),
     )
 
 
-def _draw(drawn: dict[Path, Result]) -> None:
+def _draw(drawn: dict[Path, Result]) -> list[Path]:
     """Write the pictures, in one scale, where matplotlib is installed."""
     if find_spec("matplotlib") is None:
         missing = "pictures need matplotlib, pip install 'isoembed[plot]'"
         print_error(f"{', '.join(map(str, drawn))} not written: {missing}")
-        return
+        return []
     for path, picture in zip(drawn, horizon_figures(list(drawn.values())), strict=True):
         write_atomically({path: figure_writer(path, picture)})
+    return list(drawn)
 
 
 def _when(report: dict[str, Any]) -> dict[str, Any]:

@@ -2,11 +2,16 @@
 
 import argparse
 
-from isoembed.cli.options import add_json_option, add_merge_option
+from isoembed.cli.options import add_json_option, add_merge_option, add_quiet_option
 from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import OK
 from isoembed.io import MESH_ENDINGS, read_metric
 from isoembed.metric.inspection import inspect
+
+EXAMPLES = (
+    "isoembed inspect metric.npz",
+    "isoembed inspect scan.stl --json",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -18,6 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

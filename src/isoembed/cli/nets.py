@@ -3,11 +3,17 @@
 import argparse
 
 from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option
+from isoembed.cli.outputs import written
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.gluing.classics import CLASSICS
 from isoembed.gluing.folding import fold
 from isoembed.io import SURFACE_ENDINGS, check_output, surface_writer, write_atomically
+
+EXAMPLES = (
+    "isoembed nets",
+    "isoembed nets latin-cross -o solid.obj",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -16,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "name",
         metavar="NAME",
         nargs="?",
-        choices=CLASSICS,
+        choices=tuple(CLASSICS),
         help=f"which to solve: {', '.join(CLASSICS)}; without it they are listed",
     )
     add_output_option(
@@ -41,14 +47,16 @@ def run(options: argparse.Namespace) -> int:
     for path in paths:
         check_output(path, SURFACE_ENDINGS)
     found = fold(nets)
-    written = {paths[one.number - 1]: one.polyhedron for one in found.folded if output}
+    solids = {paths[one.number - 1]: one.polyhedron for one in found.folded if output}
     try:
-        write_atomically({path: surface_writer(path, solid) for path, solid in written.items()})
+        write_atomically({path: surface_writer(path, solid) for path, solid in solids.items()})
     finally:
         if options.json:
             print_json(found.report)
-        elif not options.quiet:
-            (print_aside if output else print_out)(str(found))
+        elif output:
+            print_aside(f"{found}\n{written(options, *solids)}")
+        else:
+            print_out(str(found))
     for failure in found.failures:
         print_error(failure)
     return NOT_EMBEDDED if found.failures else OK

@@ -84,6 +84,11 @@ def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
+def add_verbose_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that asks for details."""
+    parser.add_argument("--verbose", action="store_true", help="print measures and stages, too")
+
+
 def add_vertices_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that says how fine the mesh of a smooth surface is."""
     parser.add_argument(

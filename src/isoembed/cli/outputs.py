@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import time
 from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
 from pathlib import Path
@@ -10,6 +11,8 @@ from pathlib import Path
 from isoembed.cli.screen import UsageError
 from isoembed.io import FileError, check_output, write_atomically
 from isoembed.io.files import Writer
+
+SHOWN = 5  # files by their names
 
 
 class Outputs(dict[str, Path]):
@@ -40,28 +43,42 @@ class Outputs(dict[str, Path]):
             if path.resolve() == same.resolve():
                 raise UsageError(f"--{name} and --{other} are the same file {path}")
 
-    def write(self, **writers: Callable[[Path], Writer]) -> None:
+    def write(self, **writers: Callable[[Path], Writer]) -> list[Path]:
         """Write those of these files that are asked for, one after the other, each whole or not at all.
 
-        One that cannot be written keeps none of the others from being written.
+        One that cannot be written keeps none of the others from being written.  Return those that were.
 
         Raises
         ------
         FileError
             The system refused some; the message says which, and which are written.
         """
-        written, failures = [], []
+        done, failures = [], []
         for name, path in self.items():
             if name in writers:
                 try:
                     write_atomically({path: writers[name](path)})
-                    written.append(str(path))
+                    done.append(path)
                 except FileError as error:
                     failures.append(str(error))
                 except MemoryError:
                     failures.append(f"cannot write {path}: there is not enough memory for it")
         if failures:
-            raise FileError("; ".join([*failures, *(f"{path} is written" for path in written)]))
+            raise FileError("; ".join([*failures, *(f"{path} is written" for path in done)]))
+        return done
+
+
+def written(options: argparse.Namespace, *files: Path | str) -> str:
+    """The last line of a command: which files it wrote, if any, and how long it took."""
+    if not files:
+        return elapsed(options)
+    more = [] if len(files) <= SHOWN else [f"{len(files) - SHOWN} more"]
+    return f"{', '.join([*map(str, files[:SHOWN]), *more])} written, {elapsed(options)}"
+
+
+def elapsed(options: argparse.Namespace) -> str:
+    """How long the command has taken."""
+    return f"{time.monotonic() - options.began:.1f} s"
 
 
 def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:

@@ -6,13 +6,14 @@ from contextlib import suppress
 from dataclasses import MISSING, Field, fields, is_dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from isoembed import _embed
+from isoembed import methods
 from isoembed.cli.screen import UsageError
+from isoembed.method import Method
 
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
 
-def configured(method: str, assignments: Sequence[str], **given: Any) -> _embed.Method:
+def configured(method: str, assignments: Sequence[str], **given: Any) -> Method:
     """Make the method of this name with these parameters.
 
     Parameters
@@ -28,7 +29,7 @@ def configured(method: str, assignments: Sequence[str], **given: Any) -> _embed.
     UsageError
         A parameter or its value is not one of the method's.
     """
-    configuration = _embed.configuration(method)
+    configuration = methods.configuration(method)
     known, needed = parameters(configuration), parameters(configuration, needed=True)
     types_ = get_type_hints(configuration)
     values = dict(given)
@@ -53,7 +54,7 @@ def configured(method: str, assignments: Sequence[str], **given: Any) -> _embed.
         raise UsageError(f"method {method!r}: {error}") from None
 
 
-def parameters(configuration: type[_embed.Method], *, needed: bool = False) -> list[str]:
+def parameters(configuration: type[Method], *, needed: bool = False) -> list[str]:
     """The names of a method's parameters, the fields of its dataclass; or of those that have no default."""
     every: list[Field] = [f for f in fields(configuration) if f.init] if is_dataclass(configuration) else []
     return [f.name for f in every if not needed or (f.default is MISSING and f.default_factory is MISSING)]

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING
 
 from isoembed.cli.screen import UsageError
 from isoembed.io.files import Writer
-from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES, SIDES
+from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES, SIDES, spelled
 from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS, PICTURE_ENDINGS
 from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from isoembed.plot.film import Film, Frame
+
+COLORS = {spelled(name): name for name in QUANTITIES}
+"""The quantities of pictures, as the command spells them."""
 
 PICTURES = {"picture": PICTURE_ENDINGS, "html": PAGE_ENDINGS, "animate": ANIMATION_ENDINGS}
 
@@ -48,11 +51,17 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that says what the colors of a picture show."""
     parser.add_argument(
         "--color",
-        choices=tuple(QUANTITIES),
+        type=spelled,
+        choices=tuple(COLORS),
         metavar="QUANTITY",
-        help=f"what the colors of the picture show: {', '.join(QUANTITIES)} "
-        f"(default {MEAN_CURVATURE}, of polyhedra {SIDES})",
+        help=f"what the colors of the picture show: {', '.join(COLORS)} "
+        f"(default {spelled(MEAN_CURVATURE)}, of polyhedra {spelled(SIDES)})",
     )
+
+
+def color_of(options: argparse.Namespace) -> str | None:
+    """The name of the quantity that the colors show, if one was chosen."""
+    return COLORS[options.color] if options.color else None
 
 
 def check_pictures(options: argparse.Namespace) -> None:
@@ -97,7 +106,7 @@ def picture_writers(
         return () if seen is None else seen.frames(embedding)
 
     return {
-        "picture": lambda path: picture_writer(path, embedding, color=options.color),
+        "picture": lambda path: picture_writer(path, embedding, color=color_of(options)),
         "html": lambda path: page_writer(path, embedding, frames=frames()),
         "animate": lambda path: animation_writer(path, embedding, frames()),
     }

@@ -4,14 +4,20 @@ import argparse
 from pathlib import Path
 
 from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
-from isoembed.cli.options import add_json_option, add_merge_option, add_output_option
+from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.outputs import written
 from isoembed.cli.same_triangles import check_same_triangles
-from isoembed.cli.screen import UsageError, print_json, print_out
+from isoembed.cli.screen import UsageError, print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import MESH_ENDINGS, read_metric, read_surface, write_atomically
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import surface_writer
 from isoembed.surface.embedding import Embedding
+
+EXAMPLES = (
+    "isoembed realizations surface.ply metric.npz -o others",
+    "isoembed realizations surface.ply metric.npz --motions 3 --distance 0.2",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -48,6 +54,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_merge_option(parser)
     add_json_option(parser)
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -59,16 +66,16 @@ def run(options: argparse.Namespace) -> int:
     check_same_triangles(metric, given.metric, options.metric, options.surface, "realizations are on")
     about = Embedding(metric, given.vertices, method=given.method, tolerance=given.tolerance)
     found = realizations(about, distance=options.distance, motions=options.motions, surfaces=options.surfaces)
-    if options.output:
-        _write(options, found)
+    files = _write(options, found) if options.output else []
     if options.json:
         print_json(found.report)
     else:
         print_out("\n".join([*_table(found), found.message]))
+        print_aside(written(options, *files))
     return OK if found.surfaces else NOT_EMBEDDED
 
 
-def _write(options: argparse.Namespace, found: Realizations) -> None:
+def _write(options: argparse.Namespace, found: Realizations) -> list[Path]:
     paths = [options.output / f"realization-{i}.ply" for i in range(1, len(found.surfaces) + 1)]
     inputs = {path.resolve() for path in (options.surface, options.metric)}
     for path in paths:
@@ -79,6 +86,7 @@ def _write(options: argparse.Namespace, found: Realizations) -> None:
     write_atomically(
         {path: surface_writer(path, each) for path, each in zip(paths, found.surfaces, strict=True)}
     )
+    return paths
 
 
 def _table(found: Realizations) -> list[str]:

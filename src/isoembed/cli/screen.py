@@ -2,7 +2,8 @@
 
 import os
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout, suppress
 from typing import Any, TextIO
 
 
@@ -37,6 +38,13 @@ def print_aside(text: str) -> None:
     """Print what was written into files, or is in one of them: where nobody can read it, nothing is lost."""
     with suppress(OutputError):
         print_out(text)
+
+
+@contextmanager
+def nothing_printed() -> Iterator[None]:
+    """Send the answers of the block nowhere: what ``--quiet`` asks for."""
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+        yield
 
 
 def print_json(document: Any) -> None:

@@ -26,6 +26,7 @@ from isoembed.cli.options import (
     refuse_given,
     vertices,
 )
+from isoembed.cli.outputs import elapsed
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json
 from isoembed.cli.slices import (
     CLOSED_FORMS,
@@ -65,6 +66,13 @@ OF_HORIZONS = (
     "vertices",
     "wang_yau",
 )
+
+EXAMPLES = (
+    "isoembed series simulation -o results --film",
+    "isoembed series h.t*.ah1.gp --geometry 'slices/{iteration}.h5' -o results",
+)
+USUAL = ("geometry", "space", "wang_yau", "multipoles", "output", "film", "jobs", "retry", "json", "quiet")
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -122,9 +130,11 @@ def run(options: argparse.Namespace) -> int:
             status = WRONG
     if options.json:
         print_json({**(tally.report if tally else {}), "folder": str(options.output), "files": written})
-    elif not options.quiet:
+    else:
         said = [str(tally)] if tally else []
-        print_aside("\n".join([*said, *([f"in {options.output}: {', '.join(written)}"] if written else [])]))
+        if written:
+            said.append(f"in {options.output}: {', '.join(written)}")
+        print_aside("\n".join([*said, elapsed(options)]))
     return status
 
 

@@ -6,13 +6,16 @@ from typing import Any
 from isoembed.surface.embedding import Embedding
 
 
-def summary(embedding: Embedding) -> str:
-    """Return the summary that ``isoembed embed`` prints where no output file is asked for."""
+def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False) -> str:
+    """Return the summary that ``isoembed embed`` prints where no output file is asked for.
+
+    Of one that failed the message is left out: it is the error.
+    """
     report = embedding.report
     size, residual = report["input"], report["residual"]
     convexity, smoothness = report["convexity"], report["smoothness"]
     lines = [
-        f"{report['status']}: {report['message']}",
+        f"{report['status']}: {'the best attempt' if failed else report['message']}",
         "",
         f"method      {report['method']}, tolerance {report['tolerance']:.0e}",
         *_space(report["space"]),
@@ -31,7 +34,7 @@ def summary(embedding: Embedding) -> str:
         *([] if "sheet" in report else [f"volume      {_measure(report, 'volume')}"]),
         f"int H dA    {_measure(report, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
     ]
-    if embedding.stages:
+    if stages and embedding.stages:
         width = max(len("total"), *(len(stage.name) for stage in embedding.stages))
         lines += ["", f"{'stage':{width}}  seconds  iterations  factorizations"]
         rows = [(s.name, s.seconds, s.iterations, s.factorizations) for s in embedding.stages]

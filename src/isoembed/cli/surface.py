@@ -4,7 +4,8 @@ import argparse
 from dataclasses import Field, fields
 from typing import Any, get_args, get_type_hints
 
-from isoembed.cli.options import add_output_option
+from isoembed.cli.options import add_output_option, add_quiet_option
+from isoembed.cli.outputs import written
 from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
 from isoembed.gallery import SURFACES, Surface, triangulate
@@ -18,6 +19,11 @@ from isoembed.io import (
 )
 from isoembed.io.files import ending
 from isoembed.metric.polyhedral import PolyhedralMetric
+
+EXAMPLES = (
+    "isoembed surface --list",
+    "isoembed surface ellipsoid --axes 3 2 1 --vertices 100 -o metric.npz",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -46,6 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             f"{' '.join(name for name in SURFACE_ENDINGS if name not in METRIC_ENDINGS)}: the mesh",
             required=True,
         )
+        add_quiet_option(options)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -66,9 +73,10 @@ def run(options: argparse.Namespace) -> int:
         writer = mesh_writer(options.output, vertices, faces)
     write_atomically({options.output: writer})
     print_aside(
-        f"{options.output}: {surface!r}, {metric.triangulation.n_vertices} vertices; the smooth surface has "
+        f"{surface!r}, {metric.triangulation.n_vertices} vertices; the smooth surface has "
         f"area {surface.area:.12g}, volume {surface.volume:.12g}, "
-        f"int H dA {surface.integrated_mean_curvature:.12g} with H = (k1 + k2)/2"
+        f"int H dA {surface.integrated_mean_curvature:.12g} with H = (k1 + k2)/2\n"
+        f"{written(options, options.output)}"
     )
     return OK
 

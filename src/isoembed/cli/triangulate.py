@@ -5,12 +5,20 @@ import argparse
 import numpy as np
 
 from isoembed.cli.closed_form import OF_SPACETIME, add_spacetime_options, closed_form
-from isoembed.cli.options import add_output_option, refuse_given
+from isoembed.cli.options import add_output_option, add_quiet_option, refuse_given
+from isoembed.cli.outputs import written
 from isoembed.cli.screen import UsageError, print_aside
 from isoembed.cli.status import OK
 from isoembed.io import METRIC_ENDINGS, check_output, metric_writer, write_atomically
 from isoembed.relativity.horizons.grid_file import read_metric_grid
 from isoembed.smooth.triangulation import triangulate_metric
+
+EXAMPLES = (
+    "isoembed triangulate grid.npz --vertices 500 -o metric.npz",
+    "isoembed triangulate --spacetime kerr --spin 0.5 --surface horizon --vertices 500 -o metric.npz",
+)
+USUAL = ("spacetime", "surface", "mass", "spin", "vertices", "size", "grading", "output", "quiet")
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -38,6 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         f"{' '.join(METRIC_ENDINGS)}: faces, edges, lengths, and the directions (V, 3) of the vertices",
         required=True,
     )
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -56,7 +65,8 @@ def run(options: argparse.Namespace) -> int:
     write_atomically({options.output: metric_writer(options.output, mesh.metric, directions=mesh.directions)})
     least, largest = np.degrees(mesh.angles)
     print_aside(
-        f"{options.output}: {name}, {mesh.metric.triangulation.n_vertices} vertices, mean edge length "
-        f"{mesh.metric.mean_length:.6g}, angles from {least:.1f} to {largest:.1f} degrees"
+        f"{name}, {mesh.metric.triangulation.n_vertices} vertices, mean edge length "
+        f"{mesh.metric.mean_length:.6g}, angles from {least:.1f} to {largest:.1f} degrees\n"
+        f"{written(options, options.output)}"
     )
     return OK

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
-from isoembed.cli.outputs import check_answer
+from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_error
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
@@ -16,6 +16,10 @@ from isoembed.plot.paper.placing import PAPERS
 from isoembed.plot.sheets import sheets_writer
 
 MANY_FOLDS = 300  # some hours of folding
+EXAMPLES = (
+    "isoembed unfold surface.ply -o net.svg",
+    "isoembed unfold surface.ply -o net.pdf --paper letter",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -62,6 +66,5 @@ def run(options: argparse.Namespace) -> int:
     else:
         writer = sheets_writer(output, unfolding, **drawing)
     write_atomically({output: writer})
-    if not options.quiet:
-        print_aside(f"{output}: {unfolding}")
+    print_aside(f"{unfolding}\n{written(options, output)}")
     return OK

@@ -5,10 +5,10 @@ import tempfile
 import webbrowser
 from pathlib import Path
 
-from isoembed.cli.options import add_merge_option, add_output_option
-from isoembed.cli.outputs import check_answer
-from isoembed.cli.pictures import add_color_option
-from isoembed.cli.screen import UsageError, print_out
+from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.outputs import check_answer, written
+from isoembed.cli.pictures import add_color_option, color_of
+from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
 from isoembed.io import read_surface, write_atomically
 from isoembed.io.files import ending
@@ -17,6 +17,11 @@ from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.page import page_writer, write_page
 from isoembed.surface.embedding import Embedding
+
+EXAMPLES = (
+    "isoembed view surface.ply",
+    "isoembed view surface.ply -o surface.png --color gaussian-curvature",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -35,6 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_color_option(parser)
     add_merge_option(parser)
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -52,8 +58,9 @@ def run(options: argparse.Namespace) -> int:
     if ending(output) in PAGE_ENDINGS:
         writer = page_writer(output, surface, title=options.file.name)
     else:
-        writer = picture_writer(output, surface, color=options.color)
+        writer = picture_writer(output, surface, color=color_of(options))
     write_atomically({output: writer})
+    print_aside(f"{surface.triangulation.n_vertices:,} vertices\n{written(options, output)}")
     return OK
 
 

@@ -4,11 +4,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, cast
 
-from isoembed._embed import embed
+from isoembed.alexandrov.method import Alexandrov
 from isoembed.alexandrov.polyhedron import ConvexPolyhedron
 from isoembed.alexandrov.solid import Solid
 from isoembed.errors import NotEmbedded
 from isoembed.gluing.net import Net
+from isoembed.method import solve
 
 HEADINGS = ("", "net", "solid", "vertices", "edges", "faces", "area", "volume")
 
@@ -103,7 +104,7 @@ def fold(nets: Iterable[tuple[str, Net]]) -> Folding:
     failures: list[str] = []
     for number, (label, net) in enumerate(nets, 1):
         try:
-            polyhedron = cast(ConvexPolyhedron, embed(net, method="alexandrov"))
+            polyhedron = cast(ConvexPolyhedron, solve(net, Alexandrov()))
         except NotEmbedded as error:
             failures.append(f"net {number}, {label}: {error}")
             continue

@@ -2,27 +2,32 @@
 
 import numpy as np
 
-from isoembed._embed import embed
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.gluing.net import Net
 from isoembed.linalg import SingularMatrix
+from isoembed.method import TOLERANCE, solve
+from isoembed.methods import configured
 from isoembed.metric.convexity import deficit_rounding
-from isoembed.progress.stages import Listener, Log
+from isoembed.progress.stages import Checkpoint, Listener, Log
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
-TOLERANCE = 1e-10
 
-
-def embed_net(net: Net, *, progress: Listener | None = None) -> Embedding:
+def embed_net(
+    net: Net,
+    *,
+    tolerance: float = TOLERANCE,
+    progress: Listener | None = None,
+    resume: Checkpoint | None = None,
+) -> Embedding:
     """Find the solid that a net is folded to.
 
     Parameters
     ----------
     net : Net
-    progress : callable, optional
-        As of `isoembed.embed`.
+    tolerance, progress, resume
+        As of `isoembed.embed`, which calls this for a net without a method.
 
     Returns
     -------
@@ -39,14 +44,14 @@ def embed_net(net: Net, *, progress: Listener | None = None) -> Embedding:
     NotEmbedded
         No surface was found.
     """
-    folded = None if net.folded is None else _folded(net, progress)
+    folded = None if net.folded is None else _folded(net, tolerance, progress)
     if folded is not None and folded.concave_edges.any():
         return folded
     v = int(np.argmin(net.deficits))
     if net.deficits[v] >= -deficit_rounding(net.faces, net.face_lengths, net.curvature)[v]:
-        return embed(net, method="alexandrov", progress=progress)
+        return solve(net, configured("alexandrov"), tolerance=tolerance, progress=progress, resume=resume)
     if net.folded is None:
-        found = _with_flat_polygons(net, progress)
+        found = _with_flat_polygons(net, tolerance, progress)
         if found is not None:
             return found
         raise InvalidMetric(
@@ -55,15 +60,17 @@ def embed_net(net: Net, *, progress: Listener | None = None) -> Embedding:
             "polygon a list of [corner, corner, degrees], or edges_foldAngle (.fold), as 'isoembed unfold' "
             "writes them"
         )
-    return folded or embed(net.simplicial(), progress=progress)
+    return folded or solve(
+        net.simplicial(), configured("aim"), tolerance=tolerance, progress=progress, resume=resume
+    )
 
 
-def _with_flat_polygons(net: Net, progress: Listener | None) -> Embedding | None:
+def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -> Embedding | None:
     """The solid whose faces are the polygons, or parts of such, if one is found."""
     if len(net.polygons) < 4:  # a sheet that is folded: its triangles are none of the faces of the solid
         return None
     try:
-        found = embed(net.simplicial(), progress=progress)
+        found = solve(net.simplicial(), configured("aim"), tolerance=tolerance, progress=progress)
     except NotEmbedded:
         return None
     allowed = 1e-7 * found.metric.mean_length + 2 * found._vertex_error * found.metric.unit
@@ -76,7 +83,7 @@ def _with_flat_polygons(net: Net, progress: Listener | None) -> Embedding | None
     return next((s for s in solids if all(is_flat(s.vertices[outline]) for outline in net.outlines)), None)
 
 
-def _folded(net: Net, progress: Listener | None) -> Embedding | None:
+def _folded(net: Net, tolerance: float, progress: Listener | None) -> Embedding | None:
     """The folded vertices moved until they have the lengths of the net; None if they do not come to that."""
     metric = net.simplicial()
     if net.folded is None or len(net.folded) != metric.triangulation.n_vertices:
@@ -99,6 +106,6 @@ def _folded(net: Net, progress: Listener | None) -> Embedding | None:
                 break
             vertices, residuals = moved, after
     embedding = Embedding(
-        metric, metric.unit * vertices, method="folding", tolerance=TOLERANCE, stages=log.stages
+        metric, metric.unit * vertices, method="folding", tolerance=tolerance, stages=log.stages
     )
     return embedding if embedding.converged else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -73,6 +74,33 @@ class Unfolding:
     def net(self) -> Net:
         """The sheets glued: the metric of the solid, from paper."""
         return glue(self.sheets, self.sides).knowing(precision=self.precision)
+
+    def save(self, path: str | os.PathLike[str], *, paper: str = "A4", scale: float | None = None) -> None:
+        """Write the net, by the ending of the file: on pages to print and cut out, or to be glued again.
+
+        Parameters
+        ----------
+        path : path
+            ``.svg`` or ``.pdf`` for pages, as `isoembed.plot.write_sheets` writes them; ``.json`` or
+            ``.fold`` for what `isoembed.glue` reads.
+        paper : str
+            Of pages: ``"A4"``, ``"A3"`` or ``"letter"``.
+        scale : float, optional
+            Of pages: millimeters a unit of the solid; by default the largest with which each sheet fits.
+
+        Raises
+        ------
+        FileError
+            The ending is not known, the file cannot be written, or for PDF matplotlib is not installed.
+        InvalidMetric
+            The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
+        InvalidParameter
+            There is no such paper, or a sheet does not fit on it.
+        """
+        # As those of `isoembed.surface.views`, this import is upward, and named in the contract.
+        from isoembed.plot.saving import save_unfolding
+
+        save_unfolding(self, path, paper=paper, scale=scale)
 
 
 def unfold(surface: Embedding) -> Unfolding:

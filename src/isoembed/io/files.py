@@ -9,6 +9,8 @@ from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from isoembed.similar_names import did_you_mean
+
 Tables = Mapping[str, Any]
 """Named arrays of a file: ``faces``, ``edges``, ``lengths``, ``vertices`` and data at the vertices."""
 
@@ -128,7 +130,8 @@ def open_input(path: Path) -> BinaryIO:
     try:
         return path.open("rb", buffering=1 << 16)
     except FileNotFoundError:
-        raise FileError(f"there is no file {path}") from None
+        there = [file.name for file in path.parent.iterdir()] if path.parent.is_dir() else []
+        raise FileError(f"there is no file {path}{did_you_mean(path.name, there)}") from None
     except IsADirectoryError:
         raise FileError(f"{path} is a folder, not a file") from None
     except OSError as error:

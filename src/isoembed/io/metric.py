@@ -171,6 +171,8 @@ def metric_of(tables: Tables) -> PolyhedralMetric:
 def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = False) -> Tables:
     """The arrays of a file of this name, checked; those of a mesh as points and triangles."""
     if "faces" not in tables or not ("lengths" in tables or "vertices" in tables):
+        if "polygons" in tables:
+            raise FileError(f"{name} is a net: glue it first, with 'isoembed glue {name} -o surface.ply'")
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(
             f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices"

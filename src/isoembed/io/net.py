@@ -1,6 +1,7 @@
 """Paper nets in JSON: polygons and the pairs of sides that are glued, or a form by its name."""
 
 import os
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -29,9 +30,10 @@ from isoembed.io.crease_pattern import (
     precision_entry,
     read_crease_pattern,
 )
-from isoembed.io.files import FileError, Writer, check_ending, ending, write_atomically
+from isoembed.io.files import FileError, Writer, check_ending, ending, input_ending, write_atomically
+from isoembed.io.fold import CORNERS
 from isoembed.io.input_file import InputFile
-from isoembed.io.registry import check_output
+from isoembed.io.registry import FORMATS, check_output
 from isoembed.space import Space
 from isoembed.space.models import MODELS, Model, to_model
 from isoembed.strict_json import strict_json
@@ -48,12 +50,12 @@ CURVES: Makers = {"circle": (circle, 1, 1), "ellipse": (Ellipse, 2, 2), "stadium
 OUTLINES = POLYGONS | CURVES
 
 
-def read_net(source: str, *, tolerance: float | None = None) -> Net:
+def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) -> Net:
     """Read a net and glue it.
 
     Parameters
     ----------
-    source : str
+    source : path or "-"
         A ``.json`` file, or ``-`` for standard input: an object with ``polygons`` and ``sides`` or
         ``corners``, as `isoembed.glue` takes them, with ``sides`` also ``folds``, for each polygon a list of
         ``[corner, corner, degrees]``, positive where the solid is convex; or with one of
@@ -87,11 +89,32 @@ def read_net(source: str, *, tolerance: float | None = None) -> Net:
     """
     if source == "-":
         return _net(json.read_standard_input(), "standard input", tolerance)
+    if input_ending(source) in FORMATS.keys() - set(NET_ENDINGS):
+        raise FileError(
+            f"{source} is no net, which has the ending .json or .fold: a metric or a mesh is embedded, with "
+            f"'isoembed embed {source} -o surface.ply'"
+        )
     check_ending(source, NET_ENDINGS)
     with InputFile(source) as file:
         if file.ending == ".fold":
             return read_crease_pattern(file, tolerance)
-        return _net(json.read(file), source, tolerance)
+        return _net(json.read(file), str(source), tolerance)
+
+
+def holds_net(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is a net by the names of its entries: one that `read_net` reads, and no surface.
+
+    Raises
+    ------
+    FileError
+        A file that might be one cannot be opened, or is no text.
+    """
+    if input_ending(path) not in NET_ENDINGS:
+        return False
+    with InputFile(path) as file:
+        if file.ending == ".json":
+            return re.search(rf'"({"|".join(FORMS)})"\s*:', file.text) is not None
+        return "foldedForm" not in file.text and re.search(f"{CORNERS}|creasePattern", file.text) is not None
 
 
 def net_writer(path: str | os.PathLike[str], unfolding: Unfolding) -> Writer:

@@ -7,19 +7,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.io.files import FileError, Writer, ending, write_atomically
+from isoembed.io.files import FileError, Tables, Writer, ending, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.metric import facts, metric_of, read_tables
 from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_writer
 from isoembed.io.title_line import WRITTEN
+from isoembed.method import TOLERANCE
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.space.models import to_model
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume
 from isoembed.surface.polyhedron import Polyhedron
-
-TOLERANCE = 1e-10  # as of `isoembed.embed`, for files that hold lengths beside the vertices
 
 
 def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) -> Embedding:
@@ -49,15 +48,21 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
         What it holds is not a triangulated surface.
     """
     tables = read_tables(path, merge)
-    metric = metric_of(tables)
     if "vertices" not in tables:
+        metric_of(tables)  # what is wrong with it comes first
         raise FileError(
             f"{path} is a metric without vertices: embed it first, with "
             f"'isoembed embed {path} -o surface.ply'"
         )
+    return surface_of(tables, str(path))
+
+
+def surface_of(tables: Tables, name: str) -> Embedding:
+    """The surface of the arrays of a file of this name, which have vertices."""
+    metric = metric_of(tables)
     vertices = np.asarray(tables["vertices"])
     if vertices.shape[1:] != (3,):
-        raise FileError(f"{path} holds vertices of shape {vertices.shape}, not (V, 3)")
+        raise FileError(f"{name} holds vertices of shape {vertices.shape}, not (V, 3)")
     given = "lengths" in tables
     own = metric
     if given:  # checks the vertices

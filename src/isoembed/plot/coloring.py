@@ -11,8 +11,9 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons, flattened
 from isoembed.io.surface import vertex_residuals
-from isoembed.metric.curvature import area, dual_areas, gaussian_curvature
+from isoembed.metric.curvature import area
 from isoembed.progress.stages import Log
+from isoembed.similar_names import did_you_mean
 from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
@@ -81,15 +82,9 @@ def mean_curvature(embedding: Embedding) -> Quantity:
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
     """K, the deficit over the circumcentric dual area and that of the triangles, where both are known."""
-    metric = embedding.metric
-    known = dual_areas(metric.normalized) > 0
-    values = np.full(len(known), np.nan)
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        curvature = gaussian_curvature(metric)
-    known &= np.abs(curvature) < 1e300  # beyond, sums overflow
-    values[known] = curvature[known]
-    own = "k + " if metric.curvature else ""
-    return Quantity("Gaussian curvature", rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$", values)
+    own = "k + " if embedding.metric.curvature else ""
+    label = rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$"
+    return Quantity("Gaussian curvature", label, embedding.gaussian_curvature)
 
 
 def residual(embedding: Embedding) -> Quantity:
@@ -183,16 +178,26 @@ def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
     return tuple(found for name in names if (found := QUANTITIES[name](embedding)) is not None)
 
 
+def spelled(name: str) -> str:
+    """The name of a quantity as the command spells it: ``gaussian-curvature``."""
+    return name.lower().replace(" ", "-").replace("_", "-")
+
+
 def quantity(embedding: Embedding, name: str) -> Quantity:
-    """The quantity of this name; NaN everywhere if this surface does not have it.
+    """The quantity of this name, in any of its spellings; NaN everywhere if the surface does not have it.
 
     Raises
     ------
     InvalidParameter
         There is no such quantity.
     """
-    if name not in QUANTITIES:
-        raise InvalidParameter(f"there is no quantity {name!r} to show; there are {', '.join(QUANTITIES)}")
+    known = {spelled(each): each for each in QUANTITIES}
+    if spelled(name) not in known:
+        near = did_you_mean(spelled(name), known)
+        raise InvalidParameter(
+            f"there is no quantity {name!r} to show; there are {', '.join(QUANTITIES)}{near}"
+        )
+    name = known[spelled(name)]
     found = QUANTITIES[name](embedding)
     nowhere = np.full(embedding.triangulation.n_vertices, np.nan)
     return Quantity(name, f"this surface has no {name}", nowhere) if found is None else found

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isoembed._embed import configuration
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.registry import check_output
+from isoembed.methods import configuration
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed

@@ -43,7 +43,13 @@ INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
 OUTLINE, SEWN = 0.8, 1.2  # widths of edges and of seams
 
 
-def figure(embedding: Embedding, *, color: str | Quantity | None = None, caption: str = "") -> Figure:
+def figure(
+    embedding: Embedding,
+    *,
+    color: str | Quantity | None = None,
+    caption: str = "",
+    ax: Axes | None = None,
+) -> Figure:
     """Draw a surface.
 
     Parameters
@@ -53,12 +59,15 @@ def figure(embedding: Embedding, *, color: str | Quantity | None = None, caption
         What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`.  By default the
         mean curvature; of polyhedra with up to 200 faces the number of sides of a face.
     caption : str
-        By default the number of vertices, int H dA and the residual.
+        By default the number of vertices, int H dA and the residual; in axes of one's own their title, and
+        by default none.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw, with a color bar beside it; by default a figure of its own.
 
     Returns
     -------
     matplotlib.figure.Figure
-        With a canvas of its own: no window and no global state.
+        That of `ax`, or a new one with a canvas of its own: no window and no global state.
 
     Raises
     ------
@@ -70,7 +79,23 @@ def figure(embedding: Embedding, *, color: str | Quantity | None = None, caption
     color = usual(embedding) if color is None else color
     shown = quantity(embedding, color) if isinstance(color, str) else color
     panel = Panel.of(Drawn.of(embedding), embedding.vertices, shown)
+    if ax is not None:
+        return _into(ax, panel, shown, caption)
     return _row([panel], shown, caption or _caption(embedding))
+
+
+def _into(ax: Axes, panel: Panel, shown: Quantity, title: str) -> Figure:
+    """Draw a surface into axes, and a color bar beside them; return their figure."""
+    scale = color_scale(*shown.bounds, shown.scale)
+    draw_panel(ax, panel, scale)
+    ax.autoscale_view()
+    if title:
+        ax.set_title(title, color=INK, fontsize=10)
+    whole = ax.figure.figure  # of a SubFigure its Figure
+    bar = whole.colorbar(scale, ax=ax, shrink=0.8)
+    bar.outline.set_visible(False)
+    bar.set_label(shown.label, color=INK)
+    return whole
 
 
 def panels(

@@ -1,7 +1,6 @@
 """Time spent compiling: numba compiles a function on its first call, once for all if it can keep the code."""
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 from isoembed.kernel import with_numba
@@ -14,13 +13,10 @@ class Compiling:
     ----------
     functions : int
         That were compiled so far, those that were found compiled not among them.
-    watchers : list of callable
-        Called whenever it begins to compile one.
     """
 
     def __init__(self) -> None:
         self.functions = 0
-        self.watchers: list[Callable[[], None]] = []
         self._open = 0  # one within another: a function and those that it calls
         self._spent: tuple[float, float | None] = (0.0, None)  # until now, and since when it is compiling
 
@@ -40,8 +36,6 @@ class Compiling:
         if not self._open:
             self._spent = self._spent[0], time.perf_counter()
         self._open += 1
-        for watcher in self.watchers:
-            watcher()
 
     def on_end(self, _: Any) -> None:
         """End, be it with an error."""

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from isoembed._embed import Method, embed
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, NotEmbedded
 from isoembed.io.digest import file_digest, unchanged
 from isoembed.io.files import FileError
 from isoembed.io.format import flattened
 from isoembed.io.metric import read_metric
 from isoembed.io.surface import polygon_faces, surface_data
+from isoembed.method import Method, solve
 from isoembed.progress.fingerprint import described
 from isoembed.runs.result import REFUSED, Result
 from isoembed.space import Space
@@ -82,7 +82,7 @@ class EmbeddingTask:
                     )
                 chosen = self.method.takes_length_errors
                 errors = self.length_error if chosen else None
-                found = embed(metric, method=self.method, tolerance=self.tolerance, length_errors=errors)
+                found = solve(metric, self.method, tolerance=self.tolerance, length_errors=errors)
                 if self.length_error is not None and not chosen:
                     found = found.with_length_errors(self.length_error)
             except NotEmbedded as error:

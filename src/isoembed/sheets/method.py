@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed._embed import Method
 from isoembed.aim.adaptive import Aim
 from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Floats
@@ -16,6 +15,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.mesh.checks import real_array
 from isoembed.mesh.triangulation import frozen
+from isoembed.method import Method
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.progress.stages import Log
@@ -197,7 +197,7 @@ def _through(
     if given[e] <= tolerance:
         return found
     off = np.linalg.norm(x[a[e]] - x[b[e]]) / metric.lengths[e] - 1
-    return found.with_message(
+    return found._with_message(
         f"the boundary does not fit the lengths: the distance of its vertices {a[e]} and {b[e]} differs from "
         f"the length of their edge by {off:.2g} of it; are they in the order of Triangulation.boundaries?"
     )
@@ -259,7 +259,7 @@ def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats
         except (InvalidMetric, NotEmbedded):  # the surface may be there without the filled one
             return scaled_distances(metric), None
         if found.converged:
-            x = found.in_unit_of(closed).vertices[: t.n_vertices]
+            x = found._in_unit_of(closed).vertices[: t.n_vertices]
             return x, LeastBending(x, none, np.inf)
     return scaled_distances(metric), None
 

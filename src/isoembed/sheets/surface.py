@@ -42,9 +42,9 @@ class SheetEmbedding(Embedding):
     tensions: Floats | None = None
     imbalance: float | None = None
 
-    def in_unit_of(self, given: Any) -> "SheetEmbedding":
+    def _in_unit_of(self, given: Any) -> "SheetEmbedding":
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
-        found = super().in_unit_of(given)
+        found = super()._in_unit_of(given)
         if self.tensions is not None:
             found._set(tensions=frozen(self.tensions / given.unit))
         return found

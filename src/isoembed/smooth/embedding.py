@@ -9,6 +9,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.reprs import short_repr
 from isoembed.smooth.extrinsic import Surface, radial_volume
 from isoembed.smooth.grid_metric import sampled_on_grid
 from isoembed.smooth.harmonics import Harmonics
@@ -22,6 +23,7 @@ from isoembed.space import EUCLIDEAN, Space
 ROUNDING = 1e-11  # relative error of lengths
 
 
+@short_repr
 @dataclass(frozen=True)
 class SmoothEmbedding:
     """A map X from the sphere into space that is to realize a metric.

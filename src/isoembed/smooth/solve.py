@@ -6,12 +6,12 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from isoembed._embed import embed
 from isoembed.aim.adaptive import Aim
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import angles_of, gauss_rule
+from isoembed.method import solve
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.coordinates import fitting_coordinates
 from isoembed.smooth.embedding import ROUNDING, SmoothEmbedding
@@ -278,7 +278,7 @@ def _embedded(mesh: SphereMesh) -> Floats:
     """The vertices (V, 3) of the embedded triangulation, or of the best fit: the equations decide."""
     try:
         # Enough to be on a branch.
-        points = embed(mesh.metric, method=Aim(best_fit=True), tolerance=1e-4).vertices
+        points = solve(mesh.metric, Aim(best_fit=True), tolerance=1e-4).vertices
     except NotEmbedded as error:
         points = error.embedding.vertices
     space = mesh.metric.space

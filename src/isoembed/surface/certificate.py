@@ -13,11 +13,13 @@ from isoembed.arrays import Floats
 from isoembed.evidence import Evidence
 from isoembed.linalg.rounding import GUARD
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.reprs import short_repr
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.length_equations import NotProven
 from isoembed.surface.nearby_realization import NearbyRealization
 
 
+@short_repr
 @dataclass(frozen=True)
 class Certificate:
     """Whether an exact realization is proven to be near, and the numbers of the proof.

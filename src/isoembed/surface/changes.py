@@ -8,6 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.reprs import short_repr
 
 INTEGRALS = ("area", "volume", "integrated_mean_curvature")
 LOCAL = ("vertices", "normals", "dihedral_angles", "mean_curvature")
@@ -19,6 +20,7 @@ def root_mean_square(values: Floats) -> float:
     return top * float(np.sqrt(np.mean((values / top) ** 2))) if 0.0 < top < np.inf else top
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Changes:
     """A number for each quantity of a surface.

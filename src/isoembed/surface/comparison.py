@@ -22,6 +22,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.linalg.rounding import GUARD, gamma
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.reprs import short_repr
 from isoembed.surface.alignment import aligned
 from isoembed.surface.changes import Changes
 from isoembed.surface.curvature import (
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from isoembed.surface.embedding import Embedding
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """How a second surface differs from a first one of the same triangles.

@@ -13,6 +13,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.reprs import short_repr
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.measures import face_normals
@@ -71,6 +72,7 @@ class LengthDerivatives:
         return by_length
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Variation:
     """First and second derivatives of a surface in R^3 whose lengths are ``l + t dl``, by t at t = 0.

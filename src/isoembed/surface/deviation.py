@@ -17,6 +17,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.variation import area_derivative
+from isoembed.reprs import short_repr
 from isoembed.surface.changes import INTEGRALS, Changes
 from isoembed.surface.curvature import dihedral_angles, vertex_areas, vertex_mean_curvature
 from isoembed.surface.derivatives import (
@@ -29,6 +30,7 @@ from isoembed.surface.derivatives import (
 PROBES = 400  # random errors with which the deviations at vertices, faces and edges are estimated
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class IntegralDeviation:
     """Standard deviations of what is integrated over a surface whose lengths have independent errors.
@@ -88,6 +90,7 @@ class IntegralDeviation:
         return {name: getattr(self, name) for name in INTEGRALS}
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Deviation(Changes):
     """Standard deviations of a surface in R^3 whose lengths have independent errors, to first order.

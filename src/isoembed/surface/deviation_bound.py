@@ -26,6 +26,7 @@ from isoembed.arrays import Floats
 from isoembed.linalg.rounding import GUARD, U, gamma
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.reprs import short_repr
 from isoembed.surface.changes import Changes
 from isoembed.surface.curvature import vertex_areas, vertex_mean_curvature
 from isoembed.surface.derivatives import volume_gradient
@@ -35,6 +36,7 @@ from isoembed.surface.moved_triangles import MovedTriangles
 from isoembed.surface.nearby_realization import NearbyRealization, norm
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class DeviationBound(Changes):
     """Upper bounds on how far a surface in R^3 is off, whatever its lengths are within given errors.

@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.errors import InvalidParameter
 from isoembed.evidence import Evidence
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
+from isoembed.metric.curvature import dual_areas, gaussian_curvature
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
@@ -82,7 +84,8 @@ class Embedding(Sensitivity, Views):
     uniqueness: Evidence | None = None
     length_errors: Floats | None = None
 
-    _DIMENSIONAL: ClassVar[tuple[str, ...]] = ("mean_curvature",)  # cached properties that have a unit
+    # Cached properties that have a unit.
+    _DIMENSIONAL: ClassVar[tuple[str, ...]] = ("gaussian_curvature", "mean_curvature")
 
     def __post_init__(self) -> None:
         points, metric = np.array(self.vertices, dtype=np.float64), self.metric
@@ -116,15 +119,15 @@ class Embedding(Sensitivity, Views):
         apart = alignment.distance(self._normalized, other.vertices / self.metric.unit, self._space)
         return apart / self.metric.normalized.mean_length
 
-    def with_message(self, message: str) -> Self:
+    def _with_message(self, message: str) -> Self:
         """Return the same embedding with another message."""
         return self._with(message=message)
 
-    def with_stages(self, stages: Sequence[Stage]) -> Self:
+    def _with_stages(self, stages: Sequence[Stage]) -> Self:
         """Return the same embedding with other stages."""
         return self._with(stages=tuple(stages))
 
-    def with_others(self, others: "Sequence[Embedding]", uniqueness: Evidence | None = None) -> Self:
+    def _with_others(self, others: "Sequence[Embedding]", uniqueness: Evidence | None = None) -> Self:
         """Return the same embedding with other realizations beside it, which the message then names."""
         both = self._with(others=tuple(others), uniqueness=uniqueness)
         return both._with(message=both._sentence())
@@ -145,7 +148,7 @@ class Embedding(Sensitivity, Views):
         self.triangulation.check_sphere()
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
-    def in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
+    def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric.
 
         What was measured is not measured again: but for `_DIMENSIONAL`, what is cached has no unit.  Where
@@ -157,7 +160,7 @@ class Embedding(Sensitivity, Views):
         changes: dict[str, Any] = {
             "metric": given if own else self.metric.scaled(given.unit).in_space(given.space),
             "vertices": frozen(vertices),
-            "others": tuple(other.in_unit_of(given) for other in self.others),
+            "others": tuple(other._in_unit_of(given) for other in self.others),
         }
         if self.length_errors is not None:
             changes["length_errors"] = frozen(given.unit * self.length_errors)
@@ -198,6 +201,11 @@ class Embedding(Sensitivity, Views):
     def faces(self) -> Indices:
         """(F, 3): the triangles."""
         return self.metric.faces
+
+    @property
+    def edges(self) -> Indices:
+        """(E, 2): the ends of the edges."""
+        return self.metric.edges
 
     @property
     def polygons(self) -> Indices | Sequence[Indices]:
@@ -248,11 +256,20 @@ class Embedding(Sensitivity, Views):
         return frozen(to_model(self._space, self._normalized, "conformal"))
 
     @cached_property
+    def _realized(self) -> Floats:
+        """Distances of the ends of the edges, (E,), in the normalized unit."""
+        return frozen(measures.edge_lengths(self.edges, self._normalized, self._space))
+
+    @property
+    def lengths(self) -> Floats:
+        """Lengths of the edges on this surface, shape (E,): `metric` has those that were asked for."""
+        return frozen(self._realized * self.metric.unit)
+
+    @cached_property
     def residuals(self) -> Floats:
         """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,): of distances in the space."""
-        realized = measures.edge_lengths(self.metric.edges, self._normalized, self._space)
         normalized = self.metric.normalized
-        return frozen(np.abs(realized - normalized.lengths) / normalized.mean_length)
+        return frozen(np.abs(self._realized - normalized.lengths) / normalized.mean_length)
 
     @property
     def residual(self) -> float:
@@ -276,9 +293,42 @@ class Embedding(Sensitivity, Views):
         return 0.0 if precision is None else precision.vertex_error * self.metric.normalized.mean_length
 
     @cached_property
-    def _angles(self) -> Floats:
-        """The dihedral angles, (E,)."""
+    def dihedral_angles(self) -> Floats:
+        """Exterior dihedral angles in radians, shape (E,): 0 where flat, positive where convex.
+
+        On a boundary they are 0.
+        """
         return frozen(curvature.dihedral_angles(self.triangulation, self._normalized, self._space))
+
+    @cached_property
+    def normals(self) -> Floats:
+        """Unit normals of the triangles, shape (F, 3), outward if the surface is closed.
+
+        Raises
+        ------
+        InvalidParameter
+            The surface is in hyperbolic or spherical space, where directions at different points differ.
+        """
+        if not self.space.is_euclidean:
+            raise InvalidParameter(f"normals are those of surfaces in R^3, not in {self.space!r}")
+        normals = measures.face_normals(self.faces, self._normalized)
+        with np.errstate(invalid="ignore"):  # a triangle without area has none: NaN
+            return frozen(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+
+    @cached_property
+    def gaussian_curvature(self) -> Floats:
+        """Gaussian curvature at the vertices, shape (V,): a property of the metric.
+
+        The deficit over the circumcentric dual area, and in hyperbolic and spherical space the curvature of
+        the triangles more; NaN where the dual area is not positive.
+        """
+        known = dual_areas(self.metric.normalized) > 0
+        values = np.full(len(known), np.nan)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            curvature = gaussian_curvature(self.metric)
+        known &= np.abs(curvature) < 1e300  # beyond, sums overflow
+        values[known] = curvature[known]
+        return frozen(values)
 
     @cached_property
     def concave_edges(self) -> Mask:
@@ -288,7 +338,7 @@ class Embedding(Sensitivity, Views):
         """
         return frozen(
             convexity.concave_edges(
-                self.triangulation, self._normalized, self._space, self._angles, self._vertex_error
+                self.triangulation, self._normalized, self._space, self.dihedral_angles, self._vertex_error
             )
         )
 
@@ -313,7 +363,7 @@ class Embedding(Sensitivity, Views):
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
         normalized = curvature.vertex_mean_curvature(
-            self.triangulation, self._normalized, self._vertex_areas, self._space, self._angles
+            self.triangulation, self._normalized, self._vertex_areas, self._space, self.dihedral_angles
         )
         return frozen(normalized / self.metric.unit)
 
@@ -348,14 +398,14 @@ class Embedding(Sensitivity, Views):
         """Edges whose dihedral angle has another sign than their neighborhood gives them, shape (E,)."""
         t, straight = self.triangulation, self._straight
         if self.space.is_euclidean:
-            return frozen(smoothness.rough_edges(t, straight, self._offsets, self._angles))
+            return frozen(smoothness.rough_edges(t, straight, self._offsets, self.dihedral_angles))
         return frozen(smoothness.rough_edges(t, straight, smoothness.offsets(t, straight)))
 
     @cached_property
     def bending_energy(self) -> float:
         """Integral of H^2 + k dA, k the curvature of space: 4 pi for a sphere, more for any other surface."""
         return curvature.bending_energy(
-            self.triangulation, self._normalized, self._vertex_areas, self._space, self._angles
+            self.triangulation, self._normalized, self._vertex_areas, self._space, self.dihedral_angles
         )
 
     @cached_property
@@ -427,7 +477,7 @@ class Embedding(Sensitivity, Views):
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
         normalized = curvature.integrated_mean_curvature(
-            self.triangulation, self._normalized, self._space, self._angles
+            self.triangulation, self._normalized, self._space, self.dihedral_angles
         )
         return normalized * self.metric.unit
 

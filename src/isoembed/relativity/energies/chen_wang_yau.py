@@ -38,6 +38,7 @@ from isoembed.relativity.energies.quadrature import (
 )
 from isoembed.relativity.energies.wang_yau_functional import physical
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.reprs import short_repr
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import MetricSamples
@@ -46,6 +47,7 @@ from isoembed.smooth.two_metric import angle_frame, area_density
 from isoembed.surface.estimate import Estimate
 
 
+@short_repr
 @dataclass(frozen=True)
 class ChenWangYau:
     """The energy of a surface for observers at rest.

@@ -1,5 +1,6 @@
 """A surface of a slice, its smooth embedding in a space, and the energies that follow."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -15,6 +16,7 @@ from isoembed.relativity.energies.quadrature import smooth_energies
 from isoembed.relativity.horizons.horizon_shape import shape_report
 from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report, torques
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.reprs import html_table, short_repr
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.least_hyperbolic import LeastHyperbolic, least_hyperbolic
 from isoembed.smooth.solve import embed_smooth
@@ -46,6 +48,7 @@ def conventions(space: Space) -> dict[str, str]:
     return CONVENTIONS if space.is_euclidean else CONVENTIONS | IN_CURVED_SPACE
 
 
+@short_repr
 @dataclass(frozen=True)
 class EmbeddedSurface:
     """A surface with its smooth embedding.
@@ -62,6 +65,15 @@ class EmbeddedSurface:
     data: SurfaceData
     embedding: SmoothEmbedding
     least: LeastHyperbolic | None = None
+
+    def _shown(self) -> Iterator[tuple[str, object]]:
+        yield "name", self.data.name
+        yield "status", "embedded" if self.embedding.converged else "best fit"
+        yield "space", self.space
+        yield "residual", self.embedding.residual
+
+    def _repr_html_(self) -> str:
+        return html_table(self) + html_table(self.energies)
 
     @property
     def space(self) -> Space:

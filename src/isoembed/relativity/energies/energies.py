@@ -28,11 +28,13 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.reprs import short_repr
 from isoembed.surface.estimate import Estimate
 
 ROUNDING = 1e-14  # relative, in an energy
 
 
+@short_repr
 @dataclass(frozen=True)
 class Integrals:
     """The integrals over a surface of which the energies are made.
@@ -58,6 +60,7 @@ class Integrals:
     squared: Estimate | None = None
 
 
+@short_repr
 @dataclass(frozen=True)
 class Energies:
     """Area, int H dA and the energies, each with its error; None where a number is not defined.

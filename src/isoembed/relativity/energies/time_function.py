@@ -12,6 +12,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity.spacetimes.surface_data import values_of
+from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.sphere_transform import SphereTransform
@@ -20,6 +21,7 @@ from isoembed.smooth.two_metric import TwoMetric
 DEGREE = 16  # of the harmonics onto which functions are projected
 
 
+@short_repr
 @dataclass(frozen=True)
 class TimeFunction:
     """A function tau on the sphere of directions, in spherical harmonics.

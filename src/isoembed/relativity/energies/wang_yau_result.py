@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from isoembed.evidence import Evidence
 from isoembed.relativity.energies.time_function import TimeFunction
+from isoembed.reprs import short_repr
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.surface.estimate import Estimate
 
 
+@short_repr
 @dataclass(frozen=True)
 class WangYau:
     """The Wang-Yau energy of a surface.

@@ -16,6 +16,7 @@ from isoembed.relativity.horizons.invariant_coordinate import (
     MOST_NODES,
     InvariantCoordinate,
 )
+from isoembed.reprs import short_repr
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 from isoembed.smooth.uncertain import EXACT, Uncertainty
 from isoembed.surface.estimate import Estimate
@@ -23,6 +24,7 @@ from isoembed.surface.estimate import Estimate
 FINER = 8  # ratio of the places where extremes are sought to the nodes
 
 
+@short_repr
 @dataclass(frozen=True)
 class Circumferences:
     """Lengths of closed curves on a surface, in its unit.

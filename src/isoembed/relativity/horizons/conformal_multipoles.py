@@ -35,6 +35,7 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import checked_count
 from isoembed.relativity.horizons.multipoles import STEEPER
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.spectral_curvature import spectral_curvature
 from isoembed.smooth.two_metric import (
@@ -61,6 +62,7 @@ STEPS, SHORTEST = 50, 2.0**-20
 """Newton's steps at most, and the shortest part of one that is tried."""
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class ConformalMultipoles:
     """Multipoles (l, m) of a horizon, l = 0, ..., n, in the harmonics of its balanced conformal sphere.

@@ -15,10 +15,12 @@ from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError
 from isoembed.mesh.joining import join
 from isoembed.mesh.merging import representatives
+from isoembed.reprs import short_repr
 
 SAME_DIRECTION = 1e-6  # radians, between copies of one point
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class CoordinateShape:
     """A closed surface of genus 0 in the coordinates of a slice of spacetime.

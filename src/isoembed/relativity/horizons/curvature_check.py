@@ -16,6 +16,7 @@ from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
+from isoembed.reprs import short_repr
 from isoembed.smooth.scattered_fit import fitted
 from isoembed.smooth.spectral_curvature import spectral_curvature
 
@@ -25,6 +26,7 @@ PSI_2 = "repsi2"
 SPIN_COEFFICIENTS = ("nprho", "npmu", "npsigma", "nplambda")
 
 
+@short_repr
 @dataclass(frozen=True)
 class CurvatureCheck:
     """How far the curvature in a file is from that of the metric in use.

@@ -10,6 +10,7 @@ import numpy as np
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, values_of
+from isoembed.reprs import short_repr
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import area_density
@@ -18,6 +19,7 @@ ROUNDING = 1e-12  # relative to the largest k, in the expansion
 CLOSE = 0.01  # largest displacement, over the radius: a tenth of the Kijowski-Liu-Yau energy
 
 
+@short_repr
 @dataclass(frozen=True)
 class ExpansionTest:
     """What the expansion of outgoing light rays says of a surface as a horizon.

@@ -19,10 +19,12 @@ from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.reprs import short_repr
 from isoembed.smooth.scattered_fit import deviating
 from isoembed.smooth.transforms import resized
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class FoundHorizon:
     """A surface of constant expansion in a slice; a marginally outer trapped surface where that is 0.

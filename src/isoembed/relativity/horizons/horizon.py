@@ -16,11 +16,13 @@ from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.reprs import short_repr
 
 GivenHorizon = CoordinateShape | SurfaceData | Surface | FoundHorizon
 """What a horizon is made of."""
 
 
+@short_repr
 @dataclass(frozen=True)
 class Horizon:
     """Surface in its slice, from a file or found.

@@ -13,6 +13,7 @@ from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinat
 from isoembed.relativity.horizons.multipoles import Multipoles
 from isoembed.relativity.horizons.spin import Spin
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.reprs import short_repr
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
@@ -20,6 +21,7 @@ from isoembed.surface.estimate import Estimate
 DEGREES = (8, 12, 16)  # of rotations where there is no spin, one after the other
 
 
+@short_repr
 @dataclass(frozen=True)
 class HorizonShape:
     """Circumferences and multipoles of a horizon, about the axis of its symmetry.

@@ -28,6 +28,7 @@ from isoembed.relativity.horizons.invariant_coordinate import (
     InvariantCoordinate,
 )
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.reprs import short_repr
 from isoembed.smooth.spectral_curvature import spectral_curvature
 from isoembed.smooth.two_metric import area_density
 from isoembed.smooth.uncertain import UncertainFunction
@@ -38,6 +39,7 @@ STEEPER = 0.125  # growth, over l^2, of the error that uncertain lengths make
 ROUNDING = 5e-14  # in a geometric multipole
 
 
+@short_repr
 @dataclass(frozen=True)
 class Multipoles:
     """Multipoles n = 0, ..., 8 of a horizon.

@@ -27,6 +27,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.approximate_killing import Rotations, rotations
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
 from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
+from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_axisymmetric
@@ -38,6 +39,7 @@ SYMMETRIC_DEGREES = (8, 16, 32, 64)  # where the metric is symmetric about the z
 LENGTHS = 2.0  # error of an axis, or relative error of J, over that of lengths
 
 
+@short_repr
 @dataclass(frozen=True)
 class Spin:
     """Angular momentum of a surface.

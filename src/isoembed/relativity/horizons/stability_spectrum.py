@@ -39,6 +39,7 @@ from isoembed.relativity.horizons.surface_level import DEALIASING
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.scattered_fit import deviating
 from isoembed.smooth.sphere_transform import SphereTransform
@@ -63,6 +64,7 @@ COLUMNS = 128
 """Harmonics to which the operator is applied at a time, which bounds the memory."""
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class StabilitySpectrum:
     """The first eigenvalues of the stability operator of a horizon, by increasing real part.

@@ -17,6 +17,7 @@ from isoembed.relativity.spacetimes.checks import numbers, vector, written
 from isoembed.relativity.spacetimes.point_cloud import checked_points
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
+from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.mesh_fit import fit_mesh
 from isoembed.smooth.projection import DIRECTIONS, project
@@ -28,6 +29,7 @@ from isoembed.surface.measures import volume
 FEWEST_HEIGHTS = 24  # of nodes at which the immersion is checked
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class MappedSurface(Surface):
     """The surface X(u), u the unit vectors, with coordinates X in spherical harmonics.

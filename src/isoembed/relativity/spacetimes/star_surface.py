@@ -17,11 +17,13 @@ from isoembed.relativity.spacetimes.surface import ON_SURFACE, Surface, as_direc
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.projection import project
 from isoembed.smooth.scattered_fit import deviating, fitted, white
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class StarSurface(Surface):
     """The surface ``X(u) = center + r(u) u``, u the unit vectors.

@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.reprs import short_repr
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
 
 
+@short_repr
 @dataclass(frozen=True)
 class SurfaceData:
     """A closed surface in a slice of spacetime, as functions of the direction u on the unit sphere.

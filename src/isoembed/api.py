@@ -1,0 +1,253 @@
+"""Functions that users call: embed, glue and unfold what a file, a mesh or an object holds."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from isoembed.errors import InvalidParameter
+from isoembed.method import TOLERANCE, Method, solve
+from isoembed.methods import configuration, configured
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.other_packages import of_pyvista, of_trimesh
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Checkpoint, Listener
+from isoembed.space.models import Model
+from isoembed.surface.embedding import Embedding
+
+if TYPE_CHECKING:
+    from isoembed.gluing import Net, Unfolding
+
+# Files and nets are imported where there are some: to embed a metric takes neither.
+
+
+def embed(
+    metric: PolyhedralMetric | GluedMetric | str | os.PathLike[str] | Any,
+    *,
+    method: str | Method | None = None,
+    tolerance: float = TOLERANCE,
+    length_errors: ArrayLike | None = None,
+    boundary: ArrayLike | str | None = None,
+    start: ArrayLike | None = None,
+    progress: Listener | None = None,
+    resume: Checkpoint | None = None,
+) -> Embedding:
+    """Find the surface that realizes a polyhedral metric, in the space whose curvature its triangles have.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric, GluedMetric, path, or a mesh
+        Of curvature 0, unless it says otherwise: the surface then is in R^3.  A path is that of a metric, a
+        mesh or a net.  Of a mesh, which is a tuple (vertices, faces), a ``trimesh.Trimesh``, a
+        ``pyvista.PolyData`` or a surface of this package, the lengths are taken and the coordinates thrown
+        away.
+    method : {"aim", "paper", "alexandrov", "sheet"}, the name of an installed method, or a Method, optional
+        ``"aim"`` is `isoembed.Aim`, the default; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
+        the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
+        convex metric, on triangles of its own; it is the default for a `GluedMetric`, which needs it.  A net
+        is by default folded as `isoembed.gluing.embed_net` does.  ``"sheet"`` is `isoembed.Sheet`,
+        for which `boundary` stands.  Pass an `Aim`, a `Paper`, an `Alexandrov`, a `Sheet` or a `Method` of
+        your own to set parameters.
+    tolerance : float
+        Largest ``| |x_a - x_b| - l_ab |`` over the mean edge length; in curved space, of distances there.
+    length_errors : float or array_like, shape (E,), optional
+        Standard deviations of the lengths, whose errors are independent, in their unit: one for all, or one
+        for each edge.  The surface then is a `MeasuredSurface`, a smooth one whose lengths agree with these
+        within the errors, by a chi-square test, which is what converged then means.  Errors of zero take the
+        lengths as exact, even if their digits show that they were rounded.
+    boundary : {"free", "plane"} or array_like, shape (B,) or (B, 3), optional
+        Of a surface with boundary or of higher genus, in the place of a method: ``"free"`` for one of least
+        bending, ``"plane"`` for the convex cap, heights or positions of the boundary; see `isoembed.Sheet`.
+        The surface then is a `SheetEmbedding`.
+    start : array_like, shape (V, 3), optional
+        A surface to start from, with `boundary`.
+    progress : callable, optional
+        Receives an `isoembed.progress.stages.Progress` as the computation goes, which holds the checkpoint
+        by then.  If it raises an exception, that ends the computation; a `KeyboardInterrupt` does as Ctrl-C
+        does.
+    resume : Checkpoint, optional
+        Where an interrupted run with the same metric, method and tolerance is to go on.
+
+    Returns
+    -------
+    Embedding
+        Its residual, measured on the vertices that it holds, is within the tolerance.  With
+        ``Aim(best_fit=True)`` it may be a `FittedSurface` instead, whose status is ``"best fit"``.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read.
+    InvalidMetric
+        The method is ``"alexandrov"`` and the metric is not convex; the message names the vertex.
+    NotEmbedded
+        No such surface was found; the exception holds the best attempt.
+    InvalidParameter
+        The method is unknown or does not take errors of lengths, the tolerance is not positive, a parameter
+        does not fit the metric, or what is to be resumed was something else.
+    Interrupted
+        On Ctrl-C; a `KeyboardInterrupt` that holds the checkpoint to go on from.
+
+    Examples
+    --------
+    >>> tetrahedron = PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], [1.0] * 6)
+    >>> round(embed(tetrahedron).volume, 12)  # sqrt(2) / 12
+    0.117851130198
+    """
+    given = _metric(metric)
+    how: dict[str, Any] = {"tolerance": tolerance, "progress": progress, "resume": resume}
+    if boundary is not None:
+        if method is not None:
+            raise InvalidParameter("a boundary takes the place of a method: give no method beside it")
+        kind: Any = configuration("sheet")
+        return solve(given, kind(boundary, start), length_errors=length_errors, **how)
+    if start is not None:
+        raise InvalidParameter(
+            "a start is for surfaces with boundary or of higher genus: give boundary='free'"
+        )
+    if method is None and isinstance(given, GluedMetric):
+        from isoembed.gluing import Net, embed_net
+
+        if isinstance(given, Net) and length_errors is None:
+            return embed_net(given, **how)
+        method = "alexandrov"
+    return solve(given, configured(method or "aim"), length_errors=length_errors, **how)
+
+
+def glue(
+    polygons: Sequence[ArrayLike] | Unfolding | str | os.PathLike[str],
+    sides: Sequence[Any] | None = None,
+    *,
+    corners: Sequence[Sequence[str | int]] | None = None,
+    tolerance: float | None = None,
+    curvature: float = 0.0,
+    model: Model = "ambient",
+) -> Net:
+    """Glue the sides of polygons, of a file or of an unfolded surface, to a metric: `embed` finds the solid.
+
+    Parameters
+    ----------
+    polygons : sequence of array_like, Unfolding, or path
+        The corners of each polygon; or what `unfold` returns; or a file as of `isoembed.io.net.read_net`.
+    sides, corners, curvature, model
+        Of polygons, as of `isoembed.gluing.glue`: which sides are glued, or what the corners are called.
+    tolerance : float, optional
+        As of `isoembed.gluing.glue`, of polygons and files.
+
+    Returns
+    -------
+    Net
+
+    Raises
+    ------
+    FileError
+        The file cannot be read.
+    InvalidMetric, InvalidParameter
+        As `isoembed.gluing.glue`.
+
+    Examples
+    --------
+    A tetrahedron from the names of the corners of four triangles:
+
+    >>> from isoembed.gluing import regular_polygon
+    >>> net = glue([regular_polygon(3)] * 4, corners=["abc", "abd", "acd", "bcd"])
+    >>> round(embed(net).volume, 12)  # sqrt(2) / 12
+    0.117851130198
+    """
+    from isoembed.gluing import Unfolding
+    from isoembed.gluing import glue as glue_polygons
+
+    if isinstance(polygons, str | os.PathLike | Unfolding):
+        given = {"sides": sides, "corners": corners, "curvature": curvature or None}
+        for name, value in given.items():
+            if value is not None:
+                raise InvalidParameter(f"{name} goes with polygons: what is given says it already")
+    if isinstance(polygons, Unfolding):
+        return polygons.net
+    if isinstance(polygons, str | os.PathLike):
+        from isoembed.io.net import read_net
+
+        return read_net(polygons, tolerance=tolerance)
+    return glue_polygons(
+        polygons, sides, corners=corners, tolerance=tolerance, curvature=curvature, model=model
+    )
+
+
+def unfold(surface: Embedding | str | os.PathLike[str] | Any) -> Unfolding:
+    """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
+
+    Parameters
+    ----------
+    surface : Embedding, path, or a mesh
+        In R^3: what `embed` returns, a file with vertices, or a mesh as of `embed`.  Its vertices count, not
+        its metric.  How it is cut is said at `isoembed.gluing.unfold`.
+
+    Returns
+    -------
+    Unfolding
+        ``unfold(surface).save("net.svg")`` writes it.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is a metric without vertices.
+    InvalidMetric
+        As `isoembed.gluing.unfold`.
+
+    Examples
+    --------
+    >>> unfold(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
+    Unfolding(1 sheet, 3 pairs of sides, 3 folds)
+    """
+    from isoembed.gluing import unfold as unfold_surface
+    from isoembed.io.surface import read_surface, surface_of
+
+    if isinstance(surface, PolyhedralMetric | GluedMetric):
+        raise InvalidParameter("the surface is a metric: embed it first, unfold(embed(metric))")
+    if isinstance(surface, str | os.PathLike):
+        surface = read_surface(surface)
+    elif not isinstance(surface, Embedding):
+        surface = surface_of(_mesh(surface, "surface"), "the mesh")
+    return unfold_surface(surface)
+
+
+def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
+    """The metric itself, or that of a file or a mesh.
+
+    Raises
+    ------
+    FileError, InvalidMetric, InvalidParameter
+        There is none.
+    """
+    if isinstance(given, PolyhedralMetric | GluedMetric):
+        return given
+    if isinstance(given, str | os.PathLike):
+        from isoembed.io.metric import read_metric
+        from isoembed.io.net import holds_net, read_net
+
+        return read_net(given) if holds_net(given) else read_metric(given, any_surface=True)
+    return PolyhedralMetric.from_mesh(**_mesh(given, "metric"))
+
+
+def _mesh(given: Any, wanted: str) -> dict[str, Any]:
+    """What `PolyhedralMetric.from_mesh` takes of a mesh.
+
+    Raises
+    ------
+    InvalidParameter
+        It is none.
+    """
+    if hasattr(given, "vertices") and hasattr(given, "faces"):
+        return of_trimesh(given)
+    if hasattr(given, "points") and hasattr(given, "faces"):
+        return of_pyvista(given)
+    if isinstance(given, tuple | list) and len(given) == 2:
+        return dict(zip(("vertices", "faces"), given, strict=True))
+    instead = "PolyhedralMetric(faces, lengths, edges), " if wanted == "metric" else ""
+    raise InvalidParameter(
+        f"the {wanted} is a {type(given).__name__}: give {instead}the path of a file, or a mesh, such as "
+        "(vertices, faces)"
+    )

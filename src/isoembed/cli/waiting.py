@@ -1,0 +1,109 @@
+"""A line on the terminal for whoever waits: that the command is at work, since when, and what it compiles.
+
+Nothing is shown for the first two seconds, of what is piped, and while a command shows more itself.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from typing import Any, TextIO
+
+from isoembed.progress.compiling import COMPILING
+
+PATIENCE, PERIOD = 2.0, 0.5  # seconds until it is shown, and between two
+ERASED = "\r\x1b[2K"
+
+
+class Waiting:
+    """The line, in a thread of its own."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream, self._began = stream, time.monotonic()
+        self._over, self._lock = threading.Event(), threading.RLock()
+        self._held = self._shown = False
+
+    def run(self) -> None:
+        """Show the line until `end`."""
+        pause = PATIENCE
+        while not self._over.wait(pause):
+            pause = PERIOD
+            with self._lock:
+                if not self._held and not self._over.is_set():
+                    self._write(f"{ERASED}{self._text()}")
+                    self._shown = True
+
+    def _text(self) -> str:
+        doing = "compiling, once" if COMPILING.now else "working"
+        return f"isoembed: {doing}, {time.monotonic() - self._began:.0f} s (Ctrl-C stops)"
+
+    def erase(self) -> None:
+        """Take the line away, for what is printed instead."""
+        with self._lock:
+            if self._shown:
+                self._write(ERASED)
+                self._shown = False
+
+    def end(self) -> None:
+        """Show it no more."""
+        self._over.set()
+        self.erase()
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Show nothing in the block, which shows something itself."""
+        with self._lock:
+            self._held = True
+            self.erase()
+        try:
+            yield
+        finally:
+            self._held = False
+
+    def _write(self, text: str) -> None:
+        with suppress(OSError, ValueError):  # there is nobody left to tell
+            self._stream.write(text)
+            self._stream.flush()
+
+
+class _Above:
+    """A stream that takes the line away before anything is written to it."""
+
+    def __init__(self, stream: TextIO, line: Waiting) -> None:
+        self._stream, self._line = stream, line
+
+    def write(self, text: str) -> int:
+        self._line.erase()
+        return self._stream.write(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def held(options: argparse.Namespace) -> AbstractContextManager[None]:
+    """Show nothing in the block: what a command that shows something itself does."""
+    line: Waiting | None = options.waiting
+    return nullcontext() if line is None else line.held()
+
+
+@contextmanager
+def waiting(*, quiet: bool) -> Iterator[Waiting | None]:
+    """Show the line while the block runs, if there is a terminal to show it on."""
+    out, err = sys.stdout, sys.stderr
+    if quiet or err is None or not err.isatty():
+        yield None
+        return
+    line = Waiting(err)
+    threading.Thread(target=line.run, daemon=True).start()
+    sys.stderr = _Above(err, line)
+    if out is not None and out.isatty():
+        sys.stdout = _Above(out, line)
+    try:
+        yield line
+    finally:
+        line.end()
+        sys.stdout, sys.stderr = out, err

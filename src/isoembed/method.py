@@ -1,0 +1,156 @@
+"""Contract of a method of embedding, and the solve by which each is run.
+
+A method says what it keeps and takes, so that nobody needs to know it by name.
+"""
+
+import math
+import numbers
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Self
+
+from numpy.typing import ArrayLike
+
+from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.fingerprint import Fingerprint
+from isoembed.progress.stages import Checkpoint, Listener, Log
+from isoembed.surface.embedding import Embedding
+
+TOLERANCE = 1e-10
+"""Largest residual that counts as converged, unless another is given."""
+
+
+class Method(ABC):
+    """A way to embed metrics, with its parameters: what `embed` takes as ``method=``.
+
+    Derive a frozen dataclass from it.  Its fields, each with a default, are the parameters, which the command
+    sets with ``--parameter NAME=VALUE``.  A package makes its method known by an entry point of the group
+    ``isoembed.methods``.
+
+    Attributes
+    ----------
+    name : str
+        What ``method=`` and reports call it.
+    keeps_triangles : bool
+        Whether the surface has the given triangles; otherwise it has the metric on triangles of its own.
+    takes_glued : bool
+        Whether the metric may be a `GluedMetric`, whose triangles need not be a simplicial complex.
+    takes_doubly_covered : bool
+        Whether the metric may be two triangles, of which the surface is one covered twice.
+    takes_curved : bool
+        Whether the metric may be of triangles of hyperbolic or spherical space, in which the surface then is.
+    takes_boundary : bool
+        Whether the metric may be on a surface with boundary, or of higher genus.
+    takes_length_errors : bool
+        Whether errors of the lengths take part in the choice of the surface.
+    shows_path : bool
+        Whether there always are surfaces before the last, which `StageRecorder.show` has been given.
+    """
+
+    name: ClassVar[str]
+    keeps_triangles: ClassVar[bool] = True
+    takes_glued: ClassVar[bool] = False
+    takes_doubly_covered: ClassVar[bool] = False
+    takes_curved: ClassVar[bool] = False
+    takes_boundary: ClassVar[bool] = False
+    takes_length_errors: ClassVar[bool] = False
+    shows_path: ClassVar[bool] = False
+
+    def scaled(self, factor: float) -> Self:
+        """The method with every parameter that has the unit of the lengths times a factor."""
+        return self
+
+    @abstractmethod
+    def run(self, metric: Any, tolerance: float, log: Log) -> Embedding:
+        """Embed a metric as well as it can; the answer may miss the tolerance, and says so.
+
+        Parameters
+        ----------
+        metric : PolyhedralMetric, or GluedMetric if it takes one
+            Normalized: its mean edge length is between 1 and 2.  The caller restores the unit.
+        tolerance : float
+            Largest residual to count as converged.
+        log : Log
+            Records the stages, and has what an interrupted run kept, to go on from.
+
+        Returns
+        -------
+        Embedding
+
+        Raises
+        ------
+        InvalidMetric
+            The metric is none that the method takes.
+        NotEmbedded
+            No surface was found; the exception holds the best attempt.
+        """
+
+
+def solve(
+    metric: PolyhedralMetric | GluedMetric,
+    method: Method,
+    *,
+    tolerance: float = TOLERANCE,
+    length_errors: ArrayLike | None = None,
+    progress: Listener | None = None,
+    resume: Checkpoint | None = None,
+) -> Embedding:
+    """Embed a metric by a method, as `isoembed.embed` does with what it is given."""
+    if isinstance(metric, GluedMetric) and not method.takes_glued:
+        raise InvalidParameter(
+            f"the method {method.name!r} keeps the given triangles, and those of a glued metric need not be "
+            'a simplicial complex: take the method "alexandrov", or glued.simplicial()'
+        )
+    mesh = metric.triangulation if isinstance(metric, PolyhedralMetric) else None
+    if mesh and mesh.n_faces == 2 and mesh.is_closed and not method.takes_doubly_covered:
+        raise InvalidParameter(
+            f"the metric is a triangle covered twice, which the method {method.name!r} does not embed: "
+            'take the method "alexandrov"'
+        )
+    if mesh and not method.takes_boundary:
+        try:
+            mesh.check_sphere()
+        except InvalidMetric as error:
+            raise InvalidMetric(
+                f"{error}; boundary='free' is for such surfaces, and 'plane' for convex caps"
+            ) from None
+    if metric.curvature and not method.takes_curved:
+        raise InvalidParameter(
+            f"the metric has the curvature {metric.curvature:.6g}, and the method {method.name!r} embeds in "
+            'Euclidean space only: take the method "aim" or "alexandrov"'
+        )
+    if not isinstance(tolerance, numbers.Real) or not 0 < tolerance < math.inf:
+        raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
+    if length_errors is not None:
+        if isinstance(metric, GluedMetric):
+            raise InvalidParameter(
+                "errors of the lengths of a glued metric do not take part in its embedding"
+            )
+        metric = metric.with_length_errors(length_errors)
+    if getattr(metric, "length_errors", None) is not None and not method.takes_length_errors:
+        after = (
+            "" if method.takes_boundary else ", and take embedding.with_length_errors(errors) for error bars"
+        )
+        raise InvalidParameter(
+            f"the method {method.name!r} takes lengths as exact: embed without length_errors{after}"
+        )
+    unit = metric.normalized
+    fingerprint = Fingerprint.of(unit.tables, method, tolerance)
+    if resume is not None:
+        if not isinstance(resume, Checkpoint):
+            raise InvalidParameter(
+                f"resume is a {type(resume).__name__}, not a Checkpoint: isoembed.io.read_checkpoint has one"
+            )
+        fingerprint.check(resume.fingerprint)
+    log = Log(progress, resume, fingerprint)
+    try:
+        embedding = method.scaled(1 / metric.unit).run(unit, tolerance, log)._in_unit_of(metric)
+    except NotEmbedded as failure:
+        attempt = failure.embedding._in_unit_of(metric)
+        raise NotEmbedded(str(failure), attempt, failure.evidence) from None
+    except KeyboardInterrupt as interruption:
+        raise Interrupted(log.checkpoint, log.stages) from interruption
+    if embedding.status == "not converged":
+        raise NotEmbedded(embedding.message, embedding)
+    return embedding

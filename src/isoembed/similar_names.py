@@ -1,0 +1,10 @@
+"""Questions that answer a mistyped name with the most similar one that is known."""
+
+from collections.abc import Iterable
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A question to end a sentence with, or nothing if no known name is similar."""
+    from difflib import get_close_matches  # only on the way to an error
+
+    return "".join(f"; did you mean {near!r}?" for near in get_close_matches(name, list(known), n=1))

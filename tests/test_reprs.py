@@ -1,0 +1,74 @@
+"""Results are short in a prompt, and tables in a notebook."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import isoembed
+import zoo
+from isoembed import relativity
+from isoembed.reprs import short_repr
+from isoembed.surface.estimate import Estimate
+
+
+@short_repr
+@dataclass
+class Result:
+    x: object
+    y: object = None
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (1 / 3, "0.333333"),
+        (3, "3"),
+        (True, "True"),
+        (np.zeros((7, 3)), "array of shape (7, 3)"),
+        (np.array([1.0, 0.5]), "[1, 0.5]"),
+        ((0.0, 1.0, 2.0), "(0, 1, 2)"),
+        ([np.zeros(9)] * 5, "5 entries"),
+        (Estimate(1.0, 1e-3), "1 +- 1e-03"),
+        ("a" * 99, "'" + "a" * 57 + "'..."),
+        (Result(np.zeros(9)), "Result(x=array of shape (9,))"),
+    ],
+)
+def test_values_in_a_few_characters(value, shown):
+    assert repr(Result(value)) == f"Result(x={shown})"
+
+
+def test_what_is_not_there_is_left_out():
+    assert repr(Result(None, ())) == "Result()"
+    assert repr(Result(len, "b")) == "Result(y='b')"
+
+
+def test_tables_are_escaped():
+    assert '<td style="text-align: left">&#x27;&lt;b&gt;&#x27;</td>' in Result("<b>")._repr_html_()
+
+
+def test_results_of_relativity():
+    data = relativity.KerrNewmanHorizon(mass=1.0, spin=0.5).data()
+    found = relativity.embed_surface(data)
+    assert repr(found).startswith(
+        "EmbeddedSurface(name='Kerr-Newman horizon of mass 1, spin 0.5, charge 0', "
+    )
+    for result in (found, found.energies, found.spin, found.data, found.embedding):
+        assert len(repr(result)) < 400
+    table = found._repr_html_()
+    assert table.count("<table>") == 2
+    assert "hawking" in table and "brown york" in table
+
+
+def test_results_on_surfaces():
+    surface = isoembed.embed(zoo.random_hull(30, seed=1))
+    for result in (
+        surface.certificate,
+        surface.deviation(1e-3),
+        surface.deviation_bound(1e-12),
+        surface.integral_deviation(1e-3),
+        surface.comparison(surface),
+        surface.variation(surface.metric.lengths),
+    ):
+        assert len(repr(result)) < 400
+        assert result._repr_html_().startswith("<table>")
