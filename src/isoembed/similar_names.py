@@ -3,8 +3,9 @@
 from collections.abc import Iterable
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A question to end a sentence with, or nothing if no known name is similar."""
+def did_you_mean(name: str, known: Iterable[str], least: float = 0.6) -> str:
+    """A question to end a sentence with, or nothing if no known name is similar: 1 is equal."""
     from difflib import get_close_matches  # only on the way to an error
 
-    return "".join(f"; did you mean {near!r}?" for near in get_close_matches(name, list(known), n=1))
+    near = get_close_matches(name, list(known), n=1, cutoff=least)
+    return "".join(f"; did you mean {each!r}?" for each in near)

@@ -106,6 +106,7 @@ def test_embed_without_output_says_a_summary(run):
     ):
         assert words in out
     assert "factorizations" not in out
+    assert not out.endswith(" s\n")  # what is piped is the same every time
     said = run("embed", "metric.json", "--verbose")[1]
     assert "factorizations" in said and "total" in said
     assert run("embed", "metric.json", "--quiet") == (0, "", "")

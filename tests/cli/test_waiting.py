@@ -7,6 +7,7 @@ import threading
 import pytest
 from numba import njit
 
+import isoembed.kernel.compiler  # noqa: F401 -- numba's events are heard
 from isoembed.cli import main, waiting
 from isoembed.cli.waiting import ERASED, Waiting
 from isoembed.progress.compiling import COMPILING

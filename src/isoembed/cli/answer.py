@@ -11,7 +11,7 @@ from typing import Any
 
 import isoembed
 from isoembed.cli.options import add_json_option, add_output_option, add_quiet_option, add_verbose_option
-from isoembed.cli.outputs import Outputs, written
+from isoembed.cli.outputs import Outputs, print_written, written
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
@@ -115,33 +115,38 @@ def answer(
             say = print_out if failure is None and not outputs else print_aside
             if options.verbose or not options.output:
                 say(describe(embedding, stages=options.verbose, failed=failure is not None))
-            say(_ending(options, embedding, outputs, failed=failure is not None))
+            _end(options, embedding, outputs, failed=failure is not None)
     return OK if failure is None else NOT_EMBEDDED
 
 
-def _ending(
+def _end(
     options: argparse.Namespace, embedding: isoembed.Embedding, outputs: Outputs, *, failed: bool
-) -> str:
-    """What was found and written, in at most four lines."""
+) -> None:
+    """Say what was found and written, in at most four lines."""
     if failed and not options.keep:
         outputs = Outputs((name, path) for name, path in outputs.items() if name in ("report", "metric"))
-    files = written(options, *outputs.values())
+    files = tuple(outputs.values())
     if failed:
         keep = "; --keep writes the best attempt" if options.output and not options.keep else ""
-        return f"{embedding.status}: {files}{keep}"
-    if not options.output:
-        return files
-    found = f"{embedding.status}: "
-    if embedding.converged:
-        found += f"the largest length error is {embedding.residual:.1e} of the mean edge length"
-    else:
-        found += embedding.message
-    beside = ""
-    if embedding.others:
-        count, nearest = len(embedding.others), min(embedding.distance(other) for other in embedding.others)
-        realizations = "another realization" if count == 1 else f"{count} other realizations, the nearest"
-        beside = f"{realizations} {nearest:.1g} mean edge lengths away"
-    return "\n".join(line for line in (found, _proof(embedding), beside, files) if line)
+        print_aside(f"{embedding.status}: {written(options, *files)}{keep}")
+        return
+    if options.output:
+        found = f"{embedding.status}: "
+        if embedding.converged:
+            found += f"the largest length error is {embedding.residual:.1e} of the mean edge length"
+        else:
+            found += embedding.message
+        print_aside("\n".join(line for line in (found, _proof(embedding), _beside(embedding)) if line))
+    print_written(options, *files)
+
+
+def _beside(embedding: isoembed.Embedding) -> str:
+    """How many other realizations there are, and how far away."""
+    if not embedding.others:
+        return ""
+    count, nearest = len(embedding.others), min(embedding.distance(other) for other in embedding.others)
+    realizations = "another realization" if count == 1 else f"{count} other realizations, the nearest"
+    return f"{realizations} {nearest:.1g} mean edge lengths away"
 
 
 def _proof(embedding: isoembed.Embedding) -> str:

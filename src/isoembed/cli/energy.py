@@ -27,8 +27,8 @@ from isoembed.cli.options import (
     refuse_given,
     vertices,
 )
-from isoembed.cli.outputs import Outputs, written
-from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
+from isoembed.cli.outputs import Outputs, print_written
+from isoembed.cli.screen import UsageError, print_error, print_json, print_out
 from isoembed.cli.slices import OF_SLICE, add_geometry_option, add_slice_options, slice_label, slice_named
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
@@ -328,4 +328,4 @@ def _show(options: argparse.Namespace, report: dict[str, Any]) -> None:
 
 def _end(options: argparse.Namespace, files: list[Path]) -> None:
     if not options.json:
-        print_aside(written(options, *files))
+        print_written(options, *files)

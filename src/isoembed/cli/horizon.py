@@ -17,7 +17,7 @@ from isoembed.cli.options import (
     refuse_given,
     vertices,
 )
-from isoembed.cli.outputs import Outputs, stems, written
+from isoembed.cli.outputs import Outputs, print_written, stems
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.slices import (
     OF_SLICE,
@@ -159,7 +159,7 @@ def run(options: argparse.Namespace) -> int:
         print_json(reports if len(reports) > 1 else reports[0])
     files += _draw(drawn) if drawn else []
     if not options.json:
-        print_aside(written(options, *files))
+        print_written(options, *files)
     return OK if found == {"embedded"} else NOT_EMBEDDED
 
 

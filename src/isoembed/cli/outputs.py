@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
 from pathlib import Path
 
-from isoembed.cli.screen import UsageError
+from isoembed.cli.screen import UsageError, print_aside
 from isoembed.io import FileError, check_output, write_atomically
 from isoembed.io.files import Writer
 
@@ -74,6 +75,12 @@ def written(options: argparse.Namespace, *files: Path | str) -> str:
         return elapsed(options)
     more = [] if len(files) <= SHOWN else [f"{len(files) - SHOWN} more"]
     return f"{', '.join([*map(str, files[:SHOWN]), *more])} written, {elapsed(options)}"
+
+
+def print_written(options: argparse.Namespace, *files: Path) -> None:
+    """Print the last line of a command; the time alone on a terminal only: what is piped can be compared."""
+    if files or (sys.stdout is not None and sys.stdout.isatty()):
+        print_aside(written(options, *files))
 
 
 def elapsed(options: argparse.Namespace) -> str:

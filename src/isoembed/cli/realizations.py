@@ -5,9 +5,9 @@ from pathlib import Path
 
 from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
-from isoembed.cli.outputs import written
+from isoembed.cli.outputs import print_written
 from isoembed.cli.same_triangles import check_same_triangles
-from isoembed.cli.screen import UsageError, print_aside, print_json, print_out
+from isoembed.cli.screen import UsageError, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import MESH_ENDINGS, read_metric, read_surface, write_atomically
 from isoembed.io.registry import METRIC_ENDINGS
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
         print_json(found.report)
     else:
         print_out("\n".join([*_table(found), found.message]))
-        print_aside(written(options, *files))
+        print_written(options, *files)
     return OK if found.surfaces else NOT_EMBEDDED
 
 

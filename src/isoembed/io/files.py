@@ -131,7 +131,7 @@ def open_input(path: Path) -> BinaryIO:
         return path.open("rb", buffering=1 << 16)
     except FileNotFoundError:
         there = [file.name for file in path.parent.iterdir()] if path.parent.is_dir() else []
-        raise FileError(f"there is no file {path}{did_you_mean(path.name, there)}") from None
+        raise FileError(f"there is no file {path}{did_you_mean(path.name, there, 0.8)}") from None
     except IsADirectoryError:
         raise FileError(f"{path} is a folder, not a file") from None
     except OSError as error:
