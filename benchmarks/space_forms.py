@@ -24,7 +24,7 @@ from threadpoolctl import threadpool_limits
 
 import isoembed
 from alexandrov import fibonacci, outward_hull
-from isoembed.intrinsic.flips import flip
+from isoembed.intrinsic.loops import flip
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import Space

@@ -20,7 +20,7 @@ from isoembed.alexandrov.newton import Analyses, Solution, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished, realized
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.intrinsic.flips import flip
+from isoembed.intrinsic.loops import flip
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log

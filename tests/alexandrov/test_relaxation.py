@@ -5,7 +5,7 @@ import pytest
 
 import zoo
 from isoembed.alexandrov.relaxation import relaxed_without_dents
-from isoembed.intrinsic.flips import flip
+from isoembed.intrinsic.loops import flip
 from isoembed.progress.stages import Log
 from sprinkled import tables_of
 

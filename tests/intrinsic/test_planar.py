@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from isoembed.intrinsic.planar import face_at
 
 import zoo
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
-from isoembed.intrinsic.planar import face_at
 from isoembed.intrinsic.polygons import Polygons, first_sides, lay_out
 from sprinkled import box, polyhedron, tables_of
 

@@ -4,11 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-import zoo
-from isoembed.intrinsic import tracing
-from isoembed.intrinsic.halfedges import HalfEdges, third_corner, total_angle
-from isoembed.intrinsic.polygons import lay_out
 from isoembed.intrinsic.tracing import (
     from_corner,
     from_inside,
@@ -17,6 +12,11 @@ from isoembed.intrinsic.tracing import (
     sector,
     straight,
 )
+
+import zoo
+from isoembed.intrinsic import tracing
+from isoembed.intrinsic.halfedges import HalfEdges, third_corner, total_angle
+from isoembed.intrinsic.polygons import lay_out
 from sprinkled import box, checked, tables_of
 
 angles = st.floats(0, 2 * np.pi)

@@ -1,6 +1,6 @@
 """Random flips."""
 
-from isoembed.intrinsic.flips import flip
+from isoembed.intrinsic.loops import flip
 from isoembed.kernel import kernel
 
 

@@ -71,7 +71,9 @@ class Dissection:
             Symmetric, in compressed columns.
         """
         path, depth = (places.copy() for places in self._separated[1:])
-        indptr, indices = (table.astype(np.int32, copy=False) for table in (adjacency.indptr, adjacency.indices))
+        indptr, indices = (
+            table.astype(np.int32, copy=False) for table in (adjacency.indptr, adjacency.indices)
+        )
         lifted = lift_ends(indptr, indices, path, depth)
         if lifted == 0:
             return self.vertex_order()

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices32, Singles
+from isoembed.arrays import Floats, Singles
 from isoembed.linalg.fronts import eliminate, substitute
 from isoembed.linalg.supernodes import Supernodes
 from isoembed.linalg.symbolic import Symbolic
