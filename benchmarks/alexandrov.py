@@ -68,7 +68,7 @@ def scrambled(vertices, faces, seed, thinnest):
 
     mesh = GluedMetric.of(PolyhedralMetric.from_mesh(vertices, faces)).half_edges()
     for h in np.random.default_rng(seed).integers(0, mesh.corners.size, 10 * len(vertices)):
-        flip(h, mesh, thinnest)
+        flip(h, mesh.views, thinnest)
     return GluedMetric(mesh.faces, mesh.twins, mesh.face_lengths)
 
 

@@ -173,7 +173,7 @@ def test_triangles_that_did_not_change_are_analyzed_once():
     first = analyses.solver(p.jacobian())
     assert analyses.solver(p.jacobian()) is first
     flipped = tables.copy()
-    assert any(flip(h, flipped, 0.0) for h in range(flipped.corners.size))
+    assert any(flip(h, flipped.views, 0.0) for h in range(flipped.corners.size))
     assert analyses.solver(Polytope.on(flipped, p.radii).jacobian()) is not first
 
 

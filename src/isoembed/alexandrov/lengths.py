@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from isoembed.alexandrov.loops import distances
 from isoembed.arrays import Floats
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.space import Space

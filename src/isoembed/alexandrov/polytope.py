@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from isoembed.alexandrov.loops import evaluated, jacobian_product
 from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges

@@ -8,6 +8,7 @@ import numpy as np
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
+from isoembed.io.loops import scan_obj
 from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import (
     lines,
@@ -16,7 +17,6 @@ from isoembed.io.text_scan import (
 )
 
 CONTINUED = re.compile(r"\\\r?\n")
-VERTEX, FACE, SLASH = (ord(c) for c in "vf/")
 
 
 def read(file: InputFile) -> Tables:

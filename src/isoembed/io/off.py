@@ -9,6 +9,7 @@ import numpy as np
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
+from isoembed.io.loops import scan_off
 from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import (
     lines,

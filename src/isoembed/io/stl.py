@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
+from isoembed.io.loops import scan_stl
 from isoembed.io.space_line import space_line, space_said
 from isoembed.io.text_scan import lines, numbers
 from isoembed.surface.measures import face_normals
@@ -19,7 +20,6 @@ CORNER = "  vertex %r %r %r\n"
 FACET = f"facet normal %r %r %r\n outer loop\n{3 * CORNER} endloop\nendfacet\n"
 HEADER = 84  # bytes of a binary file before the triangles
 TRIANGLE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-F, V, LOWER = ord("f"), ord("v"), 32  # the bit that makes an ASCII letter lower case
 BOM = b"\xef\xbb\xbf"
 
 

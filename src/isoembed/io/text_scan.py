@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.io.files import Tables
+from isoembed.io.loops import is_plain
 
 Bytes = NDArray[np.uint8]
 
 PIECE = 1 << 14  # rows of a table that become text together
 LONGEST = 18  # digits of an integer: every index has fewer, and longer ones do not fit into 64 bits
-
-TAB, FEED, RETURN, SPACE, HASH, ZERO, NINE, BACKSLASH = (ord(c) for c in "\t\n\r #09\\")
 
 
 def lines(template: str, table: NDArray) -> Iterator[str]:

@@ -16,9 +16,10 @@ from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
+from isoembed.io.loops import words_end
 from isoembed.io.space_line import space_line
 from isoembed.io.strips import strip_triangles
-from isoembed.io.text_scan import LONGEST, numbers, words_end
+from isoembed.io.text_scan import LONGEST, numbers
 from isoembed.version import __version__
 
 HEADER = "# vtk DataFile Version"

@@ -11,8 +11,9 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import flip_to_delaunay
 from isoembed.meshing.flips import twin_halfedges
-from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, relaxed
+from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths
 from isoembed.meshing.lloyd import OVERRELAXATION, RINGS
+from isoembed.meshing.loops import relaxed
 from isoembed.meshing.sphere import hull_faces
 from isoembed.meshing.spreading import Cells
 

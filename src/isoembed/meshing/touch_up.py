@@ -5,6 +5,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.meshing.flips import corner_angles, flip_where_touched
 from isoembed.meshing.lloyd import RINGS, lloyd_step
+from isoembed.meshing.loops import judge, surroundings
 from isoembed.meshing.surface import Surface, vertex_density
 
 GOOD, OUTSIDE, INWARD = 0, 1, 2

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
+from isoembed.smooth.loops import summed
 
 CHUNK = 2_000_000  # harmonics at directions, evaluated at a time, which bounds the memory
 

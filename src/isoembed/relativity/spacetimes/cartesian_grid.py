@@ -12,6 +12,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.grid_noise import PERIOD, noise_levels, sampled_noise
+from isoembed.relativity.spacetimes.loops import contracted
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
