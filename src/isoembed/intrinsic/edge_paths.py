@@ -119,7 +119,7 @@ def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfed
     """
     lengths = original.lengths[halfedges]
     ends = np.column_stack([end[halfedges] for end in original.ends])
-    goals = np.ascontiguousarray(ends[:, 1])
+    halfedges, goals = np.ascontiguousarray(halfedges), np.ascontiguousarray(ends[:, 1])
     first, angles = set_out(original.views, final.views, polygons.views, halfedges, 0.0)
     counts, meet = follow(first, angles, lengths, goals, polygons.views)
     # in radians, one after another

@@ -1006,7 +1006,7 @@ def _star(h: Int, mesh: Mesh):
     angle = 0.0
     for k in range(-2 if folded else 0, n):
         side = following(e)
-        faces[k] = e // 3
+        faces[k if k >= 0 else n + 2 + k] = e // 3
         if k >= 0:
             vertices[k], sides[k] = corners[side], side
             z[k] = polar(coordinate(mesh.lengths[e], mesh.curvature), angle)

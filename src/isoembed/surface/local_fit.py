@@ -86,7 +86,8 @@ class Surroundings(NamedTuple):
         lengths = edge_lengths(edges, vertices) if space.is_euclidean else space.distances(*vertices[edges.T])
         units = edge_lengths_about(triangulation, lengths)
         heights = space.heights(vertices)
-        return cls((adjacency.indptr, adjacency.indices), vertices, normals, units, heights, space.curvature)
+        graph = adjacency.indptr.astype(np.int32, copy=False), adjacency.indices.astype(np.int32, copy=False)
+        return cls(graph, vertices, normals, units, heights, space.curvature)
 
     def in_order(self, order: Indices) -> Surroundings:
         """The same surface, its vertices numbered in another order."""
