@@ -179,14 +179,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     # These load numpy, which --help and --version do without.
-    from isoembed.cli.compilation import compilation_said
     from isoembed.errors import InvalidMetric, InvalidParameter
     from isoembed.io import FileError
 
     notes: list[str] = []
     quiet = getattr(options, "quiet", False)
     try:
-        with _gathered(notes), compilation_said(quiet):
+        with _gathered(notes):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
         print_error("; ".join([str(error), *notes]))
