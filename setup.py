@@ -48,6 +48,7 @@ class Compile(build_ext):
     _cython = threading.Lock()  # has global state
 
     def finalize_options(self) -> None:
+        """Compile as many modules at once as there are cores."""
         super().finalize_options()
         self.parallel = self.parallel or os.cpu_count()
 

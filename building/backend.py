@@ -27,7 +27,9 @@ def get_requires_for_build_editable(config_settings: Settings = None) -> list[st
     return build_meta.get_requires_for_build_editable(config_settings) + _compiler()
 
 
-def build_wheel(directory: str, config_settings: Settings = None, metadata_directory: str | None = None) -> str:
+def build_wheel(
+    directory: str, config_settings: Settings = None, metadata_directory: str | None = None
+) -> str:
     """Compile the loops and build a wheel."""
     _choose_compiler()
     return build_meta.build_wheel(directory, config_settings, metadata_directory)

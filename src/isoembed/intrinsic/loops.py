@@ -770,7 +770,7 @@ def _empty(
 ) -> cython.bint:
     """Whether no other corner lies in the triangle or on its rim."""
     for w in suspects:
-        if not blunt[w] or w == a or w == b:
+        if not blunt[w] or w in (a, b):
             continue
         if (
             corner_turn(points, a, v, w) >= 0

@@ -3,8 +3,8 @@
 
 Straight lines go across triangles that are unfolded one after another in a `chart`.  A line starts at the
 origin and runs along the positive x axis.  The triangle that it is in is known by the half-edge through which
-it leaves, from a lower to an upper corner, and by the motion that takes the frame of its polygon to that of the
-line: the state ``(out, turn, shift)``, so that in the plane corner h lies at ``turn z[h] + shift``.
+it leaves, from a lower to an upper corner, and by the motion that takes the frame of its polygon to that of
+the line: the state ``(out, turn, shift)``, so that in the plane corner h lies at ``turn z[h] + shift``.
 """
 
 from __future__ import annotations
@@ -644,7 +644,7 @@ def seen_sides(polygons: Layout):
     sides: Complex[::1] = np.empty(z.shape[0], dtype=np.complex128)
     for h in range(z.shape[0]):
         sides[h] = toward(z[h], z[following(h)], polygons.curvature)
-    return sides
+    return np.asarray(sides)
 
 
 def insert_all(

@@ -81,4 +81,4 @@ def summed(
             hessian[i, c, 1, 0] = hessian[i, c, 0, 1]
             hessian[i, c, 2, 0] = hessian[i, c, 0, 2]
             hessian[i, c, 2, 1] = hessian[i, c, 1, 2]
-    return value, gradient, hessian
+    return np.asarray(value), np.asarray(gradient), np.asarray(hessian)

@@ -335,7 +335,7 @@ def _project_out(rows: Real[:, ::1], first: Int, last: Int, column: Int) -> cyth
 def _set_seen(
     v: Int, w: Int, points: ConstReal[:, ::1], heights: ConstReal[::1], curvature: Real, seen: Real[::1]
 ) -> cython.void:
-    """Set conformal coordinates (3,) of point w about point v, of points (V, 3) with their `Space.heights`."""
+    """Set what `seen_from` returns."""
     if curvature == 0:
         for k in range(3):
             seen[k] = points[w, k] - points[v, k]

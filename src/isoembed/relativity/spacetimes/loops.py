@@ -26,4 +26,4 @@ def contracted(fields: ConstReal[:, :, :, ::1], start: ConstInt[:, ::1], weights
                         row += weights[p, 2, k] * fields[c, i0 + i, j0 + j, k0 + k]
                     total += weights[p, 0, i] * weights[p, 1, j] * row
             out[p, c] = total
-    return out
+    return np.asarray(out)
