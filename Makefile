@@ -8,15 +8,13 @@ INSTALLED := $(VENV)/.installed
 LINTERS := $(VENV)/.installed-lint
 SPHINX := $(VENV)/.installed-docs
 BUILDERS := $(VENV)/.installed-release
+LOOPS := $(shell grep -rl --include='*.py' '^\# cython:' src) $(shell find src -name '*.pxd')
 
 # The matrices are small: threads of BLAS would wait for each other.
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-# Tests of the modules where loops are: `make test` compiles what pays, which hangs on the machine.
-ROOMS := kernel io mesh linalg intrinsic metric surface alexandrov gluing smooth meshing
-
-.PHONY: help demo reproduce test test-slow test-interpreted test-compiled lint lint-page lint-workflows release-check bench docs clean
+.PHONY: help demo reproduce test test-slow lint lint-page lint-workflows release-check bench docs clean
 .DELETE_ON_ERROR:
 
 help:
@@ -24,7 +22,6 @@ help:
 	@echo 'make reproduce  make the figures and numbers of the paper again, in build/reproduction/'
 	@echo 'make test       run the tests, but for the slow ones'
 	@echo 'make test-slow  run the slow ones: pages of the documentation, whole studies'
-	@echo 'make test-interpreted, make test-compiled  run those of the loops with none compiled, and with all'
 	@echo 'make lint       check style, types, the order of the modules and spelling; make lint-page the script of a page, with npm'
 	@echo 'make lint-workflows  check .github/workflows, with npm'
 	@echo 'make release-check  build what is released, install it elsewhere and run the pages with it'
@@ -43,9 +40,6 @@ test: $(INSTALLED)
 
 test-slow: $(INSTALLED)
 	$(BIN)/python -m pytest -q --numprocesses auto --dist worksteal -m slow
-
-test-interpreted test-compiled: test-%: $(INSTALLED)
-	ISOEMBED_KERNELS=$* $(BIN)/python -m pytest -q --numprocesses auto --dist loadfile -m "not slow" $(ROOMS:%=tests/%)
 
 lint: $(LINTERS)
 	$(BIN)/ruff check .
@@ -76,9 +70,11 @@ docs: $(SPHINX)
 clean:
 	rm -rf $(VENV) page-lint/node_modules workflow-lint/node_modules demo site build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests benchmarks reproduction -name __pycache__ -prune -exec rm -rf {} +
+	find src -name '*.so' -delete
 
-# What is editable pip does not compile, nor does Python where it is told to write no bytecode: .3 s a command.
-$(INSTALLED): pyproject.toml | $(BIN)/python
+# The loops are compiled, those that were not before.  Python's files of what is editable pip does not compile to
+# bytecode, nor does Python where it is told to write none: .3 s a command.
+$(INSTALLED): pyproject.toml setup.py $(LOOPS) | $(BIN)/python
 	$(PIP) install --editable '.[test,plot]'
 	$(BIN)/python -m compileall -q src
 	@touch $@

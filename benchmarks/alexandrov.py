@@ -64,11 +64,11 @@ def fibonacci(n, axes=(3.0, 2.0, 1.0)):
 def scrambled(vertices, faces, seed, thinnest):
     """The metric of a body, on triangles that were flipped at random, none of them thinner than asked."""
     from isoembed import GluedMetric, PolyhedralMetric
-    from isoembed.intrinsic.flips import flip
+    from isoembed.intrinsic.loops import flip
 
     mesh = GluedMetric.of(PolyhedralMetric.from_mesh(vertices, faces)).half_edges()
     for h in np.random.default_rng(seed).integers(0, mesh.corners.size, 10 * len(vertices)):
-        flip(h, mesh, thinnest)
+        flip(h, mesh.views, thinnest)
     return GluedMetric(mesh.faces, mesh.twins, mesh.face_lengths)
 
 

@@ -8,7 +8,6 @@ Seconds of the processor are the best of three, the ratio is to the fronts' fact
 refinement, and memory is what the factors are foreseen to take. At last come exponents of all of them.
 """
 
-import os
 import sys
 import time
 from importlib.util import find_spec
@@ -17,7 +16,6 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import ConvexHull
 
-os.environ["ISOEMBED_KERNELS"] = "compiled"
 import isoembed.linalg.factor as factor_module
 from isoembed.linalg import analyze, dissect
 

@@ -24,8 +24,8 @@ from threadpoolctl import threadpool_limits
 
 import isoembed
 from alexandrov import fibonacci, outward_hull
-from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import flip
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import Space
 from isoembed.space.models import from_model, to_model
@@ -68,7 +68,7 @@ def metric_of(x, faces, space, seed):
     lengths = space.distances(x[faces], x[np.roll(faces, -1, axis=1)])
     tables = HalfEdges.of(faces, Triangulation(faces).twins, lengths, space.curvature)
     for h in np.random.default_rng(seed).integers(0, faces.size, 10 * len(x)):
-        flip(int(h), tables, THINNEST)
+        flip(int(h), tables.views, THINNEST)
     return isoembed.GluedMetric(tables.faces, tables.twins, tables.face_lengths, curvature=space.curvature)
 
 

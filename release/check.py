@@ -51,15 +51,26 @@ def compare(what: str, found: set[str], expected: set[str]) -> None:
 
 
 def check_contents(wheel: Path, sdist: Path) -> None:
-    """The sdist has what git knows, and the wheel what git knows of the package."""
+    """The sdist has what git knows, and the wheel what git knows of the package and its compiled modules."""
     tracked = set(run("git", "ls-files").splitlines())
     with tarfile.open(sdist) as archive:
         members = [PurePosixPath(member.name) for member in archive if not member.isdir()]
-    compare("sdist", {"/".join(path.parts[1:]) for path in members}, tracked | {"PKG-INFO"})
+    names = {"/".join(path.parts[1:]) for path in members}
+    made = {name for name in names if ".egg-info/" in name} | {"PKG-INFO", "setup.cfg"}
+    compare("sdist", names, tracked | made)
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
     package = {name.removeprefix("src/") for name in tracked if name.startswith("src/")}
-    compare("wheel", names, package)
+    compiled = {
+        name.removesuffix(".py")
+        for name in package
+        if name.endswith(".py") and (ROOT / "src" / name).read_bytes().startswith(b"# cython:")
+    }
+    libraries = {name for name in names if name.endswith((".so", ".pyd"))}
+    compare("compiled modules", {name.split(".")[0] for name in libraries}, compiled)
+    compare("wheel", names - libraries, package)
+    if "-cp311-abi3-" not in wheel.name:
+        sys.exit(f"{wheel.name} is not for all Pythons from 3.11 on")
     for name in ("isoembed/py.typed", "isoembed/__init__.pyi"):
         if name not in names:
             sys.exit(f"the wheel lacks {name}")

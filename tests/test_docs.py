@@ -41,12 +41,7 @@ HOSTS = {
 """All hosts that pages link to: a new one is looked at once."""
 
 ROOMS = [found.name for found in pkgutil.walk_packages(isoembed.__path__, "isoembed.") if found.ispkg]
-DOCUMENTED = [
-    name
-    for name in ("isoembed", *ROOMS)
-    if hasattr(importlib.import_module(name), "__all__")
-    if name != "isoembed.kernel"  # for those who change the package
-]
+DOCUMENTED = [name for name in ("isoembed", *ROOMS) if hasattr(importlib.import_module(name), "__all__")]
 """The rooms that say what is public in ``__all__``."""
 
 

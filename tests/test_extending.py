@@ -16,7 +16,6 @@ from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.io import FileError, InputFile
 from page_blocks import blocks
 from pages import DOCS
-from worked import worked
 
 DRIVER = """
 import json, sys
@@ -105,7 +104,7 @@ def test_the_command_and_python_know_what_is_installed(texts, folder, tmp_path, 
 def test_it_is_embedded_by_a_method_that_is_passed(shells, metric):
     surface = isoembed.embed(metric, method=shells.Isomap())
     assert surface.converged
-    scaling, newton = worked(surface.stages)
+    scaling, newton = surface.stages
     assert (scaling.name, newton.name) == ("scaling", "Newton")
     assert newton.iterations > 2
     with pytest.raises(NotEmbedded, match="miss the tolerance"):
@@ -121,7 +120,7 @@ def test_it_goes_on_from_a_checkpoint(shells, metric):
         isoembed.embed(metric, method=shells.Isomap(), progress=stop)
     rest = isoembed.embed(metric, method=shells.Isomap(), resume=caught.value.checkpoint)
     whole = isoembed.embed(metric, method=shells.Isomap())
-    assert [stage.name for stage in worked(rest.stages)] == ["Newton"]
+    assert [stage.name for stage in rest.stages] == ["Newton"]
     np.testing.assert_allclose(rest.vertices, whole.vertices, atol=1e-12)
 
 

@@ -27,7 +27,6 @@ from isoembed.gallery import (
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from sprinkled import box
-from worked import worked
 
 
 def recovered(vertices, faces, **parameters):
@@ -56,7 +55,7 @@ def test_convex_bodies_come_back_from_their_lengths(mesh, factorizations):
     assert not surface.others
     assert sum(stage.factorizations for stage in surface.stages) <= factorizations
     if factorizations < 30:
-        assert worked(surface.stages)[-1].name == "radii"
+        assert surface.stages[-1].name == "radii"
 
 
 NON_CONVEX = {
@@ -220,7 +219,7 @@ def test_an_attempt_in_fair_shape_is_left_where_noise_leaves_no_surface():
     attempt = caught.value.embedding
     assert 1e-3 < attempt.residual < 0.5
     assert not attempt.converged
-    last = [stage.name for stage in worked(attempt.stages)][-4:]
+    last = [stage.name for stage in attempt.stages][-4:]
     assert last == ["guided pull back", "polish", "local search", "best fit"]
 
 

@@ -20,7 +20,7 @@ from isoembed.alexandrov.newton import Analyses, Solution, newton
 from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished, realized
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.intrinsic.flips import flip
+from isoembed.intrinsic.loops import flip
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log
@@ -173,7 +173,7 @@ def test_triangles_that_did_not_change_are_analyzed_once():
     first = analyses.solver(p.jacobian())
     assert analyses.solver(p.jacobian()) is first
     flipped = tables.copy()
-    assert any(flip(h, flipped, 0.0) for h in range(flipped.corners.size))
+    assert any(flip(h, flipped.views, 0.0) for h in range(flipped.corners.size))
     assert analyses.solver(Polytope.on(flipped, p.radii).jacobian()) is not first
 
 

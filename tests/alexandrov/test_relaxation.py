@@ -5,7 +5,7 @@ import pytest
 
 import zoo
 from isoembed.alexandrov.relaxation import relaxed_without_dents
-from isoembed.intrinsic.flips import flip
+from isoembed.intrinsic.loops import flip
 from isoembed.progress.stages import Log
 from sprinkled import tables_of
 
@@ -15,7 +15,7 @@ def test_an_edge_that_flips_have_made_twice_is_no_reason_to_raise():
     tables = tables_of(vertices, faces)
     with Log().stage("placement") as recorder:
         assert relaxed_without_dents(tables.copy(), vertices, recorder).dent == 0
-        assert flip(0, tables, 0.0)  # the other diagonal is an edge already
+        assert flip(0, tables.views, 0.0)  # the other diagonal is an edge already
         assert relaxed_without_dents(tables, vertices, recorder) is None
 
 
@@ -28,6 +28,6 @@ def test_shallow_dents_are_flipped_away_though_they_get_deeper_between(seed):
     tables = tables_of(vertices, faces)
     for h in rng.integers(tables.corners.size, size=100):
         if (tables.faces[[h // 3, tables.twins[h] // 3]] < 12).all():
-            flip(int(h), tables, 0.0)
+            flip(int(h), tables.views, 0.0)
     with Log().stage("placement") as recorder:
         assert relaxed_without_dents(tables, vertices, recorder).dent <= 1e-13

@@ -9,8 +9,6 @@ from hypothesis import strategies as st
 
 import curved
 import zoo
-from isoembed.intrinsic import edge_paths as module
-from isoembed.intrinsic import tracing
 from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
@@ -197,25 +195,13 @@ def test_a_path_that_goes_astray_is_lost():
     assert np.array_equal(paths.points(vertices)[paths.point_offsets[e]], vertices[v])
 
 
-def test_an_edge_without_a_direction_is_lost_after_one_triangle(monkeypatch):
+def test_an_edge_without_a_direction_is_lost():
     tables = tables_of(*zoo.tetrahedron())
     edges = all_edges(tables)
     directions = tables.directions.copy()
     directions[edges[3]] = np.nan
     paths = drawn(tables._replace(directions=directions), tables, edges)
     assert paths.lost.tolist() == [3]
-    triangles = []
-
-    def crossed(*line):
-        triangles.append(line)
-        assert len(triangles) < 2
-        return tracing.crossed(*line)
-
-    monkeypatch.setattr(module, "crossed", crossed)
-    polygons = lay_out(tables, np.ones(tables.twins.size, dtype=bool))
-    e = edges[3:4]
-    module._follow.py_func(e, np.array([np.nan]), tables.lengths[e], tables.corners[e], polygons)
-    assert len(triangles) == 1
 
 
 def test_distances_are_those_of_the_final_metric():

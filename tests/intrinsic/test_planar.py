@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
-from isoembed.intrinsic.planar import face_at
-from isoembed.intrinsic.polygons import Polygons, first_sides, lay_out
+from isoembed.intrinsic.polygon_loops import face_at, first_sides
+from isoembed.intrinsic.polygons import Polygons, lay_out
 from sprinkled import box, polyhedron, tables_of
 
 plane = st.floats(0, 2)
@@ -75,7 +75,7 @@ def test_a_point_in_an_l_is_found_around_the_corner(px, py):
     cells[:6] = 0
     x, y = vertices[used][tables.corners, :2].T
     polygons = Polygons(tables.corners, tables.twins, x + 1j * y, fixed, cells)
-    found = face_at(complex(px, py), 0, polygons, len(faces))
+    found = face_at(complex(px, py), 0, polygons.views, len(faces))
     assert found < 6
     if not (px < 1 and py > 1):
         corners = np.column_stack([x, y])[3 * found : 3 * found + 3]

@@ -384,7 +384,7 @@ def test_patterns_are_brought_into_elimination_order(n, seed, lower):
 
 def lower_triangle(matrix):
     lower = sp.csc_array(sp.tril(matrix))
-    return SymmetricMatrix(lower.indptr, lower.indices, lower.data)
+    return SymmetricMatrix(lower.indptr.astype(np.int32), lower.indices.astype(np.int32), lower.data)
 
 
 @pytest.mark.parametrize("columns", [(), (1,), (3,)])

@@ -1,6 +1,5 @@
 """Memory is asked for before it is taken: what is free, what factors need, and the sentence that refuses."""
 
-import os
 import subprocess
 import sys
 
@@ -86,7 +85,7 @@ import scipy.sparse as sp
 import isoembed.linalg.factor as factor
 factor.SUPERLU_ENTRIES = 0
 dense = sp.csc_matrix(np.ones((30, 30)))
-analyze(dense, np.arange(30)).factor((np.eye(30) + 1).ravel())  # compiled
+analyze(dense, np.arange(30)).factor((np.eye(30) + 1).ravel())  # libraries are loaded
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + 100_000_000, resource.RLIM_INFINITY))
 print(available_memory())
@@ -100,10 +99,7 @@ try:
 except OutOfMemory as error:
     print(error)
 """
-    compiled = os.environ | {"ISOEMBED_KERNELS": "compiled"}
-    done = subprocess.run(
-        [sys.executable, "-c", code], env=compiled, capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     free, sentence = done.stdout.splitlines()
     assert 90 * MB < int(free) <= 100 * MB
     assert sentence.startswith("the factors of a matrix of 6000 unknowns need about ")
@@ -162,7 +158,7 @@ def status(key):
     with open("/proc/self/status") as lines:
         return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(key))
 small, order = grid(60)
-analyze(small, order, definite={definite}).factor(small.data)  # compiled, and libraries loaded
+analyze(small, order, definite={definite}).factor(small.data)  # libraries are loaded
 matrix, order = grid(280)
 before = status("VmRSS")
 solver = analyze(matrix, order, definite={definite})
@@ -170,10 +166,7 @@ needs = solver.needs
 factor = solver.factor(matrix.data)
 print(needs, status("VmHWM") - before)
 """
-    compiled = os.environ | {"ISOEMBED_KERNELS": "compiled"}  # Python's numbers would leave room to others
-    done = subprocess.run(
-        [sys.executable, "-c", code], env=compiled, capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     needs, taken = map(int, done.stdout.split())
     # Beside the factors there are the matrix, several times, and vectors.
     assert needs < taken + 4 * MB

@@ -27,7 +27,7 @@ from isoembed.meshing.flips import corner_angles, flip_to_delaunay, flip_where_t
 from isoembed.meshing.lloyd import lloyd_step
 from isoembed.meshing.sphere import fibonacci_lattice
 from isoembed.meshing.surface import spread_directions, vertex_density
-from isoembed.meshing.touch_up import GOOD, INWARD, OUTSIDE, _judge
+from isoembed.meshing.touch_up import GOOD, INWARD, OUTSIDE, judge
 from isoembed.surface.intersection import self_intersections
 
 
@@ -224,18 +224,18 @@ def test_triangles_are_judged_by_their_angles_and_by_where_they_look():
     x, faces = triangulate(Sphere(), 200)
     every, window = np.arange(len(faces)), np.radians([38.0, 97.0])
     verdicts = np.zeros(len(faces), dtype=np.int8)
-    _judge(x, x, faces, corner_angles(x, faces), window, every, verdicts)
+    judge(x, x, faces, corner_angles(x, faces), window, every, verdicts)
     assert (verdicts == GOOD).all()
     x[0] += 0.7 * (x[faces[(faces == 0).any(axis=1)][0]].mean(axis=0) - x[0])
     spoilt = corner_angles(x, faces)
-    _judge(x, x, faces, spoilt, window, every, verdicts)
+    judge(x, x, faces, spoilt, window, every, verdicts)
     outside = (spoilt < window[0]).any(axis=1) | (spoilt > window[1]).any(axis=1)
     assert 0 < outside.sum() < 10
     np.testing.assert_array_equal(verdicts == OUTSIDE, outside)
     spoilt[5, 1] = np.nan
-    _judge(x, x, faces, spoilt, window, np.array([5]), verdicts)
+    judge(x, x, faces, spoilt, window, np.array([5]), verdicts)
     assert verdicts[5] == OUTSIDE
-    _judge(x, -x, faces, spoilt, window, np.array([7]), verdicts)
+    judge(x, -x, faces, spoilt, window, np.array([7]), verdicts)
     assert np.flatnonzero(verdicts == INWARD).tolist() == [7]
 
 

@@ -14,7 +14,6 @@ import isoembed
 import zoo
 from isoembed import PolyhedralMetric
 from isoembed.progress import live
-from isoembed.progress.compiling import Compiling
 from isoembed.progress.live import StageTable, duration
 from isoembed.progress.stages import Progress
 
@@ -26,12 +25,6 @@ class Clock:
 
     def __call__(self):
         return self.now
-
-
-class Compiler(Compiling):
-    """Is told what it compiles, and how long it takes."""
-
-    seconds, now = 5.0, False  # instead of properties
 
 
 def shown(table):
@@ -78,20 +71,6 @@ def test_the_clock_goes_on_until_the_end():
     assert [line[-1] for line in shown(table)[1:]] == ["0.0", "3.0"]  # and nothing is left
 
 
-def test_what_is_compiled_has_a_line_of_its_own():
-    compiler = Compiler()
-    table = StageTable(Clock(), compiler)
-    table.listen(Progress("layout", 1, None, 0.1, None, None, 2.5, remaining=8.0))
-    assert len(shown(table)) == 3
-    compiler.seconds, compiler.now = 12.0, True
-    assert shown(table)[2:] == [
-        ["compiling,", "once", "7.0"],
-        ["compiling,", "once;", "then", "about", "8", "s", "left"],
-    ]
-    compiler.now = False
-    assert shown(table)[2:] == [["compiling,", "once", "7.0"], ["about", "8", "s", "left"]]
-
-
 # The bar
 
 
@@ -105,7 +84,7 @@ def test_the_bar_shows_the_stages_on_a_terminal(metric):
     with isoembed.progress.bar(console) as progress:
         surface = isoembed.embed(metric, progress=progress)
     text = console.file.getvalue()
-    assert all(stage.name in text for stage in surface.stages if stage.name != "compilation")
+    assert all(stage.name in text for stage in surface.stages)
     assert "left" not in text.splitlines()[-1]
 
 

@@ -5,7 +5,8 @@ import numpy as np
 import zoo
 from isoembed import PolyhedralMetric
 from isoembed.intrinsic.delaunay import make_delaunay
-from isoembed.intrinsic.halfedges import HalfEdges, corner_angle
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import corner_angle
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import Space
 from isoembed.space.models import from_model
@@ -34,7 +35,8 @@ def tables_in(x, faces, curvature):
 
 def angle_sums(tables):
     """The angle around each vertex."""
-    angles = [corner_angle(h, tables) for h in range(tables.corners.size)]
+    views = tables.views
+    angles = [corner_angle(h, views) for h in range(tables.corners.size)]
     return np.bincount(tables.corners, angles)
 
 

@@ -19,7 +19,7 @@ from places import ROOT
 
 KEPT = ROOT / "tests" / "public_api.txt"
 DIRECTIVE = re.compile(r"^\.\. auto\w+:: (isoembed\S*)$", re.MULTILINE)
-INTERNAL = {"isoembed.cli", "isoembed.kernel"}
+INTERNAL = {"isoembed.cli"}
 PLAIN = (type(None), bool, int, float, str, tuple)
 
 

@@ -149,10 +149,10 @@ def test_a_report_measures_its_surface_once(monkeypatch):
 
         monkeypatch.setattr(module, name, count)
 
-    counted(curvature, "_folds")
+    counted(curvature, "folds")
     counted(smoothness, "spatial_order")
     assert embedding(*zoo.icosphere(1)).report["convexity"]["concave_edges"] == 0
-    assert counts == {"_folds": 2, "spatial_order": 1}  # once more where the neighbors expect the vertices
+    assert counts == {"folds": 2, "spatial_order": 1}  # once more where the neighbors expect the vertices
 
 
 def test_flat_vertices_are_not_negative_deficits():

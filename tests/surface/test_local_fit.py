@@ -6,9 +6,8 @@ from scipy.sparse import csr_array
 
 import smooth_bodies
 import zoo
-from isoembed.kernel import choice
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.local_fit import HUB_DEGREE, FitResiduals, _constant_term, neighborhoods
+from isoembed.surface.local_fit import HUB_DEGREE, FitResiduals, neighborhoods
 from isoembed.surface.normal_fits import TWO_RINGS
 
 POWERS = [(i, degree - i) for degree in range(6) for i in range(degree + 1)]
@@ -144,13 +143,3 @@ def test_rows_sum_to_zero():
     near, charts = scattered(list(range(1, 30)), 5)
     sums = np.asarray(fit_residual_operator(near, charts).sum(axis=1))
     assert np.abs(sums[:29]).max() < 1e-13
-
-
-def test_fits_one_after_the_other_are_the_same_as_python_and_compiled():
-    charts = np.random.default_rng(0).normal(size=(30, 2))
-    interpreted, compiled = np.empty((2, 30))
-    _constant_term._interpret((charts, interpreted, 5))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(choice, "WHEN", "compiled")
-        _constant_term.dispatcher(charts, compiled, 5)
-    assert (interpreted == compiled).all()

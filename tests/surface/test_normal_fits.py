@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from isoembed.surface.local_fit import _fit
-from isoembed.surface.normal_fits import MAX_POINTS, SIDE_BY_SIDE, fewest, normal_weights
+from isoembed.surface.fit_loops import fewest, fit_constants
+from isoembed.surface.normal_fits import MAX_POINTS, SIDE_BY_SIDE, normal_weights
 
 
 def weights(charts, degree):
@@ -13,7 +13,7 @@ def weights(charts, degree):
     points = np.concatenate(charts)
     found, expected = np.full(len(points), np.nan), np.empty(len(points))
     done = normal_weights(indptr, points, degree, found)
-    _fit(np.arange(len(charts)), indptr, points, degree, expected)
+    fit_constants(np.arange(len(charts)), indptr, points, degree, expected)
     return done, np.repeat(done, np.diff(indptr)), found, expected
 
 

@@ -7,8 +7,9 @@ from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import Space
 from isoembed.space.models import from_model, to_model
+from isoembed.surface.fit_loops import seen_from
 from isoembed.surface.shape_operator import normal_curvatures, shape_operators
-from isoembed.surface.tangent_frames import carried_to_faces, directions, drawn_faces, seen_from
+from isoembed.surface.tangent_frames import carried_to_faces, directions, drawn_faces
 
 AXES = np.array([0.7, 0.5, 0.4])
 CURVATURES = (-1.0, 0.0, 1.0)

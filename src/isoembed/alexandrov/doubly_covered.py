@@ -12,9 +12,9 @@ from isoembed.alexandrov.ambient import away_from_apex
 from isoembed.alexandrov.lengths import worst_length
 from isoembed.alexandrov.polytope import Polytope, delaunay_weights
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.intrinsic.delaunay import make_delaunay, tilts
-from isoembed.intrinsic.flips import flip
-from isoembed.intrinsic.halfedges import HalfEdges, set_directions
+from isoembed.intrinsic.delaunay import make_delaunay
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import flip, set_directions, tilts
 from isoembed.mesh.components import components
 from isoembed.metric.curvature import Triangles
 from isoembed.space import Space
@@ -46,7 +46,7 @@ class DoublyCovered:
 def flat_limit(p: Polytope) -> DoublyCovered | None:
     """Read the polygon off a polytope that is turning flat; None if it is not one."""
     weights, cosine = delaunay_weights(p.space, p.radii)
-    feet = cosine * tilts(p.tables, weights)[0]
+    feet = cosine * tilts(p.tables.views, weights)[0]
     other = feet[p.tables.twins]
     # An apex right above a flat edge has both feet on it, up to rounding and to how flat the body is by now.
     # Edge lengths: rounding, and the height of a body that is not yet flat.
@@ -62,7 +62,7 @@ def doubly_covered_triangle(core: HalfEdges) -> DoublyCovered | None:
     make_delaunay(tables, np.zeros(3))
     loops = np.flatnonzero(tables.corners == tables.corners[tables.twins])
     if loops.size:  # instead of the side across from an obtuse angle
-        flip(int(loops[0]), tables, 0.0)
+        flip(int(loops[0]), tables.views, 0.0)
     return doubly_covered(tables, np.ones(6, dtype=np.bool_))
 
 
@@ -172,7 +172,7 @@ def _fans(tables: HalfEdges, boundary: Indices, points: Floats) -> HalfEdges:
         lengths = space.distances(points[a], points[b])
     corners = tables.corners[boundary][a]
     fans = HalfEdges(corners, twins, lengths, np.zeros(a.size), space.curvature)
-    set_directions(fans)
+    set_directions(fans.views)
     # The boundary's half-edges kept their directions.
     kept = np.flatnonzero((b == (a + 1) % n) & (np.arange(a.size) < front.size))
     offset = np.empty(n)

@@ -2,12 +2,11 @@
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.alexandrov.loops import distances
+from isoembed.arrays import Floats
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.kernel import kernel
 from isoembed.space import Space
 from isoembed.space.models import to_model
-from isoembed.space.trigonometry import arc
 
 
 def worst_length(tables: HalfEdges, vertices: Floats) -> float:
@@ -29,19 +28,4 @@ def rounding_size(space: Space, vertices: Floats) -> float:
 
 def conformal_lengths(tables: HalfEdges, vertices: Floats) -> Floats:
     """Lengths of the half-edges, shape (3F,), between vertices in conformal coordinates."""
-    return _distances(tables.corners, tables.twins, vertices, tables.curvature)
-
-
-@kernel
-def _distances(corners: Indices, twins: Indices, x: Floats, k: float) -> Floats:
-    scales = np.empty(x.shape[0])
-    for i in range(scales.size if k != 0 else 0):
-        scales[i] = 1 + k / 4 * (x[i, 0] * x[i, 0] + x[i, 1] * x[i, 1] + x[i, 2] * x[i, 2])
-    distances = np.empty(corners.size)
-    for h in range(corners.size):
-        i, j = corners[h], corners[twins[h]]
-        a, b, c = x[i, 0] - x[j, 0], x[i, 1] - x[j, 1], x[i, 2] - x[j, 2]
-        distances[h] = np.sqrt(a * a + b * b + c * c)
-        if k != 0:
-            distances[h] = arc(distances[h] / np.sqrt(scales[i] * scales[j]), k)
-    return distances
+    return distances(tables.corners, tables.twins, vertices, tables.curvature)

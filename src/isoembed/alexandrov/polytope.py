@@ -14,7 +14,6 @@ squared are chords, and ``c_ij = sn(l_ij) sn(r_i) cos(rho_ij)``, by the law of c
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -23,14 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from isoembed.arrays import Floats, Indices
-from isoembed.intrinsic.delaunay import make_delaunay, non_delaunay_edges
+from isoembed.alexandrov.loops import evaluated, jacobian_product
+from isoembed.arrays import Floats
+from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import non_delaunay_edges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
-from isoembed.kernel import kernel
 from isoembed.metric.curvature import Triangles
 from isoembed.space import Space
-from isoembed.space.trigonometry import twice_area
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +74,7 @@ class Polytope:
         if not flips:
             return cls.on(tables, radii)
         weights, _ = delaunay_weights(space, radii)
-        non_delaunay = non_delaunay_edges(tables, weights)
+        non_delaunay = non_delaunay_edges(tables.views, weights)
         if non_delaunay.size:
             tables = tables.copy()
             _, stuck = make_delaunay(tables, weights, non_delaunay)
@@ -94,7 +93,7 @@ class Polytope:
             with np.errstate(invalid="ignore"):
                 amplitudes = triangles.amplitudes * triangles.unit * triangles.unit
             chords, sines, r, s = space.chord(lengths), space.sn(lengths), space.chord(radii), space.sn(radii)
-        kappa, coupling, diagonal, lowest = _evaluate(
+        kappa, coupling, diagonal, lowest = evaluated(
             tables.corners, tables.twins, chords, sines, amplitudes, r, s, space.curvature / 4
         )
         if not (lowest > 0 and np.isfinite(kappa).all() and np.isfinite(coupling).all()):
@@ -122,7 +121,7 @@ class Polytope:
     def times_jacobian(self, v: Floats) -> Floats:
         """``(d kappa / d r) v`` for v of shape (V,) or (V, n)."""
         tables, columns = self.tables, v.reshape(len(v), -1)
-        product = _product(tables.corners, self.coupling, self.diagonal, columns)
+        product = jacobian_product(tables.corners, self.coupling, self.diagonal, columns)
         return product.reshape(v.shape)
 
     def jacobian(self) -> csc_array:
@@ -148,108 +147,3 @@ def delaunay_weights(space: Space, radii: Floats) -> tuple[Floats, float]:
         mean = min(mean, space.radius)
     cosine = float(space.cs(mean))
     return space.chord(radii - mean) * space.chord(radii + mean) / cosine, cosine
-
-
-@kernel
-def _evaluate(
-    corners: Indices,
-    twins: Indices,
-    chords: Floats,
-    sines: Floats,
-    amplitudes: Floats,
-    r: Floats,
-    s: Floats,
-    k4: float,
-) -> tuple[Floats, Floats, Floats, float]:
-    # Chords and sines of lengths and of radii, r and s; amplitudes of triangles, none in R^3; and k / 4.
-    # The dihedral angles at a radius are turns of a unit vector, (x, y), and only their sum is taken: one arc
-    # tangent a vertex, and where it is near a full turn nothing cancels.
-    n = r.size
-    x, y, full = np.ones(n), np.zeros(n), np.ones(n)  # full turns that are left
-    kappa = np.empty(n)
-    slope = np.empty(corners.size)  # d / h
-    diagonal = np.zeros(n)
-    lowest = np.inf
-    for f in range(0, corners.size, 3):
-        i, j, m = corners[f], corners[f + 1], corners[f + 2]
-        a, b, c = chords[f], chords[f + 1], chords[f + 2]  # ij, jm, mi
-        area = amplitudes[f // 3] if amplitudes.size else twice_area(a, b, c)
-        if not area > 0:
-            return kappa, slope, diagonal, -1.0
-        # Differences of squares, formed before they cancel.
-        ij = (r[i] - r[j]) * (r[i] + r[j])
-        jm = (r[j] - r[m]) * (r[j] + r[m])
-        mi = (r[m] - r[i]) * (r[m] + r[i])
-        # Products of two sines and the cosine between, by chords: (a^2 + b^2 - c^2) / 2 - k a^2 b^2 / 4.
-        ri, rj, rm = r[i] * r[i], r[j] * r[j], r[m] * r[m]
-        aa, bb, cc = k4 * (a * a), k4 * (b * b), k4 * (c * c)
-        c_ij, c_ji = (a * a + ij) / 2 - aa * ri, (a * a - ij) / 2 - aa * rj
-        c_jm, c_mj = (b * b + jm) / 2 - bb * rj, (b * b - jm) / 2 - bb * rm
-        c_mi, c_im = (c * c + mi) / 2 - cc * rm, (c * c - mi) / 2 - cc * ri
-        at_i = (a * a + (c - b) * (c + b)) / 2 - aa * (c * c)  # at a corner
-        at_j = (b * b + (a - c) * (a + c)) / 2 - bb * (a * a)
-        at_m = (c * c + (b - a) * (b + a)) / 2 - cc * (b * b)
-        a, b, c = sines[f], sines[f + 1], sines[f + 2]
-        d_ij = (a * c_im - c_ij * at_i / a) / area
-        d_jm = (b * c_ji - c_jm * at_j / b) / area
-        d_mi = (c * c_mj - c_mi * at_m / c) / area
-        # The squared height, from the corner where least is subtracted.
-        qi, qj, qm = s[i] * s[i], s[j] * s[j], s[m] * s[m]
-        if qi <= qj and qi <= qm:
-            h2, q = qi - c_ij / a * (c_ij / a) - d_ij * d_ij, qi
-        elif qj <= qm:
-            h2, q = qj - c_jm / b * (c_jm / b) - d_jm * d_jm, qj
-        else:
-            h2, q = qm - c_mi / c * (c_mi / c) - d_mi * d_mi, qm
-        lowest = min(lowest, h2 / q)
-        if not h2 > 0:
-            return kappa, slope, diagonal, lowest
-        h = np.sqrt(h2)
-        _turn(i, qi * at_i - c_ij * c_im, s[i] * h * area, x, y, full)
-        _turn(j, qj * at_j - c_jm * c_ji, s[j] * h * area, x, y, full)
-        _turn(m, qm * at_m - c_mi * c_mj, s[m] * h * area, x, y, full)
-        slope[f], slope[f + 1], slope[f + 2] = d_ij / h, d_jm / h, d_mi / h
-    for i in range(n):
-        kappa[i] = 2 * np.pi * full[i] - math.atan2(y[i], x[i])
-    # The half-edges below their twins, without a branch that is hard to foresee.
-    lower, count = np.empty(corners.size // 2 + 1, dtype=np.int64), 0
-    for e in range(corners.size):
-        lower[count] = e
-        count += int(e < twins[e])
-    for e in lower[:count]:
-        t = twins[e]
-        i, j = corners[e], corners[t]
-        a, l = chords[e], sines[e]
-        c_ij = (a * a + (r[i] - r[j]) * (r[i] + r[j])) / 2 - k4 * (a * a) * (r[i] * r[i])
-        w = (slope[e] + slope[t]) / (l * (s[i] * s[i] - c_ij / l * (c_ij / l)))
-        slope[e] = slope[t] = w * s[i] * s[j]
-        # the product of the vectors from the apex to i and j
-        both = w * (s[i] * s[i] * (1 - 2 * k4 * (a * a)) - c_ij * (1 - 2 * k4 * (r[i] * r[i])))
-        diagonal[i] -= both
-        diagonal[j] -= both
-    return kappa, slope, diagonal, lowest
-
-
-@kernel
-def _turn(i: int, cosine: float, sine: float, x: Floats, y: Floats, full: Floats) -> None:
-    """Turn the vector of vertex i by the angle of these, whatever their size: by less than half a turn."""
-    size = np.sqrt(cosine * cosine + sine * sine)
-    c, s = cosine / size, sine / size
-    before = y[i]
-    x[i], y[i] = x[i] * c - before * s, x[i] * s + before * c
-    full[i] -= int(before >= 0 > y[i])
-
-
-@kernel
-def _product(corners: Indices, coupling: Floats, diagonal: Floats, v: Floats) -> Floats:
-    result = np.empty_like(v)
-    for i in range(v.shape[0]):
-        for c in range(v.shape[1]):
-            result[i, c] = diagonal[i] * v[i, c]
-    for f in range(0, corners.size, 3):  # every edge from both its faces, for one end each
-        i, j, k = corners[f], corners[f + 1], corners[f + 2]
-        for c in range(v.shape[1]):
-            result[i, c] += coupling[f] * v[j, c]
-            result[j, c] += coupling[f + 1] * v[k, c]
-            result[k, c] += coupling[f + 2] * v[i, c]
-    return result

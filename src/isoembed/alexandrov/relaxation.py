@@ -17,8 +17,8 @@ from isoembed.alexandrov.placement import placed
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import flip
 from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
@@ -169,10 +169,10 @@ def _flipped(tables: HalfEdges, depths: Floats, least: float) -> int:
     """How many edges that are dented by more than this were flipped, the deepest first, each face once."""
     triangulation = Triangulation(tables.faces)
     whole = np.ones(triangulation.n_faces, dtype=np.bool_)
-    flipped = 0
+    views, flipped = tables.views, 0
     for e in np.argsort(-depths)[: int((depths > least).sum())]:
         faces = triangulation.edge_faces[e]
-        if whole[faces].all() and flip(int(triangulation.edge_halfedges[e, 0]), tables, 0.0):
+        if whole[faces].all() and flip(int(triangulation.edge_halfedges[e, 0]), views, 0.0):
             whole[faces] = False
             flipped += 1
     return flipped

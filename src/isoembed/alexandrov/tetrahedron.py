@@ -13,8 +13,8 @@ import numpy as np
 from isoembed.alexandrov.lengths import worst_length
 from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
-from isoembed.intrinsic.flips import flip
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import flip
 
 FLAT = 1e-5  # longest edges: a lower body may be a polygon but for rounding
 
@@ -54,7 +54,7 @@ def _flipped(tables: HalfEdges) -> list[HalfEdges]:
     found = []
     for h in tables.edges.tolist():
         after = tables.copy()
-        if flip(h, after, 1e-3):  # longest sides: thinner triangles lose digits
+        if flip(h, after.views, 1e-3):  # longest sides: thinner triangles lose digits
             found.append(after)
     return found
 

@@ -9,10 +9,9 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.intrinsic.plane import folds, meet
-from isoembed.kernel import kernel
+from isoembed.gluing.loops import meeting
 from isoembed.mesh.triangulation import frozen
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model, to_model
@@ -213,31 +212,4 @@ def meeting_sides(points: Floats) -> tuple[int, int]:
     Those that fold back there meet, too; (-1, -1) if none do, and the polygon is simple.
     """
     left_ends = np.minimum(points[:, 0], np.roll(points[:, 0], -1))
-    return _meeting(points, np.argsort(left_ends, kind="stable"))
-
-
-@kernel
-def _meeting(points: Floats, order: Indices) -> tuple[int, int]:
-    """As `meeting_sides`.
-
-    The sides come in the order of their left ends, and each is compared with those that begin before it ends.
-    """
-    n = len(points)
-    for k in range(n):
-        i = order[k]
-        a, b = points[i], points[(i + 1) % n]
-        right = max(a[0], b[0])
-        for m in range(k + 1, n):
-            j = order[m]
-            c, d = points[j], points[(j + 1) % n]
-            if min(c[0], d[0]) > right:
-                break
-            if j == (i + 1) % n:
-                if folds(a, b, d):
-                    return i, j
-            elif i == (j + 1) % n:
-                if folds(c, d, b):
-                    return i, j
-            elif meet(a, b, c, d):
-                return i, j
-    return -1, -1
+    return meeting(points, np.argsort(left_ends, kind="stable"))

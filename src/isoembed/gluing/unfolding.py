@@ -11,8 +11,8 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.faces import Faces, true_faces
+from isoembed.gluing.loops import joined
 from isoembed.gluing.net import Net, glue
-from isoembed.gluing.sheets import joined
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
 from isoembed.surface.embedding import Embedding

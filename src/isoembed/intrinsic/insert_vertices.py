@@ -8,16 +8,13 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices, Mask, Points
 from isoembed.errors import InvalidMetric
-from isoembed.intrinsic.chart import coordinate, distances, stretch, toward, turn_at
-from isoembed.intrinsic.delaunay import empty_stack, flip_edges
+from isoembed.intrinsic.chart import distances
 from isoembed.intrinsic.flat_vertices import Removal
-from isoembed.intrinsic.halfedges import HalfEdges, following, leaving_halfedges, preceding, total_angle
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import leaving_halfedges
 from isoembed.intrinsic.multi_edges import separated
-from isoembed.intrinsic.planar import Marks, insert
-from isoembed.intrinsic.polygons import Polygons, first_sides, lay_out, loosened
-from isoembed.intrinsic.tracing import from_corner, from_inside, place, sector, straight
-from isoembed.intrinsic.trigonometry import cross
-from isoembed.kernel import kernel
+from isoembed.intrinsic.polygon_loops import Marks, first_sides, insert_all, locate, seen_sides
+from isoembed.intrinsic.polygons import Polygons, lay_out, loosened
 from isoembed.mesh.triangulation import frozen
 
 Table = TypeVar("Table", bound=NDArray)
@@ -103,12 +100,12 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     number = np.full(r.core.size + r.removed.size, -1, dtype=np.int64)  # in the core
     number[r.core] = np.arange(r.core.size)
     laid = lay_out(tables, kept)
-    faces, barycentric, axis, lost = _locate(tables, laid, r, number)
+    faces, barycentric, axis, lost = locate(tables.views, laid.views, r, number)
     if lost >= 0:
         raise InvalidMetric(
             f"vertex {lost}, which is flat, is not found again: the triangles around it are too thin"
         )
-    order, near = r.removed[::-1], r.anchors[::-1]
+    order, near = r.removed[::-1].copy(), r.anchors[::-1].copy()
     if order.size and _is_triangle(tables):
         depths = barycentric[order].min(axis=1)
         first = int(np.argmax(depths))
@@ -118,7 +115,7 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
             barycentric = np.vstack([barycentric, _middle(laid.z[:3], laid.curvature)])
         order, near = (np.concatenate([[part[first]], np.delete(part, first)]) for part in (order, near))
     places = _combined(barycentric, laid.z[3 * faces[:, None] + np.arange(3)], laid.curvature)
-    slopes = np.angle(_sides(laid))
+    slopes = np.angle(seen_sides(laid.views))
     room = 6 * order.size
     frames = _grown(first_sides(laid.twins, laid.fixed), room)
     axes, slopes = _grown(tables.directions, room), _grown(slopes, room)
@@ -134,20 +131,21 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     sizes = np.zeros(laid.cells.max() + 1)
     np.maximum.at(sizes, laid.cells, tables.face_lengths.max(axis=1))
     # The two sheets of a polygon have the same corners.
-    marks = Marks(_grown(kept, room), frames, axes, leaving, sizes, sizes.size == 2)
-    _insert_all(order, near, faces, places, axis, polygons, marks)
-    sides = _sides(polygons)
+    kept, views = _grown(kept, room), polygons.views
+    marks = Marks(views, kept, frames, axes, leaving, sizes, sizes.size == 2)
+    insert_all(order, near, faces, places, axis, views, marks)
+    sides = seen_sides(views)
     lengths = loosened(distances(sides, polygons.curvature), polygons.twins)
     # A frame gives the direction of a side of the polygon, or of the x axis if the vertex was flat; half a
     # radian takes up what rounding puts before that.
     turns = (np.angle(sides) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
     result = HalfEdges(polygons.corners, polygons.twins, lengths, axes[frames] + turns, tables.curvature)
-    polygons = separated(result, marks.kept, polygons)
+    polygons = separated(result, kept, polygons)
     flat = np.flatnonzero(number < 0)
     return Restored(
         result,
         polygons,
-        frozen(marks.kept),
+        frozen(kept),
         r.core,
         frozen(flat),
         frozen(faces[flat]),
@@ -164,16 +162,6 @@ def _is_triangle(tables: HalfEdges) -> bool:
 def _grown(table: Table, by: int) -> Table:
     """A copy with room for more."""
     return np.concatenate([table, np.zeros(by, dtype=table.dtype)])  # type: ignore[return-value]
-
-
-@kernel
-def _sides(polygons: Polygons) -> Points:
-    """The end of each half-edge as seen from its start, shape (3F,)."""
-    z = polygons.z
-    sides = np.empty_like(z)
-    for h in range(z.size):
-        sides[h] = toward(z[h], z[following(h)], polygons.curvature)
-    return sides
 
 
 def _combined(barycentric: Floats, z: Points, k: float) -> Points:
@@ -196,92 +184,3 @@ def _summed(barycentric: Floats, z: Points, k: float) -> tuple[Points, Floats]:
     """Sums of corners z (n, 3) on hyperboloid or sphere: their first two coordinates, and the last."""
     parts = barycentric / (1 + k / 4 * np.abs(z) ** 2)
     return np.einsum("vc,vc->v", parts, z), np.sum(2 * parts - barycentric, axis=1)
-
-
-@kernel
-def _insert_all(
-    order: Indices,
-    near: Indices,
-    faces: Indices,
-    places: Points,
-    axis: Floats,
-    polygons: Polygons,
-    marks: Marks,
-) -> None:
-    """Insert vertices near others, of which the faces, and places and axes in these, are given."""
-    new = polygons.twins.size - 6 * order.size
-    flip_edges(np.arange(new), polygons, marks)
-    stack = empty_stack(polygons.twins.size)
-    for v, u in zip(order, near):  # noqa: B905
-        marks.axes[new] = axis[v]
-        start = _face_near(marks.leaving[u], faces[v], polygons)
-        insert(v, places[v], start, new, polygons, marks, stack)
-        new += 6
-    if marks.simple:  # what joined two vertices that were joined already, and are no more
-        flip_edges(np.arange(new), polygons, marks)
-
-
-@kernel
-def _face_near(h: int, f: int, polygons: Polygons) -> int:
-    """A face at the vertex that a half-edge leaves, if one does, in the polygon of face f; or else f."""
-    if h < 0:
-        return f
-    e = h
-    while polygons.cells[e // 3] != polygons.cells[f]:
-        e = polygons.twins[preceding(e)]
-        if e == h:
-            return f
-    return e // 3
-
-
-@kernel
-def _locate(
-    mesh: HalfEdges, laid: Polygons, removal: Removal, number: Indices
-) -> tuple[Indices, Floats, Floats, int]:
-    """The faces in which the removed vertices lie, and where: barycentric coordinates.
-
-    Returns
-    -------
-    ndarray of int, shape (V,)
-    ndarray, shape (V, 3)
-    ndarray, shape (V,)
-        The direction at the vertex that is that of the x axis of the polygon.
-    int
-        A vertex that is lost, or -1.
-    """
-    n = number.size
-    faces, barycentric, axis = np.zeros(n, dtype=np.int64), np.zeros((n, 3)), np.zeros(n)
-    places = np.empty(n, dtype=np.complex128)  # in the polygon
-    leaving = leaving_halfedges(mesh.corners, n - removal.removed.size)
-    z, areas, scales = np.empty(3, dtype=np.complex128), np.empty(3), np.empty(3)
-    for k in range(removal.removed.size - 1, -1, -1):
-        v, u = removal.removed[k], removal.anchors[k]
-        way, distance = removal.directions[k], removal.distances[k]
-        if number[u] >= 0:
-            h = leaving[number[u]]
-            h, offset = sector(h, way, total_angle(h, mesh), mesh)
-            state = from_corner(h, offset, laid)
-        else:
-            state = from_inside(faces[u], places[u], way - axis[u], laid)
-        state = straight(state, distance, laid)
-        if state[0] < 0:
-            return faces, barycentric, axis, v
-        f = state[0] // 3
-        here = complex(coordinate(distance, laid.curvature), 0.0)
-        for i in range(3):
-            z[i] = toward(here, place(3 * f + i, state, laid), laid.curvature)
-            scales[i] = stretch(z[i], laid.curvature)
-            z[i] /= scales[i]
-        for i in range(3):
-            areas[i] = max(cross(z[(i + 1) % 3], z[(i + 2) % 3]), 0.0)
-        barycentric[v] = areas / (areas * (2 / scales - 1)).sum()
-        faces[v] = f
-        if laid.curvature == 0:
-            places[v] = 0j
-            for i in range(3):
-                places[v] += barycentric[v, i] * laid.z[3 * f + i]
-        else:
-            _, turn, shift = state
-            places[v] = toward(shift, here, laid.curvature) * turn.conjugate()
-        axis[v] = removal.backs[k] - np.pi + turn_at(places[v], state[1], state[2], laid.curvature)
-    return faces, barycentric, axis, -1

@@ -3,11 +3,9 @@
 import numpy as np
 
 from isoembed.arrays import Indices, Mask
-from isoembed.intrinsic.delaunay import THIN
-from isoembed.intrinsic.flips import Tracked, flip_tracked, tracked
-from isoembed.intrinsic.halfedges import HalfEdges, edges_between, preceding
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import separate_edges
 from isoembed.intrinsic.polygons import Polygons, lay_out
-from isoembed.kernel import kernel
 
 
 def repeated(mesh: HalfEdges) -> Indices:
@@ -33,10 +31,10 @@ def remove_multi_edges(mesh: HalfEdges, kept: Mask) -> None:
     edges = repeated(mesh)
     if edges.size == 0:
         return
-    carried = tracked(mesh.corners, kept, int(mesh.corners.max()) + 1)
+    n = int(mesh.corners.max()) + 1
     flips = 1
     while edges.size and flips:
-        flips = _separate(edges, mesh, carried)
+        flips = separate_edges(edges, mesh.views, kept, n)
         edges = repeated(mesh)
 
 
@@ -56,19 +54,3 @@ def separated(mesh: HalfEdges, kept: Mask, polygons: Polygons) -> Polygons:
         np.where(changed[::3], polygons.cells.max() + 1 + single.cells, polygons.cells),
         polygons.curvature,
     )
-
-
-@kernel
-def _separate(edges: Indices, mesh: HalfEdges, carried: Tracked) -> int:
-    """Flip those of the edges that still are repeated, where no other joins the ends of the new edge."""
-    corners, twins = mesh.corners, mesh.twins
-    flips = 0
-    for h in edges:
-        a, b, k, m = corners[h], corners[twins[h]], preceding(h), corners[preceding(twins[h])]
-        if carried.kept[h] or not (a == b or edges_between(h, b, corners, twins) > 1):
-            continue
-        if corners[k] == m or edges_between(k, m, corners, twins) > 0:
-            continue
-        if flip_tracked(h, mesh, carried, THIN):
-            flips += 1
-    return flips

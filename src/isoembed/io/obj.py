@@ -5,27 +5,18 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
+from isoembed.io.loops import scan_obj
 from isoembed.io.text_scan import (
-    Bytes,
-    copy_words,
-    ends,
-    in_word,
     lines,
-    natural,
-    next_line,
     plain,
     triangles,
-    word_begin,
 )
 from isoembed.io.title_line import title_line, title_said
-from isoembed.kernel import kernel
 
 CONTINUED = re.compile(r"\\\r?\n")
-VERTEX, FACE, SLASH = (ord(c) for c in "vf/")
 
 
 def read(file: InputFile) -> Tables:
@@ -45,34 +36,7 @@ def _read_plain(data: bytes) -> Tables | None:
     text = plain(data)
     if text is None:
         return None
-    return triangles(*_scan(text))
-
-
-@kernel
-def _scan(text: Bytes) -> tuple[Bytes, int, Indices]:
-    """The text of the coordinates, the number of vertices, and the triangles; none if a line is unusual."""
-    coordinates, faces = np.empty(len(text) + 3, dtype=np.uint8), np.empty((len(text) // 7 + 1, 3), np.int64)
-    end = vertices = row = i = 0
-    while i < len(text):
-        i = word_begin(text, i)
-        if in_word(text[i]) and not in_word(text[i + 1]):
-            if text[i] == VERTEX:
-                i, end = copy_words(text, i + 1, 3, coordinates, end)
-                if i < 0:
-                    return coordinates[:0], 0, faces[:0]
-                vertices += 1
-            elif text[i] == FACE:
-                i += 1
-                for corner in range(3):
-                    number, i = natural(text, i, SLASH)
-                    if number <= 0:
-                        return coordinates[:0], 0, faces[:0]
-                    faces[row, corner] = number - 1
-                row += 1
-                if not ends(text[word_begin(text, i)]):
-                    return coordinates[:0], 0, faces[:0]
-        i = next_line(text, i)
-    return coordinates[:end], vertices, faces[:row]
+    return triangles(*scan_obj(text))
 
 
 def _read_any(file: InputFile, content: str) -> Tables:

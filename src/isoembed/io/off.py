@@ -6,23 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.arrays import Indices
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format, by_size
 from isoembed.io.input_file import InputFile
+from isoembed.io.loops import scan_off
 from isoembed.io.text_scan import (
-    Bytes,
-    copy_words,
-    ends,
     lines,
-    natural,
-    next_line,
     plain,
     triangles,
-    word_begin,
 )
 from isoembed.io.title_line import title_line, title_said
-from isoembed.kernel import kernel
 
 HEADERS = tuple(f"{st}{c}{n}OFF" for st in ("", "ST") for c in ("", "C") for n in ("", "N"))
 HEADER = re.compile(rb"(?:ST)?C?N?OFF\s+(?:#[^\n]*\n\s*)*(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
@@ -49,36 +42,8 @@ def _read_plain(data: bytes) -> Tables | None:
     n_vertices, n_faces = int(header[1]), int(header[2])
     if n_vertices + n_faces > len(data):
         return None
-    coordinates, faces = _scan(text[header.end() :], n_vertices, n_faces)
+    coordinates, faces = scan_off(text[header.end() :], n_vertices, n_faces)
     return triangles(coordinates, n_vertices, faces)
-
-
-@kernel
-def _scan(text: Bytes, n_vertices: int, n_faces: int) -> tuple[Bytes, Indices]:
-    """The text of the coordinates, and the triangles; none if a line is unusual."""
-    coordinates, faces = np.empty(len(text) + 4, dtype=np.uint8), np.empty((n_faces, 3), dtype=np.int64)
-    end = row = i = 0
-    while row < n_vertices + n_faces:
-        if i == len(text):
-            return coordinates[:0], faces[:0]
-        i = word_begin(text, i)
-        if not ends(text[i]):
-            if row < n_vertices:
-                i, end = copy_words(text, i, 3, coordinates, end)
-                if i < 0:
-                    return coordinates[:0], faces[:0]
-            else:
-                count, i = natural(text, i)
-                if count != 3:
-                    return coordinates[:0], faces[:0]
-                for corner in range(3):
-                    index, i = natural(text, i)
-                    if index < 0:
-                        return coordinates[:0], faces[:0]
-                    faces[row - n_vertices, corner] = index
-            row += 1
-        i = next_line(text, i)
-    return coordinates[:end], faces
 
 
 def _read_any(file: InputFile, content: str) -> Tables:

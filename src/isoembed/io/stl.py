@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
-from isoembed.io.text_scan import Bytes, copy_words, lines, next_line, numbers, word_begin, word_end
+from isoembed.io.loops import scan_stl
+from isoembed.io.text_scan import lines, numbers
 from isoembed.io.title_line import title_line, title_said
-from isoembed.kernel import kernel
 from isoembed.surface.measures import face_normals
 
 CORNER = "  vertex %r %r %r\n"
 FACET = f"facet normal %r %r %r\n outer loop\n{3 * CORNER} endloop\nendfacet\n"
 HEADER = 84  # bytes of a binary file before the triangles
 TRIANGLE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-F, V, LOWER = ord("f"), ord("v"), 32  # the bit that makes an ASCII letter lower case
 BOM = b"\xef\xbb\xbf"
 
 
@@ -45,7 +44,7 @@ def read(file: InputFile) -> Tables:
             + (f", which would have {count} triangles in {len(data) - rest} bytes" if count else "")
         )
     text = data.removeprefix(BOM).replace(b"\r", b"\n") + b"\n"
-    coordinates, corners, facets = _scan(np.frombuffer(text, dtype=np.uint8))
+    coordinates, corners, facets = scan_stl(np.frombuffer(text, dtype=np.uint8))
     values = numbers(coordinates)
     if values is None or values.size != 3 * corners:
         raise FileError(f"{file} is not a readable STL file: a vertex is not three numbers")
@@ -65,24 +64,6 @@ def write(path: Path, tables: Tables) -> None:
         file.write(f"solid {title_line(tables)}".rstrip() + "\n")
         file.writelines(lines(FACET, np.hstack([normals, points[faces].reshape(-1, 9)])))
         file.write("endsolid\n")
-
-
-@kernel
-def _scan(text: Bytes) -> tuple[Bytes, int, int]:
-    """The text of the corners, their number, and that of the facets; without text if a line is unusual."""
-    coordinates = np.empty(len(text) + 3, dtype=np.uint8)
-    end = corners = facets = i = 0
-    while i < len(text):
-        i = word_begin(text, i)
-        if text[i] | LOWER == V:  # vertex
-            i, end = copy_words(text, word_end(text, i), 3, coordinates, end)
-            if i < 0:
-                return coordinates[:0], 1, 0
-            corners += 1
-        elif text[i] | LOWER == F:  # facet
-            facets += 1
-        i = next_line(text, i)
-    return coordinates[:end], corners, facets
 
 
 def _apart(corners: NDArray) -> Tables:

@@ -16,8 +16,9 @@ from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
+from isoembed.io.loops import words_end
 from isoembed.io.strips import strip_triangles
-from isoembed.io.text_scan import LONGEST, numbers, words_end
+from isoembed.io.text_scan import LONGEST, numbers
 from isoembed.io.title_line import title_line, title_said
 from isoembed.version import __version__
 

@@ -1,17 +1,36 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
 """Recursive bisection of a mesh, by separators of few vertices or cuts of few edges.
 
 A cell of the graph is cut across its longest axis in coordinates of the vertices, where that severs few
 edges; then the smallest separator near the cut is found.
 """
 
+from __future__ import annotations
+
+import cython
 import numpy as np
+from cython.cimports.libc.math import sqrt
 
-from isoembed.arrays import Floats, Indices, Indices32
-from isoembed.kernel import kernel
-from isoembed.linalg.separator import SEPARATOR, Graph, empty_band, separate
+from isoembed.arrays import Floats, Indices
 
-WINDOW = 0.25  # distance of a cut from the median of its cell, at most, in cells
-PLACES = 64  # positions of a cut that are compared
+if cython.compiled:
+    from cython.cimports.isoembed.linalg.separator import Band, Pattern, replace_cut
+else:
+    from isoembed.linalg.separator import Band, Pattern, replace_cut
+
+from isoembed.linalg.separator import Graph
+
+Int = cython.typedef(cython.longlong)
+ConstInt32 = cython.typedef(cython.const[cython.int])
+Real = cython.typedef(cython.double)
+ConstReal = cython.typedef(cython.const[cython.double])
+
+INF = cython.declare(cython.double, float("inf"))
+WINDOW = cython.declare(
+    cython.double, 0.25
+)  # distance of a cut from the median of its cell, at most, in cells
+PLACES = cython.declare(cython.longlong, 64)  # positions of a cut that are compared
+SEPARATOR = cython.declare(cython.longlong, -1)  # a vertex that parts two cells
 
 
 def separators(graph: Graph, position: Floats) -> tuple[Indices, Indices, Indices]:
@@ -33,14 +52,23 @@ def separators(graph: Graph, position: Floats) -> tuple[Indices, Indices, Indice
     return _bisected(graph, position, True)
 
 
-@kernel
-def lift_ends(indptr: Indices32, indices: Indices32, path: Indices, depth: Indices) -> int:
+def bisection_paths(graph: Graph, position: Floats) -> Indices:
+    """Cut a graph in two, where few edges are severed, and the parts in two, down to a few vertices.
+
+    A cut runs along the smallest separator, whose vertices go to the side where they have more neighbors.
+    Binary digits, the highest first and as many for every vertex, tell the parts taken on the way down, (n,).
+    """
+    _, paths, depths = _bisected(graph, position, False)
+    return paths << (depths.max() - depths)
+
+
+def lift_ends(indptr: ConstInt32[::1], indices: ConstInt32[::1], path: Int[::1], depth: Int[::1]):
     """Where an edge of another graph joins two parts, move an end into what separates them; how often.
 
     The deeper end goes.  Then every edge joins a vertex to one of the same cell, or of a separator above.
     """
     lifted = 0
-    for v in range(path.size):
+    for v in range(path.shape[0]):
         for p in range(indptr[v], indptr[v + 1]):
             u = indices[p]
             if u >= v:
@@ -57,26 +85,23 @@ def lift_ends(indptr: Indices32, indices: Indices32, path: Indices, depth: Indic
     return lifted
 
 
-def bisection_paths(graph: Graph, position: Floats) -> Indices:
-    """Cut a graph in two, where few edges are severed, and the parts in two, down to a few vertices.
-
-    A cut runs along the smallest separator, whose vertices go to the side where they have more neighbors.
-    Binary digits, the highest first and as many for every vertex, tell the parts taken on the way down, (n,).
-    """
-    _, paths, depths = _bisected(graph, position, False)
-    return paths << (depths.max() - depths)
-
-
-@kernel
-def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices, Indices, Indices]:
+def _bisected(graph: Graph, position: ConstReal[:, ::1], separated: cython.bint):
     """Return the vertices, both parts of a cell before the separator, if any, and their paths and depths."""
-    n = graph.indptr.size - 1
-    order, members = np.arange(n), np.empty(n, dtype=np.int64)
-    cell, path, depth = np.zeros((3, n), dtype=np.int64)
-    height, heights = np.empty((2, n))
-    table = np.empty((2, PLACES + 1), dtype=np.int64)
-    band = empty_band(n)
-    cells = 1
+    pattern = Pattern(graph)
+    n = pattern.indptr.shape[0] - 1
+    order: Int[::1] = np.arange(n)
+    members: Int[::1] = np.empty(n, dtype=np.int64)
+    cell: Int[::1] = np.zeros(n, dtype=np.int64)
+    path: Int[::1] = np.zeros(n, dtype=np.int64)
+    depth: Int[::1] = np.zeros(n, dtype=np.int64)
+    height: Real[::1] = np.empty(n)
+    heights: Real[::1] = np.empty(n)
+    table: Int[:, ::1] = np.empty((2, PLACES + 1), dtype=np.int64)
+    band = Band(n)
+    cells: Int = 1
+    start: Int
+    end: Int
+    v: Int
     waiting = [(0, n)]
     while waiting:
         start, end = waiting.pop()
@@ -85,14 +110,17 @@ def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices,
             continue
         for k in range(size):
             members[k] = order[start + k]
-        _measure(members[:size], position, height)
-        _cut(graph, members[:size], cell, height, heights[:size], table)
+        these: Int[::1] = members[:size]
+        _measure(these, position, height)
+        _cut(pattern, these, cell, height, heights[:size], table)
         # a band of .05 sqrt(size) layers on either side, at most six
-        separate(graph, members[:size], cell, min(int(0.05 * np.sqrt(size)), 6), band)
+        width: Int = min(cython.cast(Int, 0.05 * sqrt(size)), 6)
+        replace_cut(pattern, these, cell, width, band)
         if not separated:
-            _dissolve(graph, members[:size], cell)
-        lower = upper = 0
-        for v in members[:size]:
+            _dissolve(pattern, these, cell)
+        lower: Int = 0
+        upper: Int = 0
+        for v in these:
             if cell[v] != SEPARATOR:
                 lower += 1 - (cell[v] & 1)
                 upper += cell[v] & 1
@@ -101,7 +129,7 @@ def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices,
         a, b, c = start, start + lower, start + lower + upper
         waiting.append((a, b))
         waiting.append((b, c))
-        for v in members[:size]:
+        for v in these:
             if cell[v] == SEPARATOR:
                 order[c] = v
                 c += 1
@@ -117,20 +145,34 @@ def _bisected(graph: Graph, position: Floats, separated: bool) -> tuple[Indices,
                 b += 1
                 cell[v] = 2 * cells + 2
         cells += 2
-    return order, path, depth
+    return np.asarray(order), np.asarray(path), np.asarray(depth)
 
 
-@kernel
-def _measure(members: Indices, position: Floats, height: Floats) -> None:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _measure(members: Int[::1], position: ConstReal[:, ::1], height: Real[::1]) -> cython.void:
     """Set `height` of the vertices of a cell: their coordinate along its longest axis."""
+    x: Real
+    y: Real
+    z: Real
+    xx: Real
+    xy: Real
+    xz: Real
+    yy: Real
+    yz: Real
+    zz: Real
+    a: Real
+    b: Real
+    c: Real
+    trace: Real
     x = y = z = 0.0
     for v in members:
         x += position[v, 0]
         y += position[v, 1]
         z += position[v, 2]
-    x /= members.size
-    y /= members.size
-    z /= members.size
+    x /= members.shape[0]
+    y /= members.shape[0]
+    z /= members.shape[0]
     xx = xy = xz = yy = yz = zz = 0.0
     for v in members:
         a, b, c = position[v, 0] - x, position[v, 1] - y, position[v, 2] - z
@@ -164,51 +206,59 @@ def _measure(members: Indices, position: Floats, height: Floats) -> None:
         height[v] = a * position[v, 0] + b * position[v, 1] + c * position[v, 2]
 
 
-@kernel
+@cython.cfunc
+@cython.exceptval(check=False)
 def _cut(
-    graph: Graph, members: Indices, cell: Indices, height: Floats, heights: Floats, table: Indices
-) -> None:
+    graph: Pattern,
+    members: Int[::1],
+    cell: Int[::1],
+    height: Real[::1],
+    heights: Real[::1],
+    table: Int[:, ::1],
+) -> cython.void:
     """Cut a cell at a height near the median that severs little: numbers above it become odd.
 
     ``heights`` and ``table``, (2, places + 1), are room to work in.
     """
-    size = members.size
+    size = members.shape[0]
     for k in range(size):
         heights[k] = height[members[k]]
-    low = _selected(heights, int((0.5 - WINDOW) * size))
-    high = _selected(heights, int((0.5 + WINDOW) * size))
+    low = _selected(heights, cython.cast(Int, (0.5 - WINDOW) * size))
+    high = _selected(heights, cython.cast(Int, (0.5 + WINDOW) * size))
     if not low < high:
         _halve(members, cell, height, low)
         return
     # Bin 0 is below low, bins 1, 2, .. lie between low and high.
     bins = min(PLACES, max(4, size // 4))
     scale = bins / (high - low)
-    inside, change = table  # vertices in a bin, and severed edges above it less those below
+    inside, change = table[0], table[1]  # vertices in a bin, and severed edges above it less those below
     for b in range(bins + 1):
         inside[b] = change[b] = 0
     for v in members:
         if height[v] < low:
             inside[0] += 1
         elif height[v] <= high:
-            here = min(int((height[v] - low) * scale) + 1, bins)
+            here = min(cython.cast(Int, (height[v] - low) * scale) + 1, bins)
             inside[here] += 1
             for p in range(graph.indptr[v], graph.indptr[v + 1]):
                 u = graph.indices[p]
                 if cell[u] == cell[v]:
                     if height[u] > height[v]:
-                        there = min(int((min(height[u], high) - low) * scale) + 1, bins)
+                        there = min(cython.cast(Int, (min(height[u], high) - low) * scale) + 1, bins)
                         change[here] += 1
                         change[there] -= 1
                     elif height[u] < low:
                         change[0] += 1
                         change[here] -= 1
-    least, best = np.inf, 0
-    below = severed = 0
+    least, best = INF, 0
+    below: Int = 0
+    severed: Int = 0
     for b in range(bins):
         below += inside[b]
         severed += change[b]
         # the factor 2 weighs balance against severed edges
-        cost = (severed + 1) * (1 + 2.0 * (below / size - 0.5) * (below / size - 0.5))
+        share = 1.0 * below / size - 0.5
+        cost = (severed + 1) * (1 + 2.0 * share * share)
         if below > 0 and cost < least:
             least, best = cost, b
     level = low + best / scale
@@ -216,10 +266,11 @@ def _cut(
         cell[v] += height[v] >= level
 
 
-@kernel
-def _halve(members: Indices, cell: Indices, height: Floats, level: float) -> None:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _halve(members: Int[::1], cell: Int[::1], height: Real[::1], level: Real) -> cython.void:
     """Cut a cell at a height that many vertices have: these one by one, until the halves are equal."""
-    left = members.size // 2
+    left: Int = members.shape[0] // 2
     for v in members:
         left -= height[v] < level
     for v in members:
@@ -229,26 +280,29 @@ def _halve(members: Indices, cell: Indices, height: Floats, level: float) -> Non
             cell[v] += 1
 
 
-@kernel
-def _dissolve(graph: Graph, members: Indices, cell: Indices) -> None:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _dissolve(graph: Pattern, members: Int[::1], cell: Int[::1]) -> cython.void:
     """Put every vertex of a separator on the side where it has more neighbors."""
-    odd = 1
+    odd: Int = 1
     for v in members:
         if cell[v] != SEPARATOR:
             odd = cell[v] | 1
     for v in members:
         if cell[v] == SEPARATOR:
-            excess = 0
+            excess: Int = 0
             for p in range(graph.indptr[v], graph.indptr[v + 1]):
                 side = cell[graph.indices[p]]
-                excess += int(side == odd) - int(side == odd - 1)
-            cell[v] = odd - int(excess < 0)
+                excess += (side == odd) - (side == odd - 1)
+            cell[v] = odd - (excess < 0)
 
 
-@kernel
-def _selected(values: Floats, k: int) -> float:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _selected(values: Real[::1], k: Int) -> Real:
     """The k-th smallest value, from 0; the values are moved about (Hoare, Find, Comm. ACM 4, 1961)."""
-    first, last = 0, values.size - 1
+    first: Int = 0
+    last: Int = values.shape[0] - 1
     while first < last:
         pivot = values[(first + last) // 2]
         i, j = first, last
@@ -267,4 +321,43 @@ def _selected(values: Floats, k: int) -> float:
             first = i
         else:
             break
-    return float(values[k])
+    return values[k]
+
+
+def breadth_first(graph: Graph, start: Int):
+    """The vertices that a path leads to, in order of their distance from one, and the distances, (n,).
+
+    They count edges, and are -1 where there is no path.
+    """
+    indptr: ConstInt32[::1] = graph.indptr
+    indices: ConstInt32[::1] = graph.indices
+    n = indptr.shape[0] - 1
+    order: Int[::1] = np.empty(n, dtype=np.int64)
+    hops: Int[::1] = np.full(n, -1, dtype=np.int64)
+    order[0], hops[start] = start, 0
+    head: Int = 0
+    tail: Int = 1
+    while head < tail:
+        v = order[head]
+        head += 1
+        for p in range(indptr[v], indptr[v + 1]):
+            u = indices[p]
+            if hops[u] < 0:
+                hops[u] = hops[v] + 1
+                order[tail] = u
+                tail += 1
+    return np.asarray(order[:tail]), np.asarray(hops)
+
+
+def smoothed(graph: Graph, position: ConstReal[:, ::1]):
+    """Averages over every vertex and its neighbors."""
+    indptr: ConstInt32[::1] = graph.indptr
+    indices: ConstInt32[::1] = graph.indices
+    average: Real[:, ::1] = np.array(position)
+    for v in range(position.shape[0]):
+        for p in range(indptr[v], indptr[v + 1]):
+            for c in range(3):
+                average[v, c] += position[indices[p], c]
+        for c in range(3):
+            average[v, c] /= 1 + indptr[v + 1] - indptr[v]
+    return np.asarray(average)

@@ -12,8 +12,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
-from isoembed.kernel import kernel
-from isoembed.linalg.bisection import bisection_paths, lift_ends, separators
+from isoembed.linalg.bisection import bisection_paths, breadth_first, lift_ends, separators, smoothed
 from isoembed.linalg.elimination import permuted
 from isoembed.linalg.separator import Graph
 from isoembed.mesh.triangulation import frozen
@@ -72,11 +71,14 @@ class Dissection:
             Symmetric, in compressed columns.
         """
         path, depth = (places.copy() for places in self._separated[1:])
-        lifted = lift_ends(adjacency.indptr, adjacency.indices, path, depth)
+        indptr, indices = (
+            table.astype(np.int32, copy=False) for table in (adjacency.indptr, adjacency.indices)
+        )
+        lifted = lift_ends(indptr, indices, path, depth)
         if lifted == 0:
             return self.vertex_order()
         if lifted > 0.03 * path.size:  # moving more vertices costs more than a new dissection
-            indptr, indices, _ = permuted(adjacency.indptr, adjacency.indices, self.labels, False)
+            indptr, indices, _ = permuted(indptr, indices, self.labels, False)
             return frozen(self.labels[separators(Graph(indptr, indices), self.position)[0]])
         deepest = depth.max()
         # Post-order: by the last leaf below, and there the deepest first.
@@ -133,7 +135,7 @@ def dissect(adjacency: sp.sparray | sp.spmatrix) -> Dissection:
     rows = sp.csr_array(adjacency)
     graph = Graph(rows.indptr.astype(np.int32), rows.indices.astype(np.int32))
     n = rows.shape[0]
-    labels, hops = _breadth_first(graph, 0)
+    labels, hops = breadth_first(graph, 0)
     if labels.size < n:
         lost = int(np.argmin(hops))
         raise ValueError(f"the graph is not connected: no path from vertex 0 to vertex {lost}")
@@ -151,56 +153,21 @@ def _hop_coordinates(graph: Graph) -> Floats:
     n = graph.indptr.size - 1
     position = np.zeros((n, 3))
     aside = np.zeros(n, dtype=np.int64)  # from the middle of the axes so far
-    near = _breadth_first(graph, 0)[1]  # least distance to the ends chosen so far
+    near = breadth_first(graph, 0)[1]  # least distance to the ends chosen so far
     for c in range(3):
         # A point far from the earlier ends and midway between them, and the one opposite to it: a step along
         # an earlier axis changes that coordinate by 2 but a distance by 1 only.
         start = int(np.argmax(near - aside))
-        from_start = _breadth_first(graph, start)[1]
+        from_start = breadth_first(graph, start)[1]
         away = np.abs(position[:, :c] - position[start, :c]).sum(axis=1)
-        from_end = _breadth_first(graph, int(np.argmax(from_start - away)))[1]
+        from_end = breadth_first(graph, int(np.argmax(from_start - away)))[1]
         position[:, c] = from_start - from_end
         aside += np.abs(from_start - from_end)
         nearest = np.minimum(from_start, from_end)
         near = nearest if c == 0 else np.minimum(near, nearest)
     for _ in range(3):  # the level lines of hop distances are ragged
-        position = _smoothed(graph, position)
+        position = smoothed(graph, position)
     return position
-
-
-@kernel
-def _breadth_first(graph: Graph, start: int) -> tuple[Indices, Indices]:
-    """The vertices that a path leads to, in order of their distance from one, and the distances, (n,).
-
-    They count edges, and are -1 where there is no path.
-    """
-    n = graph.indptr.size - 1
-    order, hops = np.empty(n, dtype=np.int64), np.full(n, -1)
-    order[0], hops[start] = start, 0
-    head, tail = 0, 1
-    while head < tail:
-        v = order[head]
-        head += 1
-        for p in range(graph.indptr[v], graph.indptr[v + 1]):
-            u = graph.indices[p]
-            if hops[u] < 0:
-                hops[u] = hops[v] + 1
-                order[tail] = u
-                tail += 1
-    return order[:tail], hops
-
-
-@kernel
-def _smoothed(graph: Graph, position: Floats) -> Floats:
-    """Averages over every vertex and its neighbors."""
-    average = position.copy()
-    for v in range(position.shape[0]):
-        for p in range(graph.indptr[v], graph.indptr[v + 1]):
-            for c in range(3):
-                average[v, c] += position[graph.indices[p], c]
-        for c in range(3):
-            average[v, c] /= 1 + graph.indptr[v + 1] - graph.indptr[v]
-    return average
 
 
 def _bit_length(x: Indices) -> Indices:

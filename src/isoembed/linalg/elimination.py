@@ -1,3 +1,4 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
 """Symbolic elimination of a symmetric matrix: its pattern, its tree, and the entries of each column of L.
 
 Row i of the factor L has an entry in column j for every j on the paths of the elimination tree from the
@@ -7,14 +8,22 @@ the paths from them (Gilbert, Ng, Peyton, SIAM J. Matrix Anal. Appl. 15, 1994; D
 sparse linear systems, 2006, chapter 4).
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
+import cython
 import numpy as np
 
 from isoembed.arrays import Indices, Indices32
-from isoembed.kernel import kernel
 
-NONE = -1  # no parent, no child, no leaf yet
+Int = cython.typedef(cython.longlong)
+ConstInt = cython.typedef(cython.const[cython.longlong])
+Int32 = cython.typedef(cython.int)
+ConstInt32 = cython.typedef(cython.const[cython.int])
+
+# no parent, no child, no leaf yet
+NONE = cython.declare(cython.int, -1)
 
 
 class Elimination(NamedTuple):
@@ -35,28 +44,28 @@ class Elimination(NamedTuple):
     counts: Indices
 
 
-@kernel
-def symbolic_analysis(indptr: Indices32, indices: Indices32, order: Indices) -> Elimination:
+def symbolic_analysis(indptr: ConstInt32[::1], indices: ConstInt32[::1], order: ConstInt[::1]):
     """Find the elimination tree, bring the order into post-order, and count the entries of L.
 
     The pattern is symmetric, both triangles in compressed columns; the k-th unknown to eliminate is order[k].
     """
-    parent = _tree(indptr, indices, order)
+    parent: Int32[::1] = _tree(indptr, indices, order)
     post = _postorder(parent)
-    place = inverse(post)
-    above = np.full(order.size, NONE, dtype=np.int32)
-    for j in range(order.size):
+    place: Int[::1] = inverse(post)
+    above: Int32[::1] = np.full(order.shape[0], NONE, dtype=np.int32)
+    for j in range(order.shape[0]):
         if parent[j] != NONE:
             above[place[j]] = place[parent[j]]
-    ordered = order[post]
-    return Elimination(ordered, above, _column_counts(indptr, indices, ordered, above))
+    ordered = np.asarray(order)[post]
+    return Elimination(ordered, np.asarray(above), _column_counts(indptr, indices, ordered, above))
 
 
-@kernel
-def _tree(indptr: Indices32, indices: Indices32, order: Indices) -> Indices32:
-    n, place = order.size, inverse(order)
-    parent = np.full(n, NONE, dtype=np.int32)
-    ancestor = np.full(n, NONE, dtype=np.int32)
+@cython.cfunc
+def _tree(indptr: ConstInt32[::1], indices: ConstInt32[::1], order: ConstInt[::1]):
+    n = order.shape[0]
+    place: Int[::1] = inverse(order)
+    parent: Int32[::1] = np.full(n, NONE, dtype=np.int32)
+    ancestor: Int32[::1] = np.full(n, NONE, dtype=np.int32)
     for k in range(n):
         for p in range(indptr[order[k]], indptr[order[k] + 1]):
             i = place[indices[p]]
@@ -66,19 +75,21 @@ def _tree(indptr: Indices32, indices: Indices32, order: Indices) -> Indices32:
                 if above == NONE:
                     parent[i] = k
                 i = above
-    return parent
+    return np.asarray(parent)
 
 
-@kernel
-def _postorder(parent: Indices32) -> Indices:
+@cython.cfunc
+def _postorder(parent: ConstInt32[::1]):
     """The nodes of a forest, each after its children."""
-    n = parent.size
-    child, sibling = np.full((2, n), NONE, dtype=np.int32)
+    n = parent.shape[0]
+    child: Int32[::1] = np.full(n, NONE, dtype=np.int32)
+    sibling: Int32[::1] = np.full(n, NONE, dtype=np.int32)
     for j in range(n - 1, -1, -1):
         if parent[j] != NONE:
             sibling[j] = child[parent[j]]
             child[parent[j]] = j
-    post, trail = np.empty((2, n), dtype=np.int64)
+    post: Int[::1] = np.empty(n, dtype=np.int64)
+    trail: Int[::1] = np.empty(n, dtype=np.int64)
     done = 0
     for root in range(n):
         if parent[root] != NONE:
@@ -94,22 +105,26 @@ def _postorder(parent: Indices32) -> Indices:
                 trail[depth] = child[j]
                 depth += 1
                 child[j] = sibling[child[j]]
-    return post
+    return np.asarray(post)
 
 
-@kernel
-def _column_counts(indptr: Indices32, indices: Indices32, order: Indices, parent: Indices32) -> Indices:
-    n, place = order.size, inverse(order)
-    counts = np.zeros(n, dtype=np.int64)
-    first = np.full(n, NONE, dtype=np.int32)  # descendant
+@cython.cfunc
+def _column_counts(
+    indptr: ConstInt32[::1], indices: ConstInt32[::1], order: ConstInt[::1], parent: ConstInt32[::1]
+):
+    n = order.shape[0]
+    place: Int[::1] = inverse(order)
+    counts: Int[::1] = np.zeros(n, dtype=np.int64)
+    first: Int32[::1] = np.full(n, NONE, dtype=np.int32)  # descendant
     for k in range(n):
         j = k
         counts[j] = first[j] == NONE
         while j != NONE and first[j] == NONE:
             first[j] = k
             j = parent[j]
-    ancestor = np.arange(n).astype(np.int32)
-    latest, leaf = np.full((2, n), NONE, dtype=np.int32)  # of each row: largest `first`, and last leaf
+    ancestor: Int32[::1] = np.arange(n).astype(np.int32)
+    latest: Int32[::1] = np.full(n, NONE, dtype=np.int32)  # of each row: largest `first`
+    leaf: Int32[::1] = np.full(n, NONE, dtype=np.int32)  # and the last leaf
     for j in range(n):
         if parent[j] != NONE:
             counts[parent[j]] -= 1
@@ -127,11 +142,12 @@ def _column_counts(indptr: Indices32, indices: Indices32, order: Indices, parent
     for j in range(n):
         if parent[j] != NONE:
             counts[parent[j]] += counts[j]
-    return counts
+    return np.asarray(counts)
 
 
-@kernel
-def _root(ancestor: Indices32, j: int) -> int:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _root(ancestor: Int32[::1], j: Int) -> Int:
     """The highest ancestor that was met; the way there is made shorter."""
     root = j
     while root != ancestor[root]:
@@ -143,14 +159,13 @@ def _root(ancestor: Indices32, j: int) -> int:
     return root
 
 
-@kernel
-def first_asymmetry(indptr: Indices32, indices: Indices32) -> tuple[int, int]:
+def first_asymmetry(indptr: ConstInt32[::1], indices: ConstInt32[::1]):
     """Find an entry (row, column) whose mirror image is missing, in compressed columns with sorted rows.
 
     Returned are -1, -1 if there is none.
     """
-    n = indptr.size - 1
-    reached = indptr[:-1].copy()  # rows of each column below it met their mirror images
+    n = indptr.shape[0] - 1
+    reached: Int32[::1] = np.array(indptr[:n])  # rows of each column below it met their mirror images
     for column in range(n):
         for p in range(indptr[column], indptr[column + 1]):
             row = indices[p]
@@ -163,11 +178,10 @@ def first_asymmetry(indptr: Indices32, indices: Indices32) -> tuple[int, int]:
     return -1, -1
 
 
-@kernel
-def first_gap(indptr: Indices32, indices: Indices32) -> int:
+def first_gap(indptr: ConstInt32[::1], indices: ConstInt32[::1]):
     """Find an unknown without a diagonal entry, and -1 if there is none."""
-    for column in range(indptr.size - 1):
-        present = False
+    for column in range(indptr.shape[0] - 1):
+        present: cython.bint = False
         for p in range(indptr[column], indptr[column + 1]):
             present |= indices[p] == column
         if not present:
@@ -175,23 +189,19 @@ def first_gap(indptr: Indices32, indices: Indices32) -> int:
     return -1
 
 
-@kernel
-def inverse(order: Indices) -> Indices:
+def inverse(order: ConstInt[::1]):
     """Invert a permutation; an empty array if it is none."""
-    n = order.size
-    place = np.full(n, -1, dtype=np.int64)
+    n = order.shape[0]
+    place: Int[::1] = np.full(n, -1, dtype=np.int64)
     for k in range(n):
         i = order[k]
         if i < 0 or i >= n or place[i] >= 0:
-            return place[:0]
+            return np.asarray(place[:0])
         place[i] = k
-    return place
+    return np.asarray(place)
 
 
-@kernel
-def permuted(
-    indptr: Indices32, indices: Indices32, order: Indices, lower: bool
-) -> tuple[Indices32, Indices32, Indices32]:
+def permuted(indptr: ConstInt32[::1], indices: ConstInt32[::1], order: ConstInt[::1], lower: cython.bint):
     """Bring a symmetric pattern into elimination order, all of it or its lower triangle.
 
     Returns
@@ -201,17 +211,19 @@ def permuted(
     source : ndarray of int32
         The entry of the given pattern, or its mirror image, that each entry comes from.
     """
-    n, place = order.size, inverse(order)
-    new_indptr = np.zeros(n + 1, dtype=np.int32)
+    n = order.shape[0]
+    place: Int[::1] = inverse(order)
+    new_indptr: Int32[::1] = np.zeros(n + 1, dtype=np.int32)
     for row in range(n):
         for p in range(indptr[order[row]], indptr[order[row] + 1]):
             column = place[indices[p]]
             if column <= row or not lower:
                 new_indptr[column + 1] += 1
-    new_indptr = np.cumsum(new_indptr).astype(np.int32)
-    end = new_indptr[:-1].copy()
-    new_indices = np.empty(new_indptr[n], dtype=np.int32)
-    source = np.empty(new_indptr[n], dtype=np.int32)
+    for column in range(n):
+        new_indptr[column + 1] += new_indptr[column]
+    end: Int32[::1] = np.array(new_indptr[:n])
+    new_indices: Int32[::1] = np.empty(new_indptr[n], dtype=np.int32)
+    source: Int32[::1] = np.empty(new_indptr[n], dtype=np.int32)
     for row in range(n):  # the entries of a column are met in order of their rows
         for p in range(indptr[order[row]], indptr[order[row] + 1]):
             column = place[indices[p]]
@@ -219,4 +231,4 @@ def permuted(
                 new_indices[end[column]] = row
                 source[end[column]] = p
                 end[column] += 1
-    return new_indptr, new_indices, source
+    return np.asarray(new_indptr), np.asarray(new_indices), np.asarray(source)

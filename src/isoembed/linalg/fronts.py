@@ -1,48 +1,59 @@
-"""Dense symmetric matrices, the fronts, in which the first columns are eliminated.
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
+"""Dense symmetric matrices, the fronts, in which the first columns are eliminated, and factors.
 
 Of a front the upper triangle is kept, row after row: row j of m is m - j numbers, from the diagonal on. An
 eliminated row is D times a column of L. It is followed by what is left for the rows below. The numbers are of
 double or of single precision.
 """
 
+from __future__ import annotations
+
+import cython
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Singles
-from isoembed.kernel import kernel
+Int = cython.typedef(cython.longlong)
+ConstInt = cython.typedef(cython.const[cython.longlong])
+ConstInt32 = cython.typedef(cython.const[cython.int])
+Real = cython.typedef(cython.double)
+ConstReal = cython.typedef(cython.const[cython.double])
+Number = cython.fused_type(cython.float, cython.double)
+Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
 
-_BLOCK = 64  # rows whose multiples are taken from those below at once
-_NARROW, _SHORT = 16, 64  # from so many of them on, and for so many rows below, a library multiplies faster
+BLOCK = cython.declare(cython.longlong, 64)  # rows whose multiples are taken from those below at once
+# from so many of them on, and for so many rows below, a library multiplies faster
+NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longlong, 64)
 
 
-@kernel
-def room_to_multiply(front: Floats | Singles, m: int) -> Floats | Singles:
+def room_to_multiply(front, m):
     """Room that `eliminate_columns` works in, for fronts like this of up to m rows."""
-    return np.empty(3 * _BLOCK * m, dtype=front.dtype)
+    return np.empty(3 * BLOCK * m, dtype=front.dtype)
 
 
-@kernel
-def beginning(j: int, m: int) -> int:
+@cython.ccall
+@cython.exceptval(check=False)
+def beginning(j: Int, m: Int) -> Int:
     """Where row j of a triangle of m rows begins."""
     return j * m - j * (j - 1) // 2
 
 
-@kernel
-def extend(front: Floats | Singles, m: int, passed: Floats | Singles, places: Indices) -> None:
+@cython.ccall
+@cython.exceptval(check=False)
+def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) -> cython.void:
     """Add a triangle to a front of m rows, at these of its rows, which rise."""
     q = 0
-    for a in range(places.size):
-        row = front[beginning(places[a], m) - places[a] :]
-        for b in range(a, places.size):
-            row[places[b]] += passed[q]
+    for a in range(places.shape[0]):
+        row = beginning(places[a], m) - places[a]
+        for b in range(a, places.shape[0]):
+            front[row + places[b]] += passed[q]
             q += 1
 
 
-@kernel
-def eliminate_columns(front: Floats | Singles, k: int, m: int, least: float, room: Floats | Singles) -> bool:
+@cython.ccall
+def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: object) -> cython.bint:
     """Eliminate k of m columns; whether every pivot was larger than the least and not zero."""
-    for first in range(0, k, _BLOCK):
-        last = min(first + _BLOCK, k)
-        by_library = last - first >= _NARROW and m - last >= _SHORT
+    for first in range(0, k, 64):
+        last = min(first + BLOCK, k)
+        by_library: cython.bint = last - first >= NARROW and m - last >= SHORT
         if not _eliminate_block(front, first, last, m, last if by_library else m, least):
             return False
         if by_library:
@@ -50,9 +61,12 @@ def eliminate_columns(front: Floats | Singles, k: int, m: int, least: float, roo
     return True
 
 
-@kernel(fastmath={"contract"})
-def _eliminate_block(front: Floats | Singles, first: int, last: int, m: int, end: int, least: float) -> bool:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int, least: Real) -> cython.bint:
     """Eliminate some columns, four at a time, from themselves and from the rows below, up to `end`."""
+    one: Number = 1.0
+    zero: Number = 0.0
     for j0 in range(first, last, 4):
         j1 = min(j0 + 4, last)
         for j in range(j0, j1):
@@ -61,52 +75,218 @@ def _eliminate_block(front: Floats | Singles, first: int, last: int, m: int, end
             if not (pivot > least and abs(pivot) > 0):
                 return False
             for r in range(j + 1, j1):
-                y, a = front[beginning(r, m) : beginning(r + 1, m)], front[at + r : at + m]
-                c = a[0] / pivot
-                for i in range(y.size):
-                    y[i] -= c * a[i]
+                y = beginning(r, m)
+                c: Number = front[at + r] / pivot
+                for i in range(m - r):
+                    front[y + i] -= c * front[at + r + i]
         # Where fewer than four are left, the last one stands for those missing, times zero.
         e1, e2, e3 = min(j0 + 1, j1 - 1), min(j0 + 2, j1 - 1), min(j0 + 3, j1 - 1)
-        at0, at1, at2, at3 = (
-            beginning(j0, m) - j0,
-            beginning(e1, m) - e1,
-            beginning(e2, m) - e2,
-            beginning(e3, m) - e3,
-        )
-        one = front[at0 + j0] / front[at0 + j0]  # of the precision of the front
-        zero = one - one
-        d0, d1 = one / front[at0 + j0], (one if j0 + 1 < j1 else zero) / front[at1 + e1]
-        d2 = (one if j0 + 2 < j1 else zero) / front[at2 + e2]
-        d3 = (one if j0 + 3 < j1 else zero) / front[at3 + e3]
+        at0, at1 = beginning(j0, m) - j0, beginning(e1, m) - e1
+        at2, at3 = beginning(e2, m) - e2, beginning(e3, m) - e3
+        d0: Number = one / front[at0 + j0]
+        d1: Number = (one if j0 + 1 < j1 else zero) / front[at1 + e1]
+        d2: Number = (one if j0 + 2 < j1 else zero) / front[at2 + e2]
+        d3: Number = (one if j0 + 3 < j1 else zero) / front[at3 + e3]
         for r in range(j1, end):
-            y = front[beginning(r, m) : beginning(r + 1, m)]
-            a0, a1 = front[at0 + r : at0 + m], front[at1 + r : at1 + m]
-            a2, a3 = front[at2 + r : at2 + m], front[at3 + r : at3 + m]
-            c0, c1, c2, c3 = a0[0] * d0, a1[0] * d1, a2[0] * d2, a3[0] * d3
-            for i in range(y.size):
-                y[i] -= c0 * a0[i] + c1 * a1[i] + c2 * a2[i] + c3 * a3[i]
+            y = beginning(r, m)
+            c0: Number = front[at0 + r] * d0
+            c1: Number = front[at1 + r] * d1
+            c2: Number = front[at2 + r] * d2
+            c3: Number = front[at3 + r] * d3
+            for i in range(m - r):
+                front[y + i] -= (
+                    c0 * front[at0 + r + i]
+                    + c1 * front[at1 + r + i]
+                    + c2 * front[at2 + r + i]
+                    + c3 * front[at3 + r + i]
+                )
     return True
 
 
-@kernel
-def _subtract_products(
-    front: Floats | Singles, first: int, last: int, m: int, room: Floats | Singles
-) -> None:
+@cython.cfunc
+def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: object) -> object:
     """Eliminate a block of columns from all rows below, by products of matrices."""
     k, below = last - first, m - last
     part = below * k
-    columns, scaled = room[:part].reshape(below, k), room[part : 2 * part].reshape(below, k)
+    left, right = room[part : 2 * part].reshape(below, k), room[:part].reshape(below, k)
+    scaled: Number[:, ::1] = left
+    columns: Number[:, ::1] = right
     for j in range(k):
         at = beginning(first + j, m) - first - j
-        factor = 1.0 / front[at + first + j]
+        factor: Number = 1.0 / front[at + first + j]
         for i in range(below):
             columns[i, j] = front[at + last + i]
             scaled[i, j] = front[at + last + i] * factor
-    for top in range(0, below, _BLOCK):
-        bottom, width = min(top + _BLOCK, below), below - top
-        product = room[2 * part : 2 * part + (bottom - top) * width].reshape(bottom - top, width)
-        np.dot(scaled[top:bottom], columns[top:].T, product)
+    for top in range(0, below, 64):
+        bottom, width = min(top + BLOCK, below), below - top
+        whole = room[2 * part : 2 * part + (bottom - top) * width].reshape(bottom - top, width)
+        np.dot(left[top:bottom], right[top:].T, whole)
+        product: Number[:, ::1] = whole
         for r in range(bottom - top):
-            y = front[beginning(last + top + r, m) : beginning(last + top + r + 1, m)]
-            for i in range(y.size):
-                y[i] -= product[r, r + i]
+            y = beginning(last + top + r, m) - r
+            for i in range(r, width):
+                front[y + i] -= product[r, i]
+    return None
+
+
+def eliminate(
+    nodes: object,
+    indptr: ConstInt32[::1],
+    indices: ConstInt32[::1],
+    data: ConstReal[::1],
+    L: Stored[::1],
+    stack: Number[::1],
+    least: Real,
+):
+    """Fill L; the number of negative pivots, or -1 where one is zero or not larger than the least.
+
+    Parameters
+    ----------
+    nodes : Supernodes
+    indptr, indices, data
+        The lower triangle in compressed columns.
+    L, stack : ndarray
+        Filled in; room for the fronts that wait.
+    least : float
+    """
+    starts: ConstInt[::1] = nodes.starts
+    ends: ConstInt[::1] = nodes.ends
+    children: ConstInt[::1] = nodes.children
+    rows: ConstInt32[::1] = nodes.rows
+    place: Int[::1] = np.empty(indptr.shape[0] - 1, dtype=np.int64)  # in the front, of its rows
+    places: Int[::1] = np.empty(nodes.widest, dtype=np.int64)
+    room = room_to_multiply(np.asarray(stack), nodes.widest)
+    waiting: Int[::1] = np.empty(starts.shape[0], dtype=np.int64)  # supernodes, in the order of the stack
+    waits: Int = 0
+    top: Int = 0
+    done: Int = 0
+    negative: Int = 0
+    for s in range(starts.shape[0] - 1):
+        k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
+        m = k + below
+        for i in range(k):
+            place[starts[s] + i] = i
+        for i in range(below):
+            place[rows[ends[s] + i]] = k + i
+        size = beginning(m, m)
+        front: Number[::1] = stack[top : top + size]
+        front[:] = 0.0
+        for j in range(k):
+            at = beginning(j, m) - j
+            for p in range(indptr[starts[s] + j], indptr[starts[s] + j + 1]):
+                front[at + place[indices[p]]] = data[p]
+        bottom = top
+        for _ in range(children[s]):
+            waits -= 1
+            c = waiting[waits]
+            count = ends[c + 1] - ends[c]
+            for i in range(count):
+                places[i] = place[rows[ends[c] + i]]
+            extend(front, m, stack[bottom - beginning(count, count) : bottom], places[:count])
+            bottom -= beginning(count, count)
+        if not eliminate_columns(front, k, m, least, room):
+            return -1
+        for j in range(k):
+            at = beginning(j, m)
+            pivot: Number = front[at]
+            scale: Number = 1.0 / pivot
+            negative += pivot < 0
+            L[done] = pivot
+            for i in range(1, m - j):
+                L[done + i] = front[at + i] * scale
+            done += m - j
+        at = beginning(k, m)
+        for i in range(size - at):
+            stack[bottom + i] = front[at + i]
+        top = bottom + size - at
+        waiting[waits] = s
+        waits += 1
+    return negative
+
+
+def substitute(nodes: object, L: Stored[::1], x: Real[:, ::1]):
+    """Solve for every row of x, (columns, n), in its place."""
+    starts: ConstInt[::1] = nodes.starts
+    ends: ConstInt[::1] = nodes.ends
+    rows: ConstInt32[::1] = nodes.rows
+    v: Real[::1] = np.empty(nodes.widest)
+    count = starts.shape[0] - 1
+    done: Int = 0
+    for s in range(count):
+        own, end = starts[s], ends[s]
+        k, below = starts[s + 1] - own, ends[s + 1] - end
+        for c in range(x.shape[0]):
+            for i in range(k):
+                v[i] = x[c, own + i]
+            for i in range(below):
+                v[k + i] = 0.0
+            _forward(L, done, k, k + below, v, x, c, own)
+            for i in range(below):
+                x[c, rows[end + i]] += v[k + i]
+        done += beginning(k, k + below)
+    for s in range(count - 1, -1, -1):
+        own, end = starts[s], ends[s]
+        k, below = starts[s + 1] - own, ends[s + 1] - end
+        done -= beginning(k, k + below)
+        for c in range(x.shape[0]):
+            for i in range(k):
+                v[i] = x[c, own + i]
+            for i in range(below):
+                v[k + i] = x[c, rows[end + i]]
+            _back(L, done, k, k + below, v)
+            for i in range(k):
+                x[c, own + i] = v[i]
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def _forward(
+    L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1], x: Real[:, ::1], row: Int, own: Int
+) -> cython.void:
+    """Solve with D L for the first k of m numbers, and subtract from the others what these contribute."""
+    for j in range(0, k - k % 4, 4):  # four columns at once: v is read and written once for them
+        a, b = start + beginning(j, m), start + beginning(j + 1, m)
+        c, d = start + beginning(j + 2, m), start + beginning(j + 3, m)
+        v0 = v[j]
+        v1 = v[j + 1] - v0 * L[a + 1]
+        v2 = v[j + 2] - v0 * L[a + 2] - v1 * L[b + 1]
+        v3 = v[j + 3] - v0 * L[a + 3] - v1 * L[b + 2] - v2 * L[c + 1]
+        for i in range(4, m - j):
+            v[j + i] -= v0 * L[a + i] + v1 * L[b + i - 1] + v2 * L[c + i - 2] + v3 * L[d + i - 3]
+        x[row, own + j] = v0 / L[a]
+        x[row, own + j + 1] = v1 / L[b]
+        x[row, own + j + 2] = v2 / L[c]
+        x[row, own + j + 3] = v3 / L[d]
+    for j in range(k - k % 4, k):
+        a = start + beginning(j, m)
+        for i in range(1, m - j):
+            v[j + i] -= v[j] * L[a + i]
+        x[row, own + j] = v[j] / L[a]
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1]) -> cython.void:
+    """Solve with the transpose of L for the first k of m numbers, the others being known."""
+    for j in range(k - 1, k - k % 4 - 1, -1):
+        a = start + beginning(j, m)
+        total: Real = 0.0
+        for i in range(1, m - j):
+            total += v[j + i] * L[a + i]
+        v[j] -= total
+    for j in range(k - k % 4 - 4, -1, -4):
+        a, b = start + beginning(j, m), start + beginning(j + 1, m)
+        c, d = start + beginning(j + 2, m), start + beginning(j + 3, m)
+        t0: Real = 0.0
+        t1: Real = 0.0
+        t2: Real = 0.0
+        t3: Real = 0.0
+        for i in range(4, m - j):
+            t0 += v[j + i] * L[a + i]
+            t1 += v[j + i] * L[b + i - 1]
+            t2 += v[j + i] * L[c + i - 2]
+            t3 += v[j + i] * L[d + i - 3]
+        v[j + 3] -= t3
+        v[j + 2] -= t2 + v[j + 3] * L[c + 1]
+        v[j + 1] -= t1 + v[j + 2] * L[b + 1] + v[j + 3] * L[b + 2]
+        v[j] -= t0 + v[j + 1] * L[a + 1] + v[j + 2] * L[a + 2] + v[j + 3] * L[a + 3]

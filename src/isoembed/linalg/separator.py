@@ -1,3 +1,4 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
 """Smallest vertex separators near a cut: the maximal flow through a band around it.
 
 A cut parts a cell of a graph in two: the vertices on one side bear an even number, those on the other the
@@ -7,18 +8,24 @@ of paths across that share no vertex.  The paths are found in phases of shortest
 Doklady 11, 1970).
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
+import cython
 import numpy as np
 
-from isoembed.arrays import Indices, Indices32
-from isoembed.kernel import kernel
+from isoembed.arrays import Indices32
+
+Int = cython.typedef(cython.longlong)
+ConstInt = cython.typedef(cython.const[cython.longlong])
 
 SEPARATOR = -1  # a vertex that parts two cells
-FREE, END = -1, -2  # a vertex on no path, and the neighbor beyond the end of a path
-
-
+FREE = cython.declare(cython.longlong, -1)  # a vertex on no path
+END = cython.declare(cython.longlong, -2)  # the neighbor beyond the end of a path
 LARGEST_SIDE = 0.8  # share of a cell: where a side would hold more, the band is not widened
+_SEPARATOR = cython.declare(cython.longlong, SEPARATOR)
+_LARGEST_SIDE = cython.declare(cython.double, LARGEST_SIDE)
 
 
 class Graph(NamedTuple):
@@ -28,7 +35,16 @@ class Graph(NamedTuple):
     indices: Indices32
 
 
-class Band(NamedTuple):
+@cython.cclass
+class Pattern:
+    """The arrays of a `Graph`."""
+
+    def __init__(self, graph):
+        self.indptr, self.indices = graph.indptr, graph.indices
+
+
+@cython.cclass
+class Band:
     """Working arrays for the flow, as long as the graph has vertices.
 
     A vertex v is two states, ``2 v`` where paths enter and ``2 v + 1`` where they leave.
@@ -49,25 +65,28 @@ class Band(NamedTuple):
         Place in ``indices`` of the next neighbor to try.
     """
 
-    members: Indices
-    layer: Indices
-    following: Indices
-    preceding: Indices
-    level: Indices
-    trail: Indices
-    tried: Indices
+    def __init__(self, n):
+        self.members = np.zeros(n, dtype=np.int64)
+        self.layer = np.full(n, -1, dtype=np.int64)
+        self.following, self.preceding = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+        self.level, self.trail = np.zeros(2 * n, dtype=np.int64), np.zeros(2 * n, dtype=np.int64)
+        self.tried = np.zeros(n, dtype=np.int64)
 
 
-@kernel
-def empty_band(n: int) -> Band:
-    """Working arrays for cells of a graph of n vertices."""
-    one, two = np.zeros((5, n), dtype=np.int64), np.zeros((2, 2 * n), dtype=np.int64)
-    one[1] = -1
-    return Band(one[0], one[1], one[2], one[3], two[0], two[1], one[4])
+def separate(graph: Graph, members: Int[::1], cell: Int[::1], width: Int):
+    """Replace a cut of a cell by a separator, as `replace_cut`."""
+    return replace_cut(Pattern(graph), members, cell, width, Band(cell.shape[0]))
 
 
-@kernel
-def separate(graph: Graph, members: Indices, cell: Indices, width: int, band: Band) -> int:
+@cython.cfunc
+@cython.exceptval(check=False)
+def replace_cut(
+    graph: Pattern,
+    members: cython.longlong[::1],
+    cell: cython.longlong[::1],
+    width: cython.longlong,
+    band: Band,
+) -> cython.longlong:
     """Replace a cut of a cell by a separator.
 
     Parameters
@@ -88,23 +107,28 @@ def separate(graph: Graph, members: Indices, cell: Indices, width: int, band: Ba
     int
         Number of vertices of the separator.
     """
-    upper = 0
+    upper: Int = 0
+    size: Int = 0
+    v: Int
     for v in members:
         upper += cell[v] & 1
     # Of the smallest separators the one nearest to the source is found: the source is the larger side.
-    larger = max(upper, members.size - upper)
-    source = (cell[members[0]] | 1) - int(upper < larger)
+    larger = max(upper, members.shape[0] - upper)
+    source: Int = (cell[members[0]] | 1) - (upper < larger)
     ends = _gather(graph, members, cell, band)
     while True:
         count = _widen(graph, cell, ends, width, band)
         _saturate(graph, cell, source, count, width, band)
-        size, kept = 0, larger
+        size = 0
+        kept: Int = larger
         for k in range(count):
             v = band.members[k]
-            reached, passed = band.level[2 * v] >= 0, band.level[2 * v + 1] >= 0
+            reached: cython.bint = band.level[2 * v] >= 0
+            passed: cython.bint = band.level[2 * v + 1] >= 0
             size += reached and not passed
-            kept += int(passed) - int(cell[v] == source)
-        if width == 0 or max(kept, members.size - size - kept) <= LARGEST_SIDE * members.size:
+            kept += passed
+            kept -= cell[v] == source
+        if width == 0 or max(kept, members.shape[0] - size - kept) <= _LARGEST_SIDE * members.shape[0]:
             break
         for k in range(ends, count):
             band.layer[band.members[k]] = -1
@@ -115,14 +139,15 @@ def separate(graph: Graph, members: Indices, cell: Indices, width: int, band: Ba
         if band.level[2 * v + 1] >= 0:
             cell[v] = source
         elif band.level[2 * v] >= 0:
-            cell[v] = SEPARATOR
+            cell[v] = _SEPARATOR
         else:
             cell[v] = source ^ 1
     return size
 
 
-@kernel
-def _gather(graph: Graph, members: Indices, cell: Indices, band: Band) -> int:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _gather(graph: Pattern, members: Int[::1], cell: Int[::1], band: Band) -> Int:
     """Begin the band with the ends of the severed edges; return their number."""
     count = 0
     for v in members:
@@ -136,8 +161,9 @@ def _gather(graph: Graph, members: Indices, cell: Indices, band: Band) -> int:
     return count
 
 
-@kernel
-def _widen(graph: Graph, cell: Indices, ends: int, width: int, band: Band) -> int:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _widen(graph: Pattern, cell: Int[::1], ends: Int, width: Int, band: Band) -> Int:
     """Widen the band to so many layers, and forget all paths; return its number of vertices."""
     count = ends
     head = 0
@@ -156,8 +182,9 @@ def _widen(graph: Graph, cell: Indices, ends: int, width: int, band: Band) -> in
     return count
 
 
-@kernel
-def _saturate(graph: Graph, cell: Indices, source: int, count: int, width: int, band: Band) -> None:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _saturate(graph: Pattern, cell: Int[::1], source: Int, count: Int, width: Int, band: Band) -> cython.void:
     """Find paths from the outermost layer on the source's side to that on the other until there are no more.
 
     Afterwards ``level`` tells the states that can still be reached from the source.
@@ -171,8 +198,9 @@ def _saturate(graph: Graph, cell: Indices, source: int, count: int, width: int, 
                 _advance(graph, cell, source, v, width, band)
 
 
-@kernel
-def _rank(graph: Graph, cell: Indices, source: int, count: int, width: int, band: Band) -> bool:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _rank(graph: Pattern, cell: Int[::1], source: Int, count: Int, width: Int, band: Band) -> cython.bint:
     """Number the states by steps from the source, as far as the first across; return whether there is one."""
     for k in range(count):
         v = band.members[k]
@@ -219,16 +247,18 @@ def _rank(graph: Graph, cell: Indices, source: int, count: int, width: int, band
     return across >= 0
 
 
-@kernel(inline="always")
-def _onward(v: int, band: Band) -> int:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _onward(v: Int, band: Band) -> Int:
     """The state after entering v: leaving it, or leaving the vertex before it on the path it is on."""
     if band.following[v] == FREE:
         return 2 * v + 1
     return 2 * band.preceding[v] + 1 if band.preceding[v] >= 0 else -1
 
 
-@kernel
-def _advance(graph: Graph, cell: Indices, source: int, start: int, width: int, band: Band) -> bool:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _advance(graph: Pattern, cell: Int[::1], source: Int, start: Int, width: Int, band: Band) -> cython.bint:
     """Add a path that begins at a vertex, if one runs along rising levels; states tried are crossed out."""
     trail, level = band.trail, band.level
     trail[0] = 2 * start

@@ -1,3 +1,4 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
 """Supernodes: neighboring columns of L that are stored on the same rows, and eliminated together.
 
 The rows of a column of L below the diagonal are its parent in the elimination tree and some of the parent's
@@ -5,17 +6,26 @@ rows. So columns that all lie below the last of them have entries on one another
 last only: they are stored as a dense trapezoid, in which some zeros are stored too.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
+import cython
 import numpy as np
 
 from isoembed.arrays import Indices, Indices32
-from isoembed.kernel import kernel
-from isoembed.linalg.elimination import NONE, Elimination, inverse
+from isoembed.linalg.elimination import Elimination, inverse
 
-FRONT_COST = 2000.0  # multiplications that a front costs, however small
-STORED_COST = 30.0  # multiplications that a stored entry of L costs
-PASSED_COST = 16.0  # multiplications that an entry passed on to a parent costs
+Int = cython.typedef(cython.longlong)
+ConstInt = cython.typedef(cython.const[cython.longlong])
+Int32 = cython.typedef(cython.int)
+ConstInt32 = cython.typedef(cython.const[cython.int])
+Real = cython.typedef(cython.double)
+
+NONE = cython.declare(cython.int, -1)  # no parent, as in `isoembed.linalg.elimination`
+FRONT_COST = cython.declare(cython.double, 2000.0)  # multiplications that a front costs, however small
+STORED_COST = cython.declare(cython.double, 30.0)  # multiplications that a stored entry of L costs
+PASSED_COST = cython.declare(cython.double, 16.0)  # multiplications that an entry passed on to a parent costs
 
 
 class Supernodes(NamedTuple):
@@ -47,22 +57,27 @@ class Supernodes(NamedTuple):
     room: int
 
 
-@kernel
-def find_supernodes(indptr: Indices32, indices: Indices32, elimination: Elimination) -> Supernodes:
+def find_supernodes(indptr: ConstInt32[::1], indices: ConstInt32[::1], elimination: Elimination):
     """Find the supernodes of a symmetric pattern, both triangles in compressed columns."""
-    order, parent, counts = elimination
-    n = parent.size
-    starts = _amalgamated(parent, counts)
-    count = starts.size - 1
-    home = np.empty(n, dtype=np.int32)
-    above = np.full(count, NONE, dtype=np.int32)
-    children, ends = np.zeros(count, dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
+    order: ConstInt[::1] = elimination.order
+    parent: ConstInt32[::1] = elimination.parent
+    counts: ConstInt[::1] = elimination.counts
+    n = parent.shape[0]
+    starts: Int[::1] = _amalgamated(parent, counts)
+    count = starts.shape[0] - 1
+    home: Int32[::1] = np.empty(n, dtype=np.int32)
+    above: Int32[::1] = np.full(count, NONE, dtype=np.int32)
+    children: Int[::1] = np.zeros(count, dtype=np.int64)
+    ends: Int[::1] = np.zeros(count + 1, dtype=np.int64)
     for s in range(count):
         for j in range(starts[s], starts[s + 1]):
             home[j] = s
         ends[s + 1] = ends[s] + counts[starts[s + 1] - 1] - 1
-    entries = widest = waiting = room = 0
-    ready = np.zeros(count, dtype=np.int64)  # entries that the children pass on
+    entries: Int = 0
+    widest: Int = 0
+    waiting: Int = 0
+    room: Int = 0
+    ready: Int[::1] = np.zeros(count, dtype=np.int64)  # entries that the children pass on
     for s in range(count):
         k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
         m = k + below
@@ -76,9 +91,10 @@ def find_supernodes(indptr: Indices32, indices: Indices32, elimination: Eliminat
             children[above[s]] += 1
             ready[above[s]] += passed
     # Row i has entries in the supernodes of its entries in A, and in those on the way up to its own.
-    place = inverse(order)
-    rows = np.empty(ends[count], dtype=np.int32)
-    end, met = ends[:-1].copy(), np.full(count, NONE, dtype=np.int32)
+    place: Int[::1] = inverse(order)
+    rows: Int32[::1] = np.empty(ends[count], dtype=np.int32)
+    end: Int[::1] = np.array(ends[:count])
+    met: Int32[::1] = np.full(count, NONE, dtype=np.int32)
     for i in range(n):
         met[home[i]] = i
         for p in range(indptr[order[i]], indptr[order[i] + 1]):
@@ -89,18 +105,21 @@ def find_supernodes(indptr: Indices32, indices: Indices32, elimination: Eliminat
                 rows[end[s]] = i
                 end[s] += 1
                 s = above[s]
-    return Supernodes(starts, children, ends, rows, entries, widest, room)
+    return Supernodes(
+        np.asarray(starts), np.asarray(children), np.asarray(ends), np.asarray(rows), entries, widest, room
+    )
 
 
-@kernel
-def _amalgamated(parent: Indices32, counts: Indices) -> Indices:
+@cython.cfunc
+def _amalgamated(parent: ConstInt32[::1], counts: ConstInt[::1]):
     """The first columns of supernodes, and the number of columns.
 
     A supernode begins as one column, and takes in the one before while that is a child and this pays.
     """
-    n = parent.size
-    starts, tops = np.empty((2, n + 1), dtype=np.int64)
-    found = 0
+    n = parent.shape[0]
+    starts: Int[::1] = np.empty(n + 1, dtype=np.int64)
+    tops: Int[::1] = np.empty(n + 1, dtype=np.int64)
+    found: Int = 0
     for column in range(n):
         start, below = column, counts[column] - 1
         cost = _cost(1, below)
@@ -114,11 +133,12 @@ def _amalgamated(parent: Indices32, counts: Indices) -> Indices:
         starts[found], tops[found] = start, column
         found += 1
     starts[found] = n
-    return starts[: found + 1].copy()
+    return np.array(starts[: found + 1])
 
 
-@kernel
-def _cost(k: int, below: int) -> float:
+@cython.cfunc
+@cython.exceptval(check=False)
+def _cost(k: Int, below: Int) -> Real:
     """What a front of k columns costs, in multiplications."""
     m = k + below
     stored = 0.5 * STORED_COST * k * (m + below)

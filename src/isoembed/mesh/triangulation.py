@@ -10,9 +10,9 @@ from scipy.sparse import csr_array
 
 from isoembed.arrays import Indices, Mask
 from isoembed.errors import InvalidMetric
-from isoembed.kernel import kernel
 from isoembed.mesh.checks import check_euler, checked_tables, index_array
 from isoembed.mesh.joining import join
+from isoembed.mesh.loops import find
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -216,32 +216,7 @@ class Triangulation:
 
     def edge_indices(self, pairs: Indices) -> Indices:
         """Index of each edge, (n,), given by its two ends in either order, (n, 2); -1 where it is none."""
-        return _find(self.edges, self.n_vertices, pairs)
-
-
-@kernel
-def _find(edges: Indices, n: int, pairs: Indices) -> Indices:
-    """The rows of the table of edges that have these ends, or -1."""
-    starts = np.zeros(n + 1, dtype=np.int64)  # of the edges by their lower end
-    for e in range(len(edges)):
-        starts[edges[e, 0] + 1] += 1
-    for v in range(n):
-        starts[v + 1] += starts[v]
-    found = np.full(len(pairs), -1)
-    for k in range(len(pairs)):
-        low, high = min(pairs[k, 0], pairs[k, 1]), max(pairs[k, 0], pairs[k, 1])
-        if low < 0 or high >= n:
-            continue
-        e, end = starts[low], starts[low + 1]
-        while e < end:
-            middle = (e + end) // 2
-            if edges[middle, 1] < high:
-                e = middle + 1
-            else:
-                end = middle
-        if e < starts[low + 1] and edges[e, 1] == high:
-            found[k] = e
-    return found
+        return find(self.edges, self.n_vertices, np.ascontiguousarray(pairs, dtype=np.int64))
 
 
 Frozen = TypeVar("Frozen", bound=NDArray)

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices, Mask
-from isoembed.intrinsic.halfedges import edges_between, glue
-from isoembed.kernel import kernel
+from isoembed.arrays import Floats, Indices
+from isoembed.meshing.loops import flip_halfedges, joined
 
 SLACK = 1e-9  # radians: excess of two opposite angles over pi that flips
 
@@ -24,21 +23,6 @@ def twin_halfedges(faces: Indices) -> Indices:
 def corner_angles(vertices: Floats, faces: Indices) -> Floats:
     """Angles (F, 3) at the corners, in radians."""
     return np.asarray(np.arctan2(*_sines_and_cosines(vertices, faces)))
-
-
-@kernel
-def _sines_and_cosines(vertices: Floats, faces: Indices) -> tuple[Floats, Floats]:
-    """Sines and cosines of the corners, each (F, 3), times the lengths of the sides."""
-    sine, cosine = np.empty(faces.shape), np.empty(faces.shape)
-    for f in range(len(faces)):
-        for c in range(3):
-            o, p, q = vertices[faces[f, c]], vertices[faces[f, (c + 1) % 3]], vertices[faces[f, (c + 2) % 3]]
-            ax, ay, az = p[0] - o[0], p[1] - o[1], p[2] - o[2]
-            bx, by, bz = q[0] - o[0], q[1] - o[1], q[2] - o[2]
-            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-            sine[f, c] = np.sqrt(x * x + y * y + z * z)
-            cosine[f, c] = ax * bx + ay * by + az * bz
-    return sine, cosine
 
 
 def flip_to_delaunay(
@@ -89,7 +73,7 @@ def flip_where_touched(
         i, j = flat[bad], flat[g]
         k, m = flat[3 * (bad // 3) + (bad + 2) % 3], flat[3 * (g // 3) + (g + 2) % 3]
         touched = np.concatenate([bad // 3, g // 3])
-        allowed = ~_joined(flat, twin, 3 * (bad // 3) + (bad + 2) % 3, m)
+        allowed = ~joined(flat, twin, 3 * (bad // 3) + (bad + 2) % 3, m)
         for a, b, c in ((k, i, m), (m, j, k)):
             area = np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
             allowed &= np.einsum("ij,ij->i", area, normals[a] + normals[b] + normals[c]) > 0.0
@@ -106,7 +90,7 @@ def flip_where_touched(
         unique[np.unique(key, return_index=True)[1]] = True
         flipped = bad[chosen & unique]
         changed = np.concatenate([flipped // 3, twin[flipped] // 3])
-        _flip(faces, twin, flipped)
+        flip_halfedges(faces, twin, flipped)
         angles[changed] = corner_angles(vertices, faces[changed])
         flips.append(changed)
     return np.concatenate(flips)
@@ -117,28 +101,9 @@ def _opposite(angles: Floats, h: Indices) -> Floats:
     return angles[h // 3, (h + 2) % 3]
 
 
-@kernel
-def _joined(tails: Indices, twin: Indices, halfedges: Indices, vertices: Indices) -> Mask:
-    """Whether an edge leads from where a half-edge begins to a vertex, for each pair of them."""
-    found = np.zeros(len(halfedges), dtype=np.bool_)
-    for row in range(len(halfedges)):
-        found[row] = edges_between(halfedges[row], vertices[row], tails, twin) > 0
-    return found
-
-
-@kernel
-def _flip(faces: Indices, twin: Indices, halfedges: Indices) -> None:
-    """Flip half-edges, no two of which share a triangle, in place."""
-    for h in halfedges:
-        g = twin[h]
-        f, c, e, d = h // 3, h % 3, g // 3, g % 3
-        i, j, k, m = faces[f, c], faces[f, (c + 1) % 3], faces[f, (c + 2) % 3], faces[e, (d + 2) % 3]
-        ki, im = twin[3 * f + (c + 2) % 3], twin[3 * e + (d + 1) % 3]
-        mj, jk = twin[3 * e + (d + 2) % 3], twin[3 * f + (c + 1) % 3]
-        faces[f, 0], faces[f, 1], faces[f, 2] = k, i, m
-        faces[e, 0], faces[e, 1], faces[e, 2] = m, j, k
-        glue(3 * f, ki, twin)
-        glue(3 * f + 1, im, twin)
-        glue(3 * f + 2, 3 * e + 2, twin)
-        glue(3 * e, mj, twin)
-        glue(3 * e + 1, jk, twin)
+def _sines_and_cosines(vertices: Floats, faces: Indices) -> tuple[Floats, Floats]:
+    """Sines and cosines of the corners, each (F, 3), times the lengths of the sides."""
+    corners = vertices[faces]
+    a, b = np.roll(corners, -1, axis=1) - corners, np.roll(corners, -2, axis=1) - corners
+    normals = np.cross(a, b)
+    return np.sqrt((normals * normals).sum(axis=2)), (a * b).sum(axis=2)

@@ -9,10 +9,11 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.outward import flip_to_delaunay
+from isoembed.intrinsic.loops import flip_to_delaunay
 from isoembed.meshing.flips import twin_halfedges
-from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths, relaxed
+from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths
 from isoembed.meshing.lloyd import OVERRELAXATION, RINGS
+from isoembed.meshing.loops import relaxed
 from isoembed.meshing.sphere import hull_faces
 from isoembed.meshing.spreading import Cells
 
@@ -96,7 +97,7 @@ class MetricMesh:
         q = self.tensor(self.u)
         end_lengths(self.u, q, self.tables)
         for _ in range(FLIP_ROUNDS):
-            if len(flip_to_delaunay(self.u, self.tables)) == 0:
+            if len(flip_to_delaunay(self.u, self.tables.views)) == 0:
                 break
             end_lengths(self.u, q, self.tables)
 
@@ -115,7 +116,7 @@ class MetricMesh:
         h, measured = np.flatnonzero(moved[self.tables.corners]), 0
         for _ in range(FLIP_ROUNDS):
             measured += self._measure(h)
-            h = flip_to_delaunay(self.u, self.tables)
+            h = flip_to_delaunay(self.u, self.tables.views)
             if len(h) == 0:
                 return measured
         return measured + self._measure(h)
@@ -139,4 +140,4 @@ class MetricMesh:
         """Move vertices towards where the triangles about them are best."""
         wanted = np.ones(len(self.u)) if density is None else density.at(self.u)
         factor = 1.0 if optimal else OVERRELAXATION
-        self.u = relaxed(self.u, self.tables, wanted, moving, optimal, factor)
+        self.u = relaxed(self.u, self.tables.views, wanted, moving, optimal, factor)

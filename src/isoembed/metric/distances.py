@@ -3,7 +3,6 @@
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.triangle_checks import first_broken
 from isoembed.space import Space
@@ -42,14 +41,7 @@ def lengths_between(triangulation: Triangulation, points: Floats, space: Space) 
     return lengths
 
 
-@kernel
 def straight_lengths(edges: Indices, vertices: Floats) -> Floats:
     """Distances between the ends of the edges, (E,)."""
-    lengths = np.empty(len(edges))
-    for e in range(len(edges)):
-        square = 0.0
-        for k in range(vertices.shape[1]):
-            side = vertices[edges[e, 0], k] - vertices[edges[e, 1], k]
-            square += side * side
-        lengths[e] = np.sqrt(square)
-    return lengths
+    sides = vertices[edges[:, 0]] - vertices[edges[:, 1]]
+    return np.sqrt((sides * sides).sum(axis=1))

@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.kernel import kernel
 from isoembed.mesh.checks import check_euler, check_numbering, index_array
-from isoembed.mesh.joining import reached_faces
+from isoembed.mesh.loops import pinched, reached_faces
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import SAME_LENGTH, PolyhedralMetric
@@ -351,30 +350,9 @@ def _check_sphere(faces: Indices, twins: Indices) -> None:
         f = int(np.argmin(reached))
         raise InvalidMetric(f"the surface has several components: face {f} is not connected to face 0")
     n = int(faces.max()) + 1
-    v = int(_pinched(faces.ravel(), twins, n))
+    v = pinched(faces.ravel(), twins, n)
     if v >= 0:
         raise InvalidMetric(
             f"the faces around vertex {v} form more than one fan: the surface is not a manifold"
         )
     check_euler(n, len(faces))
-
-
-@kernel
-def _pinched(corners: Indices, twins: Indices, n: int) -> int:
-    """The first vertex whose corners are not one fan, -1 if there is none."""
-    degrees = np.zeros(n, dtype=np.int64)
-    first = np.full(n, -1, dtype=np.int64)
-    for h in range(corners.size):
-        v = corners[h]
-        degrees[v] += 1
-        if first[v] < 0:
-            first[v] = h
-    for v in range(n):
-        h = first[v]
-        met = 0
-        while met == 0 or h != first[v]:
-            met += 1
-            h = twins[h + 2 if h % 3 == 0 else h - 1]
-        if met != degrees[v]:
-            return v
-    return -1

@@ -7,7 +7,6 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.kernel import kernel
 from isoembed.space import Space
 
 LONGEST_SIDE = 70.0  # radii of curvature: angles between longer sides are lost beside a full turn
@@ -35,7 +34,7 @@ def check_triangles(
     InvalidMetric
         The message names the first triangle, or else the first side.
     """
-    f = int(first_broken(sides, lengths, 0.0))
+    f = first_broken(sides, lengths, 0.0)
     if f >= 0:
         a, b, c = sorted(lengths[sides[f]].tolist())
         raise InvalidMetric(
@@ -46,17 +45,14 @@ def check_triangles(
         _check_sizes(space, faces, lengths[sides], name)
 
 
-@kernel
 def first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
     """The first face that breaks the triangle inequality up to a share of its longest side, or -1."""
-    for f in range(len(face_edges)):
-        a, b, c = lengths[face_edges[f, 0]], lengths[face_edges[f, 1]], lengths[face_edges[f, 2]]
-        least, most = min(a, b, c), max(a, b, c)
-        middle = max(min(a, b), min(max(a, b), c))
-        # A difference of neighbors neither over- nor underflows.
-        if not most - middle < least - margin * most:
-            return f
-    return -1
+    a, b, c = (lengths[edges] for edges in face_edges.T)
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    least, middle, most = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
+    # A difference of neighbors neither over- nor underflows.
+    broken = ~(most - middle < least - margin * most)
+    return int(np.argmax(broken)) if broken.any() else -1
 
 
 def _check_sizes(space: Space, faces: Indices, lengths: Floats, name: Callable[[int], str]) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from isoembed.progress.compiling import COMPILING, Compiling, working_clock
 from isoembed.progress.stages import Listener, Progress
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 FRAMES_A_SECOND = 8
 PAGES_A_SECOND = 2  # in a notebook, where each is a message to a browser
-COMPILED = "compiling, once"
 HEADINGS = ("stage", "iteration", "level", "t", "residual", "inverted", "partially", "seconds")
 
 
@@ -29,14 +28,11 @@ class StageTable:
     Parameters
     ----------
     clock : callable
-        The time in seconds: it goes on where a single step takes long, but not while functions are compiled.
-    compiling : Compiling
-        What is compiled beside the stages.
+        The time in seconds.
     """
 
-    def __init__(self, clock: Callable[[], float] = working_clock, compiling: Compiling = COMPILING) -> None:
-        self._clock, self._compiling = clock, compiling
-        self._before = compiling.seconds
+    def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._clock = clock
         self._stages: dict[str, tuple[float, Progress]] = {}
         self._running: tuple[Progress, float] | None = None
 
@@ -58,8 +54,6 @@ class StageTable:
         from rich.table import Table
 
         rows = [self._row(start, last) for start, last in tuple(self._stages.values())]
-        if (compiled := self._compiling.seconds - self._before) > 0:
-            rows.append((COMPILED, *[""] * (len(HEADINGS) - 2), f"{compiled:.1f}"))
         columns = [column for column in zip(HEADINGS, *rows, strict=True) if any(column[1:])]
         table = Table(box=None, pad_edge=False, header_style="dim", caption_style="dim")
         table.caption, table.caption_justify = self._left(), "left"
@@ -83,11 +77,10 @@ class StageTable:
         )
 
     def _left(self) -> str | None:
-        running, compiling = self._running, self._compiling.now  # of another thread's making
+        running = self._running  # of another thread's making
         if running is None or running[0].remaining is None:
             return None
-        left = f"about {duration(running[0].remaining - self._since(running[0]))} left"
-        return f"{COMPILED}; then {left}" if compiling else left
+        return f"about {duration(running[0].remaining - self._since(running[0]))} left"
 
     def _since(self, last: Progress) -> float:
         """Seconds since a snapshot came, if it is the last of all."""

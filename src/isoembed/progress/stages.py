@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -11,12 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats
-from isoembed.progress.compiling import COMPILING, working_clock
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.time_left import TimeLeft
-
-COMPILATION = "compilation"
-"""The name of the stage that is recorded before one in which functions were compiled."""
 
 
 @dataclass(frozen=True)
@@ -26,12 +23,11 @@ class Stage:
     Attributes
     ----------
     name : str
-        What the stage is called in the method's description; or ``"compilation"``, before the stage that
-        needed it.
+        What the stage is called in the method's description.
     seconds : float
-        Wall-clock time, compilation left out.
+        Wall-clock time.
     iterations : int
-        Iterations of the stage's outer loop (Newton steps, right-hand sides, layers); functions compiled.
+        Iterations of the stage's outer loop (Newton steps, right-hand sides, layers).
     factorizations : int
         Sparse factorizations.
     """
@@ -59,7 +55,7 @@ class Progress:
     inverted, partially_inverted : int or None
         Vertices of that kind.
     seconds : float
-        Since the computation began, compilation left out.
+        Since the computation began.
     level : str or None
         What size of problem the stage is working on, such as ``"40,000 vertices"``.
     remaining : float or None
@@ -201,7 +197,7 @@ class Log:
     listener: Listener | None = None
     resumed: Checkpoint | None = None
     fingerprint: Fingerprint | None = None
-    clock: Callable[[], float] = working_clock
+    clock: Callable[[], float] = time.perf_counter
     checkpoint: Checkpoint | None = field(init=False)
     factorizations: int = field(init=False, default=0)
     start: float = field(init=False)
@@ -232,7 +228,6 @@ class Log:
         if self.resumed is not None and self.resumed.stage == name:
             self.factorizations = self.resumed.factorizations
         recorder, begin = StageRecorder(name, self, _before=self.factorizations), self.clock()
-        functions, compiling = COMPILING.functions, COMPILING.seconds
         self.time_left.begin(name)
         try:
             recorder.show()
@@ -240,8 +235,6 @@ class Log:
         finally:
             seconds = self.clock() - begin
             self.factorizations += recorder.factorizations
-            if compiled := COMPILING.functions - functions:
-                self._stages.append(Stage(COMPILATION, COMPILING.seconds - compiling, compiled, 0))
             self._stages.append(Stage(name, seconds, recorder.iterations, recorder.factorizations))
             self.time_left.end()
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
-from isoembed.kernel import kernel
+from isoembed.smooth.loops import summed
 
 CHUNK = 2_000_000  # harmonics at directions, evaluated at a time, which bounds the memory
 
@@ -86,7 +86,7 @@ class Harmonics:
         # c Re w^m + s Im w^m = Re (c - i s) w^m
         table.real[orders[~sine], degrees[~sine]] = several[~sine]
         table.imag[-orders[sine], degrees[sine]] = -several[sine]
-        values, gradient, hessian = _summed(u, table, *recurrence(self.degree, self.order))
+        values, gradient, hessian = summed(u, table, *recurrence(self.degree, self.order))
         radial = np.einsum("ni,nci->nc", u, gradient)
         P = np.eye(3) - u[:, :, None] * u[:, None, :]
         gradient -= radial[:, :, None] * u[:, None, :]
@@ -174,54 +174,3 @@ def recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
     m = m[1:, 0]
     steps = np.sqrt((2.0 * m + 1.0) / (2.0 * m)) * np.where(m == 1.0, np.sqrt(2.0), 1.0)
     return a, b, np.cumprod(np.concatenate([[np.sqrt(0.25 / np.pi)], steps]))
-
-
-@kernel
-def _summed(u, table, a, b, sectoral):  # type: ignore[no-untyped-def]
-    """Sums of harmonics at u (n, 3), with the derivatives of their extension to R^3.
-
-    They are (n, c), (n, c, 3) and (n, c, 3, 3).  No table of harmonics at directions is made, which would
-    take most of the time; and what depends on z alone is summed once for directions of one z that follow each
-    other, as in a rule.
-    """
-    n, orders, degrees, count = len(u), table.shape[0], table.shape[1], table.shape[2]
-    value, gradient, hessian = np.zeros((n, count)), np.zeros((n, count, 3)), np.zeros((n, count, 3, 3))
-    f0, f1, f2 = np.empty((3, orders, count), np.complex128)
-    for i in range(n):
-        z = u[i, 2]
-        w = complex(u[i, 0], u[i, 1])
-        if i == 0 or z != u[i - 1, 2]:
-            for m in range(orders):
-                p0, p1, p2 = sectoral[m], 0.0, 0.0
-                before0, before1, before2 = 0.0, 0.0, 0.0
-                for c in range(count):
-                    f0[m, c], f1[m, c], f2[m, c] = p0 * table[m, m, c], 0.0j, 0.0j
-                for l in range(m + 1, degrees):
-                    next0 = a[m, l] * z * p0 - b[m, l] * before0
-                    next1 = a[m, l] * (z * p1 + p0) - b[m, l] * before1
-                    next2 = a[m, l] * (z * p2 + 2.0 * p1) - b[m, l] * before2
-                    before0, before1, before2 = p0, p1, p2
-                    p0, p1, p2 = next0, next1, next2
-                    for c in range(count):
-                        f0[m, c] += p0 * table[m, l, c]
-                        f1[m, c] += p1 * table[m, l, c]
-                        f2[m, c] += p2 * table[m, l, c]
-        w0, w1, w2 = 1.0 + 0.0j, 0.0j, 0.0j  # w^m and its derivatives
-        for m in range(orders):
-            for c in range(count):
-                g0, g1, g2 = f0[m, c], f1[m, c], f2[m, c]
-                value[i, c] += (g0 * w0).real
-                gradient[i, c, 0] += (g0 * w1).real
-                gradient[i, c, 1] -= (g0 * w1).imag
-                gradient[i, c, 2] += (g1 * w0).real
-                hessian[i, c, 0, 0] += (g0 * w2).real
-                hessian[i, c, 0, 1] -= (g0 * w2).imag
-                hessian[i, c, 0, 2] += (g1 * w1).real
-                hessian[i, c, 1, 2] -= (g1 * w1).imag
-                hessian[i, c, 2, 2] += (g2 * w0).real
-            w0, w1, w2 = w0 * w, w1 * w + w0, w2 * w + 2.0 * w1
-        for c in range(count):
-            h = hessian[i, c]
-            h[1, 1] = -h[0, 0]
-            h[1, 0], h[2, 0], h[2, 1] = h[0, 1], h[0, 2], h[1, 2]
-    return value, gradient, hessian

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from isoembed.arrays import Floats, Indices
-from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.local_fit import edge_lengths_about
+from isoembed.surface.loops import chosen_centers
 from isoembed.surface.measures import edge_lengths
 
 
@@ -54,8 +54,10 @@ class VertexCells:
         graph = csr_array((np.tile(hops, 2), (np.r_[a, b], np.r_[b, a])), shape=(n, n))
         order = np.random.default_rng(0).permutation(n)
         radius = 0.82 * np.sqrt(n / count)  # the radius at which about the wanted number is chosen
-        radius *= np.sqrt(len(_chosen(graph.indptr, graph.indices, graph.data, order, radius)[0]) / count)
-        return cls(*_chosen(graph.indptr, graph.indices, graph.data, order, radius))
+        radius *= np.sqrt(
+            len(chosen_centers(graph.indptr, graph.indices, graph.data, order, radius)[0]) / count
+        )
+        return cls(*chosen_centers(graph.indptr, graph.indices, graph.data, order, radius))
 
     def triangulation(self, convex: Floats) -> Triangulation | None:
         """The triangles of the chosen vertices' hull on a convex surface; None where it has not them all."""
@@ -85,30 +87,3 @@ def _changes(triangulation: Triangulation, values: Floats) -> Floats:
     for _ in range(3):  # its change spreads to the neighbors
         changes = (adjacency @ changes + changes) / (triangulation.degrees + 1)
     return cast(Floats, changes)
-
-
-@kernel
-def _chosen(
-    indptr: Indices, indices: Indices, hops: Floats, order: Indices, radius: float
-) -> tuple[Indices, Indices]:
-    """Vertices, in order, farther than the radius from those before; and the cell of every vertex."""
-    n = len(indptr) - 1
-    distance, cell = np.full(n, np.inf), np.full(n, -1)
-    waiting, is_waiting = np.empty(n, dtype=np.int64), np.zeros(n, dtype=np.bool_)  # round and round
-    chosen, count = np.empty(n, dtype=np.int64), 0
-    for v in order:
-        if distance[v] <= radius:
-            continue
-        chosen[count], distance[v], cell[v] = v, 0.0, count
-        waiting[0], head, size = v, 0, 1
-        while size > 0:
-            u = waiting[head]
-            head, size, is_waiting[u] = (head + 1) % n, size - 1, False
-            for p in range(indptr[u], indptr[u + 1]):
-                w, there = indices[p], distance[u] + hops[p]
-                if there < distance[w] and there <= 2 * radius:
-                    distance[w], cell[w] = there, count
-                    if not is_waiting[w]:
-                        waiting[(head + size) % n], is_waiting[w], size = w, True, size + 1
-        count += 1
-    return chosen[:count].copy(), cell

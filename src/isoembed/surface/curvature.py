@@ -8,10 +8,10 @@ from typing import cast
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
-from isoembed.kernel import kernel
+from isoembed.arrays import Floats
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
+from isoembed.surface.loops import folds
 from isoembed.surface.measures import amplitudes, edge_lengths, face_normals, triangle_areas
 from isoembed.surface.tangent_frames import sides
 
@@ -44,7 +44,7 @@ def dihedral_angles(triangulation: Triangulation, vertices: Floats, space: Space
     """
     t = triangulation
     if space.is_euclidean:
-        sine, cosine = _folds(t.edges, t.edge_flanks, face_normals(t.faces, vertices), vertices)
+        sine, cosine = folds(t.edges, t.edge_flanks, face_normals(t.faces, vertices), vertices)
     else:
         sine, cosine = _curved_folds(t, vertices, space)
     return np.arctan2(sine, cosine)
@@ -99,28 +99,6 @@ def turning_errors(triangulation: Triangulation, vertices: Floats, space: Space 
     if not space.is_euclidean:  # far out on the sphere a little of x is a long way
         error /= min(1.0, float(space.heights(vertices).min()))
     return error / np.maximum(amplitudes(t.faces, vertices, space), np.maximum(error / np.pi, TINY))
-
-
-@kernel
-def _folds(
-    edges: Indices, edge_halfedges: Indices, normals: Floats, vertices: Floats
-) -> tuple[Floats, Floats]:
-    """Sines and cosines of the dihedral angles, each (E,), times the norms of the normals."""
-    sine, cosine = np.empty(len(edges)), np.empty(len(edges))
-    for e in range(len(edges)):
-        n, m = normals[edge_halfedges[e, 0] // 3], normals[edge_halfedges[e, 1] // 3]
-        a, b = vertices[edges[e, 0]], vertices[edges[e, 1]]
-        x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-        length = max(np.sqrt(x * x + y * y + z * z), TINY)
-        sine[e] = (
-            (n[1] * m[2] - n[2] * m[1]) * (x / length)
-            + (n[2] * m[0] - n[0] * m[2]) * (y / length)
-            + (n[0] * m[1] - n[1] * m[0]) * (z / length)
-        )
-        cosine[e] = n[0] * m[0] + n[1] * m[1] + n[2] * m[2]
-        if cosine[e] < 0 and abs(sine[e]) < SHUT:
-            sine[e] = abs(sine[e])
-    return sine, cosine
 
 
 def _curved_folds(t: Triangulation, vertices: Floats, space: Space) -> tuple[Floats, Floats]:

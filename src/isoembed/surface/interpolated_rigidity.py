@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csc_array, csr_array, kron
 
-from isoembed.arrays import Floats, Indices
-from isoembed.kernel import kernel
+from isoembed.arrays import Floats
 from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
+from isoembed.surface.loops import add_cell_products
 
 MAX_EDGES = 30  # measured in a cell: an interpolated surface has fewer degrees of freedom
 DIAGONAL_SHIFT = 1e-6  # relative: beyond rounding in single precision
@@ -100,12 +100,13 @@ class InterpolatedRigidity:
         """
         pattern = self.pattern
         values = np.zeros(9 * pattern.nnz)
-        _add_products(
+        add_cell_products(
             differences.starts,
-            differences.stencils,
+            *differences.stencils,
             differences.weights,
             rows,
-            (pattern.indptr, pattern.indices),
+            pattern.indptr,
+            pattern.indices,
             values,
         )
         coupled = csc_array(penalty).tocoo()
@@ -121,64 +122,3 @@ class InterpolatedRigidity:
         )
         values[diagonal] *= 1 + DIAGONAL_SHIFT
         return self._solver.factor(values, single=True)
-
-
-@kernel
-def _add_products(
-    starts: Indices,
-    stencils: tuple[Indices, Indices],
-    differences: Floats,
-    rows: Floats,
-    pattern: tuple[Indices, Indices],
-    values: Floats,
-) -> None:
-    """Add the products of the rows of each cell to the zeros of a symmetric matrix in blocks of 3 x 3.
-
-    They are added up below the diagonal, then copied above it.
-    """
-    indptr, indices = pattern
-    n = len(indptr) - 1
-    diagonal = np.empty(n, dtype=np.int64)
-    for column in range(n):
-        p = indptr[column]
-        while indices[p] < column:
-            p += 1
-        diagonal[column] = p
-    at = 0  # in the differences
-    for cell in range(len(starts) - 1):
-        first, last = starts[cell], starts[cell + 1]
-        begin = stencils[0][cell]
-        size = stencils[0][cell + 1] - begin
-        if first == last:
-            continue
-        J = np.empty((last - first, 3 * size), dtype=np.float32)
-        for edge in range(first, last):
-            for j in range(size):
-                for k in range(3):
-                    J[edge - first, 3 * j + k] = differences[at] * rows[edge, k]
-                at += 1
-        products = np.dot(J.T, J)
-        for j in range(size):
-            column = stencils[1][begin + j]
-            start, p = indptr[column], diagonal[column]
-            width = 3 * (indptr[column + 1] - start)
-            for i in range(j, size):
-                row = stencils[1][begin + i]
-                while indices[p] < row:
-                    p += 1
-                place = 9 * start + 3 * (p - start)
-                for b in range(3):
-                    for a in range(3):
-                        values[place + b * width + a] += products[3 * j + b, 3 * i + a]
-    above = indptr[:-1].copy()  # the next block above the diagonal, by column
-    for column in range(n):
-        start, width = indptr[column], 3 * (indptr[column + 1] - indptr[column])
-        for p in range(diagonal[column] + 1, indptr[column + 1]):
-            row = indices[p]
-            first, mirrored = indptr[row], 3 * (indptr[row + 1] - indptr[row])
-            place = 9 * start + 3 * (p - start)
-            image = 9 * first + 3 * (above[row] - first)
-            above[row] += 1
-            for b in range(3):
-                for a in range(3):
-                    values[image + a * mirrored + b] = values[place + b * width + a]

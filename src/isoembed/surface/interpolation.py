@@ -9,13 +9,12 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 
 from isoembed.arrays import Floats, Indices
-from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.cells import VertexCells
 from isoembed.surface.local_fit import FitResiduals, edge_lengths_about, neighborhoods
+from isoembed.surface.loops import products_of, projected, transposed_products
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import THREE_RINGS
-from isoembed.surface.rows import subtract_multiple
 
 DEGREE = 5
 
@@ -65,9 +64,7 @@ class Stencils:
         weights = self.pattern[cell]
         stencils = weights.indptr, weights.indices
         normals = vertex_normals(faces, positions)[vertices]
-        charts = _projected(
-            positions[vertices], normals, units[cell], chosen, weights.indptr, weights.indices
-        )
+        charts = projected(positions[vertices], normals, units[cell], chosen, weights.indptr, weights.indices)
         weights.data = FitResiduals.of(0, stencils, charts, DEGREE).weights
         return weights
 
@@ -105,79 +102,8 @@ class CellRows:
 
     def __matmul__(self, values: Floats) -> Floats:
         """The products, (n, 3), with values (C, 3)."""
-        return _products(self.rows, self.starts, self.stencils, self.weights, values)
+        return products_of(self.rows, self.starts, *self.stencils, self.weights, values)
 
     def transposed(self, forces: Floats) -> Floats:
         """The products, (C, 3), of the transposed matrix with forces (n, 3)."""
-        return _transposed_products(self.rows, self.starts, self.stencils, self.weights, forces)
-
-
-@kernel
-def _products(
-    rows: Indices, starts: Indices, stencils: tuple[Indices, Indices], weights: Floats, values: Floats
-) -> Floats:
-    indptr, indices = stencils
-    products, at = np.empty((len(rows), 3)), 0
-    for cell in range(len(starts) - 1):
-        used = indices[indptr[cell] : indptr[cell + 1]]
-        for row in rows[starts[cell] : starts[cell + 1]]:
-            x = y = z = 0.0
-            for vertex in used:
-                x += weights[at] * values[vertex, 0]
-                y += weights[at] * values[vertex, 1]
-                z += weights[at] * values[vertex, 2]
-                at += 1
-            products[row, 0], products[row, 1], products[row, 2] = x, y, z
-    return products
-
-
-@kernel
-def _transposed_products(
-    rows: Indices, starts: Indices, stencils: tuple[Indices, Indices], weights: Floats, forces: Floats
-) -> Floats:
-    indptr, indices = stencils
-    products, at = np.zeros((len(starts) - 1, 3)), 0
-    for cell in range(len(starts) - 1):
-        used = indices[indptr[cell] : indptr[cell + 1]]
-        sums = np.zeros((3, used.size))  # rows of numbers are added up at once
-        for row in rows[starts[cell] : starts[cell + 1]]:
-            mine = weights[at : at + used.size]
-            for k in range(3):
-                subtract_multiple(-forces[row, k], mine, sums[k])
-            at += used.size
-        for i in range(used.size):
-            for k in range(3):
-                products[used[i], k] += sums[k, i]
-    return products
-
-
-@kernel
-def _projected(
-    points: Floats, normals: Floats, units: Floats, targets: Floats, indptr: Indices, indices: Indices
-) -> Floats:
-    """Targets in the tangent planes at points, in their units, (nnz, 2).
-
-    Not in polar charts: these are no smooth coordinates of a surface that is curved otherwise than a sphere.
-    """
-    charts = np.empty((len(indices), 2))
-    first, second = np.empty(3), np.empty(3)
-    for row in range(len(points)):
-        normal, here, unit = normals[row], points[row], units[row]
-        k = 0
-        for c in (1, 2):
-            if abs(normal[c]) < abs(normal[k]):
-                k = c
-        i, j = (k + 1) % 3, (k + 2) % 3
-        size = np.sqrt(normal[i] * normal[i] + normal[j] * normal[j])
-        first[k], first[i], first[j] = 0.0, -normal[j] / size, normal[i] / size
-        for c in range(3):
-            a, b = (c + 1) % 3, (c + 2) % 3
-            second[c] = normal[a] * first[b] - normal[b] * first[a]
-        for at in range(indptr[row], indptr[row + 1]):
-            there = targets[indices[at]]
-            x = y = 0.0
-            for c in range(3):
-                x += first[c] * (there[c] - here[c])
-                y += second[c] * (there[c] - here[c])
-            charts[at, 0], charts[at, 1] = x / unit, y / unit
-    return charts
+        return transposed_products(self.rows, self.starts, *self.stencils, self.weights, forces)

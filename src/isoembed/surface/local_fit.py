@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.kernel import kernel
 from isoembed.linalg.elimination import permuted
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
+from isoembed.surface.fit_loops import fit_constants, rings
 from isoembed.surface.measures import edge_lengths, vertex_normals
-from isoembed.surface.normal_fits import KEPT, NEAR, TWO_RINGS, fewest, normal_weights
-from isoembed.surface.rows import copy, dot, multiply, subtract_multiple
+from isoembed.surface.normal_fits import TWO_RINGS, normal_weights
 
 HUB_DEGREE = 32  # neighbors of a vertex with more edges need not be near each other
 
@@ -52,7 +51,8 @@ def neighborhoods(graph: Graph, least: int = TWO_RINGS, vertices: range | None =
         The neighbors of the n vertices, nearest rings first and the vertex itself not among them.
     """
     chosen = range(len(graph[0]) - 1) if vertices is None else vertices
-    return _rings(*graph, least, chosen.start, chosen.stop)
+    indptr, indices = (table.astype(np.int32, copy=False) for table in graph)
+    return rings(indptr, indices, least, chosen.start, chosen.stop)
 
 
 class Surroundings(NamedTuple):
@@ -86,7 +86,8 @@ class Surroundings(NamedTuple):
         lengths = edge_lengths(edges, vertices) if space.is_euclidean else space.distances(*vertices[edges.T])
         units = edge_lengths_about(triangulation, lengths)
         heights = space.heights(vertices)
-        return cls((adjacency.indptr, adjacency.indices), vertices, normals, units, heights, space.curvature)
+        graph = adjacency.indptr.astype(np.int32, copy=False), adjacency.indices.astype(np.int32, copy=False)
+        return cls(graph, vertices, normals, units, heights, space.curvature)
 
     def in_order(self, order: Indices) -> Surroundings:
         """The same surface, its vertices numbered in another order."""
@@ -155,7 +156,7 @@ class FitResiduals:
         indptr, indices = neighborhoods
         weights = np.empty(len(charts))
         done = normal_weights(indptr, charts, degree, weights)
-        _fit(np.flatnonzero(~done), indptr, charts, degree, weights)
+        fit_constants(np.flatnonzero(~done), indptr, charts, degree, weights)
         return cls(first, indptr, indices, weights)
 
     def __matmul__(self, values: Floats) -> Floats:
@@ -170,102 +171,3 @@ class FitResiduals:
 
     def _fit(self, size: int) -> csr_array:
         return csr_array((self.weights, self.indices, self.indptr), shape=(len(self.indptr) - 1, size))
-
-
-@kernel
-def _rings(indptr: Indices, indices: Indices, least: int, first: int, last: int) -> Graph:
-    n, starts = len(indptr) - 1, np.zeros(last - first + 1, dtype=np.int64)
-    neighbors = np.empty(3 * least * (last - first), dtype=indices.dtype)
-    reached, seen = np.empty(n, dtype=indices.dtype), np.empty(n, dtype=indices.dtype)
-    for v in range(n):
-        seen[v] = -1
-    for v in range(first, last):
-        begin = starts[v - first]
-        count = _reach(indptr, indices, v, least, seen, reached)
-        if begin + count > len(neighbors):
-            longer = np.empty(2 * (begin + count), dtype=indices.dtype)
-            for k in range(begin):
-                longer[k] = neighbors[k]
-            neighbors = longer
-        for k in range(count):
-            neighbors[begin + k] = reached[k]
-        starts[v - first + 1] = begin + count
-    return starts, neighbors[: starts[-1]].copy()
-
-
-@kernel
-def _reach(indptr: Indices, indices: Indices, v: int, least: int, seen: Indices, reached: Indices) -> int:
-    """Fill `reached` with the neighbors of v, and count them; `seen` marks them with v."""
-    seen[v] = v
-    count = 0
-    for k in range(indptr[v], indptr[v + 1]):
-        reached[count] = indices[k]
-        seen[indices[k]] = v
-        count += 1
-    begin = 0
-    for ring in range(2):
-        if ring == 1 and count >= least:
-            break
-        end = count
-        for k in range(begin, end):
-            u = reached[k]
-            if indptr[u + 1] - indptr[u] > HUB_DEGREE:
-                continue
-            for j in range(indptr[u], indptr[u + 1]):
-                w = indices[j]
-                reached[count] = w  # overwritten by the next unless it is new
-                count += seen[w] != v
-                seen[w] = v
-        begin = end
-    return count
-
-
-@kernel
-def _fit(vertices: Indices, indptr: Indices, charts: Floats, most: int, weights: Floats) -> None:
-    """Fill in the weights of the neighbors of some vertices, one after the other."""
-    for i in vertices:
-        begin, end = indptr[i], indptr[i + 1]
-        _constant_term(charts[begin:end], weights[begin:end], most)
-
-
-@kernel
-def _constant_term(chart: Floats, weights: Floats, most: int) -> None:
-    """Fill in the weights by which the constant term of the fit depends on the values at the points."""
-    m = len(chart)
-    root = np.empty(m)  # of the weights of least squares
-    rest = np.empty(m)  # of the constant column
-    for k in range(m):
-        root[k] = 1.0 / np.sqrt(NEAR + chart[k, 0] * chart[k, 0] + chart[k, 1] * chart[k, 1])
-        rest[k] = root[k]
-    whole = dot(rest, rest)
-    best, columns = rest.copy(), np.empty((most * (most + 3) // 2, m))
-    count = 0
-    for degree in range(1, most + 1):
-        if m < fewest(degree):
-            break
-        for power in range(degree + 1):
-            column = columns[count]
-            copy(root, column)
-            for factor in range(degree):
-                multiply(column, chart[:, int(factor < power)], column)
-            size = dot(column, column)
-            _project_out(columns[:count], column)
-            left = dot(column, column)
-            if left <= 1e-10 * size:  # what is left of a squared column is rounding
-                continue
-            column /= np.sqrt(left)
-            _project_out(columns[count : count + 1], rest)
-            count += 1
-        if not dot(rest, rest) >= KEPT * whole:
-            break
-        copy(rest, best)
-    multiply(root, best, weights)
-    weights /= dot(root, best)
-
-
-@kernel
-def _project_out(orthonormal: Floats, column: Floats) -> None:
-    """Take what lies along orthonormal rows out of a column, twice: once leaves rounding along them."""
-    for _ in range(2):
-        for row in orthonormal:
-            subtract_multiple(dot(row, column), row, column)

@@ -16,10 +16,10 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from isoembed.arrays import Floats, Indices, Indices32, Mask
-from isoembed.kernel import kernel
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import FLAT_ANGLE, dihedral_angles
-from isoembed.surface.local_fit import FitResiduals, Graph, Surroundings, edge_lengths_about, sums_at_ends
+from isoembed.surface.local_fit import FitResiduals, Surroundings, edge_lengths_about, sums_at_ends
+from isoembed.surface.loops import polar_charts, residuals_of, transposed_residuals_of
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.normal_fits import THREE_RINGS, TWO_RINGS
 from isoembed.surface.spatial_order import spatial_order
@@ -114,10 +114,10 @@ class QuinticResiduals:
         return _robust_mean(np.linalg.norm(twice, axis=1) / self.units)
 
     def _times(self, vectors: Floats) -> Floats:
-        return _residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
+        return residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
 
     def _transposed(self, vectors: Floats) -> Floats:
-        return _transposed_residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
+        return transposed_residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
 
 
 def misfits(triangulation: Triangulation, vertices: Floats, values: Floats, degree: int = 4) -> Floats:
@@ -132,7 +132,7 @@ def _residuals(surface: Surroundings, degree: int = 3) -> Iterator[FitResiduals]
     """`fit_residuals` of some vertices after the other: the charts of all at once take much memory."""
     least = TWO_RINGS if degree <= 3 else THREE_RINGS
     for first, near in surface.neighborhoods(least, CHUNK):
-        yield FitResiduals.of(first, near, _polar_charts(first, near, surface), degree)
+        yield FitResiduals.of(first, near, polar_charts(first, *near, surface), degree)
 
 
 def _fit_errors(blocks: Iterable[FitResiduals], values: Floats) -> Floats:
@@ -196,68 +196,3 @@ def rough_edges(
     )
     opposed = np.where(found > 0, meets_concave, meets_convex)
     return plain & opposed & ((found > 0) != (expected > 0))
-
-
-@kernel
-def _residuals_of(
-    indptr: Indices32, indices: Indices32, weights: Floats, own: Floats, vectors: Floats
-) -> Floats:
-    residuals = np.empty_like(vectors)
-    for v in range(len(own)):
-        x, y, z = own[v] * vectors[v, 0], own[v] * vectors[v, 1], own[v] * vectors[v, 2]
-        for p in range(indptr[v], indptr[v + 1]):
-            there = vectors[indices[p]]
-            x -= weights[p] * there[0]
-            y -= weights[p] * there[1]
-            z -= weights[p] * there[2]
-        residuals[v, 0], residuals[v, 1], residuals[v, 2] = x, y, z
-    return residuals
-
-
-@kernel
-def _transposed_residuals_of(
-    indptr: Indices32, indices: Indices32, weights: Floats, own: Floats, vectors: Floats
-) -> Floats:
-    products = np.zeros_like(vectors)
-    for v in range(len(own)):
-        x, y, z = vectors[v]
-        products[v, 0] += own[v] * x
-        products[v, 1] += own[v] * y
-        products[v, 2] += own[v] * z
-        for p in range(indptr[v], indptr[v + 1]):
-            there = products[indices[p]]
-            there[0] -= weights[p] * x
-            there[1] -= weights[p] * y
-            there[2] -= weights[p] * z
-    return products
-
-
-@kernel
-def _polar_charts(begin: int, near: Graph, surface: Surroundings) -> Floats:
-    """Directions of neighbors in the tangent planes of vertices, times distances in their units, (nnz, 2)."""
-    indptr, indices = near
-    vertices, normals, units = surface.vertices, surface.normals, surface.units
-    charts = np.zeros((len(indices), 2))
-    first, second = np.empty(3), np.empty(3)  # perpendicular to each other and to the normal, of equal size
-    for row in range(len(indptr) - 1):
-        v = begin + row
-        normal, here, unit = normals[v], vertices[v], units[v]
-        k = 0
-        for c in (1, 2):
-            if abs(normal[c]) < abs(normal[k]):
-                k = c
-        i, j = (k + 1) % 3, (k + 2) % 3
-        first[k], first[i], first[j] = 0.0, -normal[j], normal[i]
-        for c in range(3):
-            a, b = (c + 1) % 3, (c + 2) % 3
-            second[c] = normal[a] * first[b] - normal[b] * first[a]
-        for at in range(indptr[row], indptr[row + 1]):
-            there = vertices[indices[at]]
-            dx, dy, dz = there[0] - here[0], there[1] - here[1], there[2] - here[2]
-            x = first[0] * dx + first[1] * dy + first[2] * dz
-            y = second[0] * dx + second[1] * dy + second[2] * dz
-            in_plane = x * x + y * y
-            if in_plane > 0.0:
-                stretch = np.sqrt((dx * dx + dy * dy + dz * dz) / in_plane) / unit
-                charts[at, 0], charts[at, 1] = stretch * x, stretch * y
-    return charts

@@ -8,22 +8,8 @@ translation along the line through the origin has carried them there.
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.kernel import kernel
 from isoembed.space import Space
 from isoembed.space.models import to_model
-
-
-@kernel
-def seen_from(v: int, w: int, points: Floats, heights: Floats, curvature: float) -> Floats:
-    """Conformal coordinates (3,) of point w about point v, of points (V, 3) with their `Space.heights`."""
-    if curvature == 0:
-        return points[w] - points[v]
-    product = 0.0
-    for k in range(3):
-        product += points[v, k] * points[w, k]
-    along = heights[w] + curvature * product / (1.0 + heights[v])
-    height = heights[v] * heights[w] + curvature * product
-    return (points[w] - along * points[v]) * (2.0 / (1.0 + height))
 
 
 def directions(space: Space, x: Floats, y: Floats) -> Floats:

@@ -15,10 +15,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, eye_array
 
-from isoembed.arrays import Floats, Indices, Indices32
-from isoembed.kernel import kernel
+from isoembed.arrays import Floats, Indices32
 from isoembed.linalg import Dissection, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import Approximation, conjugate_gradients
+from isoembed.surface.loops import (
+    aggregates,
+    coarse_blocks,
+    diagonal_blocks,
+    motions_of,
+    take_away_rigid,
+    times_blocks,
+    wrenches_of,
+)
 from isoembed.surface.rigidity_matrix import DIAGONAL_SHIFT, RigidityMatrix
 
 MAX_AGGREGATE = 48  # vertices of a body of the coarse level
@@ -52,7 +60,7 @@ class TwoLevel:
         moments = self._arms.T @ self._arms
         self._turning = np.linalg.pinv(np.eye(3) * np.trace(moments) - moments)
         self._inverses = _inverses(J, damping)
-        self._bodies = _Bodies.of(positions, _aggregates(dissection.cells))
+        self._bodies = _Bodies.of(positions, aggregates(dissection.cells))
         self._coarse = self._bodies.factor(J, damping)
 
     def step(self, residuals: Floats, tolerance: float, most: int) -> Approximation:
@@ -75,7 +83,7 @@ class TwoLevel:
         motion = self._smoothed(forces)
         motion += self._bodies.moved(self._coarse, forces - self._times(motion))
         motion += self._smoothed(forces - self._times(motion))
-        _take_away_rigid(motion, self._arms, self._turning)
+        take_away_rigid(motion, self._arms, self._turning)
         return motion
 
     def _smoothed(self, forces: Floats) -> Floats:
@@ -87,13 +95,13 @@ class TwoLevel:
         sigma = theta / delta
         rho = 1 / sigma
         left = forces.copy()
-        step = _times_blocks(self._inverses, left) / theta
+        step = times_blocks(self._inverses, left) / theta
         motion = step.copy()
         for _ in range(3):  # Chebyshev polynomial of degree 4 in J^T J
             left -= self._times(step)
             before, rho = rho, 1 / (2 * sigma - rho)
             step *= rho * before
-            step += 2 * rho / delta * _times_blocks(self._inverses, left)
+            step += 2 * rho / delta * times_blocks(self._inverses, left)
             motion += step
         return motion
 
@@ -141,7 +149,7 @@ class _Bodies:
         pattern = csr_array(graph + eye_array(self.count))
         pattern.sort_indices()
         indptr, indices = pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)
-        blocks = _coarse_blocks(J.ends, J.rows, self.of_vertex, self.arms, indptr, indices, damping)
+        blocks = coarse_blocks(J.ends, J.rows, self.of_vertex, self.arms, indptr, indices, damping)
         matrix = bsr_array((blocks, indices, indptr), shape=(6 * self.count, 6 * self.count)).tocsr()
         matrix.setdiag(matrix.diagonal() + DIAGONAL_SHIFT * matrix.diagonal().mean())
         solver = analyze(matrix.T, dissect(graph).block_order(6))  # rows are columns: it is symmetric
@@ -149,156 +157,19 @@ class _Bodies:
 
     def moved(self, factor: SymmetricFactor, forces: Floats) -> Floats:
         """How the vertices move with the bodies that these forces, (V, 3), act on."""
-        wrenches = _wrenches(self.of_vertex, self.arms, self.count, forces).ravel()
+        wrenches = wrenches_of(self.of_vertex, self.arms, self.count, forces).ravel()
         moved = self._apart(factor.solve(self._apart(wrenches), sweeps=0))
-        return _motions(self.of_vertex, self.arms, moved.reshape(-1, 6))
+        return motions_of(self.of_vertex, self.arms, moved.reshape(-1, 6))
 
     def _apart(self, vector: Floats) -> Floats:
         """Take away the motion as one, which the factor would blow up from rounding."""
         return vector - self.together @ (self.together.T @ vector)
 
 
-@kernel
-def _take_away_rigid(motion: Floats, arms: Floats, turning: Floats) -> None:
-    """Take from a motion, (V, 3), the translation and the rotation in it.
-
-    ``arms`` reach from the center; ``turning`` is the inverse of their moments of inertia.
-    """
-    shift, momentum, wrench = np.zeros(3), np.zeros(3), np.empty(6)
-    for v in range(len(motion)):
-        _wrench(arms[v], motion[v], wrench)
-        shift += wrench[:3]
-        momentum += wrench[3:]
-    shift /= len(motion)
-    x, y, z = turning @ momentum
-    for v in range(len(motion)):
-        motion[v, 0] -= shift[0] + y * arms[v, 2] - z * arms[v, 1]
-        motion[v, 1] -= shift[1] + z * arms[v, 0] - x * arms[v, 2]
-        motion[v, 2] -= shift[2] + x * arms[v, 1] - y * arms[v, 0]
-
-
-@kernel
-def _aggregates(cells: Indices) -> Indices32:
-    """Number the cells of a tree, as in `Dissection.cells`, that are the largest with few vertices."""
-    n = cells.size
-    order = np.argsort(cells)
-    of_vertex = np.empty(n, dtype=np.int32)
-    count = 0
-    depth = np.int64(0)
-    while cells.max() >> depth:
-        depth += 1
-    waiting = [(0, n, depth)]
-    while waiting:
-        start, end, bit = waiting.pop()
-        if end - start <= MAX_AGGREGATE or bit == 0:
-            for p in range(start, end):
-                of_vertex[order[p]] = count
-            count += 1
-            continue
-        middle = start
-        while middle < end and (cells[order[middle]] >> (bit - 1)) & 1 == 0:
-            middle += 1
-        if middle > start:
-            waiting.append((start, middle, bit - 1))
-        if end > middle:
-            waiting.append((middle, end, bit - 1))
-    return of_vertex
-
-
 def _inverses(J: RigidityMatrix, damping: float) -> Floats:
     """The inverses of the diagonal blocks of ``J^T J + damping I``, (V, 3, 3), held at flat vertices."""
-    blocks = _diagonal_blocks(J.ends, J.rows, J.vertices)
+    blocks = diagonal_blocks(J.ends, J.rows, J.vertices)
     trace = np.einsum("iaa->i", blocks)
     blocks[:, np.arange(3), np.arange(3)] += (damping + DIAGONAL_SHIFT * trace)[:, None]
     inverses = np.linalg.inv(blocks)
     return (inverses + inverses.transpose(0, 2, 1)) / 2
-
-
-@kernel
-def _diagonal_blocks(ends: Indices32, rows: Floats, vertices: int) -> Floats:
-    blocks = np.zeros((vertices, 3, 3))
-    for e in range(len(ends)):
-        for v in ends[e]:
-            for i in range(3):
-                for j in range(3):
-                    blocks[v, i, j] += rows[e, i] * rows[e, j]
-    return blocks
-
-
-@kernel
-def _times_blocks(blocks: Floats, vectors: Floats) -> Floats:
-    products = np.zeros_like(vectors)
-    for v in range(len(vectors)):
-        for i in range(3):
-            for j in range(3):
-                products[v, i] += blocks[v, i, j] * vectors[v, j]
-    return products
-
-
-@kernel
-def _wrench(arm: Floats, force: Floats, wrench: Floats) -> None:
-    """Set a force and its moment about the center of the body."""
-    wrench[0], wrench[1], wrench[2] = force
-    wrench[3] = arm[1] * force[2] - arm[2] * force[1]
-    wrench[4] = arm[2] * force[0] - arm[0] * force[2]
-    wrench[5] = arm[0] * force[1] - arm[1] * force[0]
-
-
-@kernel
-def _wrenches(of_vertex: Indices32, arms: Floats, count: int, forces: Floats) -> Floats:
-    wrenches, wrench = np.zeros((count, 6)), np.empty(6)
-    for v in range(len(forces)):
-        _wrench(arms[v], forces[v], wrench)
-        wrenches[of_vertex[v]] += wrench
-    return wrenches
-
-
-@kernel
-def _motions(of_vertex: Indices32, arms: Floats, moved: Floats) -> Floats:
-    motions = np.empty((len(of_vertex), 3))
-    for v in range(len(of_vertex)):
-        tx, ty, tz, wx, wy, wz = moved[of_vertex[v]]
-        x, y, z = arms[v]
-        motions[v, 0] = tx + wy * z - wz * y
-        motions[v, 1] = ty + wz * x - wx * z
-        motions[v, 2] = tz + wx * y - wy * x
-    return motions
-
-
-@kernel
-def _coarse_blocks(
-    ends: Indices32,
-    rows: Floats,
-    of_vertex: Indices32,
-    arms: Floats,
-    indptr: Indices32,
-    indices: Indices32,
-    damping: float,
-) -> Floats:
-    """``P^T (J^T J + damping I) P``, (nnz, 6, 6), P being the motions of the bodies."""
-    blocks = np.zeros((indices.size, 6, 6))
-    bodies, wrenches = np.empty(2, dtype=np.int64), np.empty((2, 6))
-    for e in range(len(ends)):
-        for k in range(2):
-            bodies[k] = of_vertex[ends[e, k]]
-            _wrench(arms[ends[e, k]], rows[e] if k == 0 else -rows[e], wrenches[k])
-        if bodies[0] == bodies[1]:
-            continue
-        for i in range(2):
-            for j in range(2):
-                start, end = indptr[bodies[i]], indptr[bodies[i] + 1]
-                block = blocks[start + np.searchsorted(indices[start:end], bodies[j])]
-                for a in range(6):
-                    for b in range(6):
-                        block[a, b] += wrenches[i, a] * wrenches[j, b]
-    if damping > 0:
-        unit = np.eye(3)
-        for v in range(len(of_vertex)):
-            start, end = indptr[of_vertex[v]], indptr[of_vertex[v] + 1]
-            block = blocks[start + np.searchsorted(indices[start:end], of_vertex[v])]
-            for k in range(3):
-                _wrench(arms[v], unit[k], wrenches[0])
-                for a in range(6):
-                    for b in range(6):
-                        block[a, b] += damping * wrenches[0, a] * wrenches[0, b]
-    return blocks

@@ -4,8 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from isoembed.arrays import Floats
-from isoembed.kernel import kernel
+from isoembed.arrays import Floats, Mask
 
 SQUARE = 8.0  # mm
 
@@ -42,31 +41,19 @@ def _touched(points: Floats) -> list[tuple[int, int]]:
     return [(i, j) for i in range(int(left), int(right) + 1) for j in range(int(low), int(high) + 1)]
 
 
-@kernel
 def overlaps(piece: Floats, others: Floats) -> bool:
     """Whether a convex polygon, (k, 2), meets any of others, (n, m, 2), which may be segments, with m = 2.
 
     Two that are apart are so across a line along a side of one of them.
     """
-    apart = True
-    for other in others:
-        apart = apart and (_apart(piece, piece, other) or _apart(other, piece, other))
-    return not apart
+    pieces = piece[None]
+    apart = _apart(pieces, pieces, others) | _apart(others, pieces, others)
+    return not apart.all()
 
 
-@kernel
-def _apart(sides: Floats, one: Floats, other: Floats) -> bool:
-    """Whether a line along one of these sides is between the two."""
-    for k in range(len(sides)):
-        a, b = sides[k - 1], sides[k]
-        x, y = b[1] - a[1], a[0] - b[0]
-        low, high, other_low, other_high = np.inf, -np.inf, np.inf, -np.inf
-        for p in one:
-            across = x * p[0] + y * p[1]
-            low, high = min(low, across), max(high, across)
-        for p in other:
-            across = x * p[0] + y * p[1]
-            other_low, other_high = min(other_low, across), max(other_high, across)
-        if high < other_low or other_high < low:
-            return True
-    return False
+def _apart(sides: Floats, one: Floats, other: Floats) -> Mask:
+    """Whether a line along one of these sides is between the two; each (n, corners, 2) or one for all."""
+    x, y = np.moveaxis(sides - np.roll(sides, 1, axis=1), 2, 0)[..., None]
+    across, beyond = (y * p[:, None, :, 0] - x * p[:, None, :, 1] for p in (one, other))
+    before = across.max(axis=2) < beyond.min(axis=2)
+    return (before | (beyond.max(axis=2) < across.min(axis=2))).any(axis=1)

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
-from isoembed.kernel import kernel
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.grid_noise import PERIOD, noise_levels, sampled_noise
+from isoembed.relativity.spacetimes.loops import contracted
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
@@ -181,7 +181,7 @@ class _Interpolation:
     def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
         """Matrices (n, 3, 3) of gamma, the first six fields, or K, the other six, summed with weights."""
         fields = self.grid.gamma if part.start is None else self.grid.K
-        return np.asarray(_contracted(fields, start, weights)[:, ENTRY])
+        return np.asarray(contracted(fields, start, weights)[:, ENTRY])
 
     def located(self, x: Floats) -> tuple[Indices, Floats]:
         """The first of the points along each axis (n, 3), and the distance from it in spacings."""
@@ -203,7 +203,7 @@ class _Noisy(_Interpolation):
     noise: Floats
 
     def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
-        noise = _contracted(self.noise[part], start % PERIOD, weights)[:, ENTRY]
+        noise = contracted(self.noise[part], start % PERIOD, weights)[:, ENTRY]
         return np.asarray(super()._summed(part, start, weights) + noise)
 
 
@@ -270,22 +270,3 @@ def lagrange_weights(s: Floats, nodes: int) -> tuple[Floats, Floats]:
                 slopes[..., j] = (slopes[..., j] * (s - k) + weights[..., j]) / (j - k)
                 weights[..., j] *= (s - k) / (j - k)
     return weights, slopes
-
-
-@kernel
-def _contracted(fields, start, weights):  # type: ignore[no-untyped-def]
-    """Fields (m, nx, ny, nz) summed (n, m) with weights (n, 3, nodes), from the points `start` (n, 3) on."""
-    n, m, nodes = len(start), len(fields), weights.shape[2]
-    out = np.zeros((n, m))
-    for p in range(n):
-        i0, j0, k0 = start[p]
-        for c in range(m):
-            total = 0.0
-            for i in range(nodes):
-                for j in range(nodes):
-                    row = 0.0
-                    for k in range(nodes):
-                        row += weights[p, 2, k] * fields[c, i0 + i, j0 + j, k0 + k]
-                    total += weights[p, 0, i] * weights[p, 1, j] * row
-            out[p, c] = total
-    return out

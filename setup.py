@@ -1,0 +1,81 @@
+"""The modules that are compiled: those whose first line has directives of Cython.
+
+They are Python, and run as such where they are not compiled and Cython is installed.
+"""
+
+import hashlib
+import os
+import shutil
+import sys
+import sysconfig
+import threading
+from pathlib import Path
+
+import Cython
+from Cython.Build import cythonize
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+SOURCES = Path("src")
+BUILD = Path("build")
+FREE_THREADED = bool(sysconfig.get_config_var("Py_GIL_DISABLED"))  # has no stable binary interface
+STABLE = 0x030B0000  # Python 3.11, the first whose limited interface has buffers
+
+# Sums and products are rounded as they are written, on all machines.
+FLAGS = ["/O2", "/fp:precise"] if os.name == "nt" else ["-O3", "-ffp-contract=off", "-g0"]
+MACROS = [("CYTHON_CCOMPLEX", "0")]  # products of complex numbers without a search for infinities
+
+
+def compiled_modules() -> list[Extension]:
+    """Modules to compile."""
+    macros = MACROS if FREE_THREADED else [*MACROS, ("Py_LIMITED_API", hex(STABLE))]
+    sources = [path for path in sorted(SOURCES.rglob("*.py")) if path.read_bytes().startswith(b"# cython:")]
+    return [
+        Extension(
+            ".".join(path.relative_to(SOURCES).with_suffix("").parts),
+            [path.as_posix()],
+            define_macros=macros,
+            extra_compile_args=FLAGS,
+            py_limited_api=not FREE_THREADED,
+        )
+        for path in sources
+    ]
+
+
+class Compile(build_ext):
+    """Translate to C and compile what was not compiled before: what was is kept in ``build/``."""
+
+    _cython = threading.Lock()  # has global state
+
+    def finalize_options(self) -> None:
+        """Compile as many modules at once as there are cores."""
+        super().finalize_options()
+        self.parallel = self.parallel or os.cpu_count()
+
+    def build_extension(self, ext: Extension) -> None:
+        """Compile one module, or take what was compiled from the same sources."""
+        made = Path(self.get_ext_fullpath(ext.name))
+        kept = BUILD / "compiled" / self._digest(ext) / made.name
+        if not kept.exists():
+            with self._cython:
+                (c,) = cythonize([ext], build_dir=(BUILD / "c").as_posix(), language_level=3, quiet=True)
+            ext.sources = c.sources
+            super().build_extension(ext)
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(made, kept)
+        else:
+            made.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(kept, made)
+
+    @staticmethod
+    def _digest(ext: Extension) -> str:
+        read = [Path(__file__), *map(Path, ext.sources), *sorted(SOURCES.rglob("*.pxd"))]
+        which = (Cython.__version__, sys.version, sysconfig.get_platform(), os.environ.get("CC", ""))
+        return hashlib.sha256(repr(which).encode() + b"".join(path.read_bytes() for path in read)).hexdigest()
+
+
+setup(
+    ext_modules=compiled_modules(),
+    cmdclass={"build_ext": Compile},
+    options={} if FREE_THREADED else {"bdist_wheel": {"py_limited_api": "cp311"}},
+)

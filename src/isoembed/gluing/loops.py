@@ -1,0 +1,225 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
+"""Loops over outlines in the plane: whether sides meet, and faces joined to sheets that do not overlap."""
+
+from __future__ import annotations
+
+import cython
+import numpy as np
+from cython.cimports.libc.math import hypot
+
+if cython.compiled:
+    from cython.cimports.isoembed.intrinsic.loops import turn
+else:
+    from isoembed.intrinsic.loops import turn
+
+Int = cython.typedef(cython.longlong)
+ConstInt = cython.typedef(cython.const[cython.longlong])
+Real = cython.typedef(cython.double)
+ConstReal = cython.typedef(cython.const[cython.double])
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def _turn(a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1]) -> Real:
+    return turn(a[0], a[1], b[0], b[1], c[0], c[1])
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def meet(a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1], d: ConstReal[::1]) -> cython.bint:
+    """Whether the segments from a to b and from c to d touch or cross, up to rounding."""
+    if max(a[0], b[0]) < min(c[0], d[0]) or max(c[0], d[0]) < min(a[0], b[0]):
+        return False
+    if max(a[1], b[1]) < min(c[1], d[1]) or max(c[1], d[1]) < min(a[1], b[1]):
+        return False
+    return _turn(a, b, c) * _turn(a, b, d) <= 0 and _turn(c, d, a) * _turn(c, d, b) <= 0
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def folds(a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1]) -> cython.bint:
+    """Whether the way from a to b is gone back to c."""
+    if (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) >= 0:
+        return False
+    return _turn(a, b, c) == 0
+
+
+def joined(faces, order: ConstInt[::1]):
+    """Join faces along sides, where the sheets that are there do not overlap or touch then.
+
+    The outlines of two sheets, turned so that they have one side in common and lie on different sides of it,
+    do not meet elsewhere: then the sheets have nothing else in common, and the outline of both together is
+    simple again.
+
+    Parameters
+    ----------
+    faces : Faces
+        Of the size of 1 at most, all in a row.
+    order : ndarray of int
+        Sides, in the order in which it is tried to join the faces beside them.
+
+    Returns
+    -------
+    points : ndarray, shape (S, 2)
+        Where the sides begin in the plane of their sheet.
+    after : ndarray of int, shape (S,)
+        The next side on the outline of the sheet; -1 for those inside.
+    sheets : ndarray of int, shape (S,)
+        A side that is the same for all sides of a sheet.
+    """
+    first: ConstInt[::1] = faces.first
+    twins: ConstInt[::1] = faces.twins
+    points: Real[:, ::1] = faces.points.copy()
+    t: Int
+    u: Int
+    v: Int
+    S = points.shape[0]
+    after: Int[::1] = np.empty(S, np.int64)
+    before: Int[::1] = np.empty(S, np.int64)
+    following: Int[::1] = np.empty(S, np.int64)
+    sheets: Int[::1] = np.empty(S, np.int64)
+    rest: Int[::1] = np.empty(S, np.int64)
+    size: Int[::1] = np.zeros(S, np.int64)
+    for f in range(first.shape[0] - 1):
+        low, high = first[f], first[f + 1]
+        size[low] = high - low
+        for s in range(low, high):
+            nxt = s + 1 if s + 1 < high else low
+            after[s], following[s], before[nxt] = nxt, nxt, s
+            sheets[s] = low
+            rest[s] = s + 1 if s + 1 < high else -1  # of the sides of the sheet
+    tail: Int[::1] = np.array(sheets)  # the last of them, by sheet
+    for f in range(first.shape[0] - 1):
+        tail[first[f]] = first[f + 1] - 1
+    moved: Real[:, ::1] = np.empty((S, 2))
+    turning: Real[::1] = np.empty(4)
+    for side in order:
+        s = side
+        t = twins[s]
+        if sheets[s] == sheets[t]:
+            continue
+        if size[sheets[s]] < size[sheets[t]]:
+            s, t = t, s
+        _set_motion(points[t], points[following[t]], points[following[s]], points[s], turning)
+        if not _apart(s, t, turning, points, after, following, moved):
+            continue
+        stay, go = sheets[s], sheets[t]
+        u = go
+        while u >= 0:
+            _put(points, u, turning, points, u)
+            sheets[u] = stay
+            u = rest[u]
+        rest[tail[stay]], tail[stay] = go, tail[go]
+        size[stay] += size[go]
+        p, q, u, v = before[s], after[s], before[t], after[t]
+        after[p], before[v] = v, p
+        after[u], before[q] = q, u
+        after[s] = after[t] = -1
+    return np.asarray(points), np.asarray(after), np.asarray(sheets)
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def _set_motion(
+    a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1], d: ConstReal[::1], motion: Real[::1]
+) -> cython.void:
+    """Fill in the motion of the plane that takes the segment from a to b to that from c to d."""
+    x, y, u, v = b[0] - a[0], b[1] - a[1], d[0] - c[0], d[1] - c[1]
+    cosine, sine = x * u + y * v, x * v - y * u
+    norm = hypot(cosine, sine)
+    cosine, sine = cosine / norm, sine / norm
+    x, y = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+    motion[0], motion[1] = cosine, sine
+    motion[2] = (c[0] + d[0]) / 2 - (cosine * x - sine * y)
+    motion[3] = (c[1] + d[1]) / 2 - (sine * x + cosine * y)
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def _put(points: Real[:, ::1], u: Int, motion: Real[::1], target: Real[:, ::1], k: Int) -> cython.void:
+    """Move a point."""
+    x, y = points[u, 0], points[u, 1]
+    target[k, 0] = motion[0] * x - motion[1] * y + motion[2]
+    target[k, 1] = motion[1] * x + motion[0] * y + motion[3]
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def _apart(
+    s: Int,
+    t: Int,
+    motion: Real[::1],
+    points: Real[:, ::1],
+    after: ConstInt[::1],
+    following: ConstInt[::1],
+    moved: Real[:, ::1],
+) -> cython.bint:
+    """Whether the outlines of s and t, this moved so that it lies on s, meet nowhere else.
+
+    The sides after t begin where s begins, and the last one ends where s ends.
+    """
+    left: Real
+    right: Real
+    bottom: Real
+    top: Real
+    n: Int = 0
+    u = after[t]
+    while u != t:
+        _put(points, u, motion, moved, n)
+        n += 1
+        u = after[u]
+    for axis in range(2):
+        moved[0, axis], moved[n, axis] = points[s, axis], points[following[s], axis]
+    left, right = moved[0, 0], moved[0, 0]
+    bottom, top = moved[0, 1], moved[0, 1]
+    for k in range(1, n + 1):
+        left, right = min(left, moved[k, 0]), max(right, moved[k, 0])
+        bottom, top = min(bottom, moved[k, 1]), max(top, moved[k, 1])
+    v = after[s]
+    while v != s:
+        c, d = points[v], points[following[v]]
+        w = after[v]
+        if (
+            max(c[0], d[0]) >= left
+            and min(c[0], d[0]) <= right
+            and max(c[1], d[1]) >= bottom
+            and min(c[1], d[1]) <= top
+        ):
+            for k in range(n):
+                a, b = moved[k], moved[k + 1]
+                if w == s and k == 0:
+                    if folds(c, d, b):
+                        return False
+                elif v == after[s] and k == n - 1:
+                    if folds(a, b, d):
+                        return False
+                elif meet(a, b, c, d):
+                    return False
+        v = w
+    return True
+
+
+def meeting(points: ConstReal[:, ::1], order: ConstInt[::1]):
+    """The first two sides that meet, other than at a corner between them; -1, -1 if none do.
+
+    The sides come in the order of their left ends, and each is compared with those that begin before it ends.
+    """
+    n = points.shape[0]
+    for k in range(n):
+        i = order[k]
+        a, b = points[i], points[(i + 1) % n]
+        right = max(a[0], b[0])
+        for m in range(k + 1, n):
+            j = order[m]
+            c, d = points[j], points[(j + 1) % n]
+            if min(c[0], d[0]) > right:
+                break
+            if j == (i + 1) % n:
+                if folds(a, b, d):
+                    return i, j
+            elif i == (j + 1) % n:
+                if folds(c, d, b):
+                    return i, j
+            elif meet(a, b, c, d):
+                return i, j
+    return -1, -1

@@ -1,0 +1,29 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
+"""Loops over the points of grids."""
+
+from __future__ import annotations
+
+import cython
+import numpy as np
+
+ConstInt = cython.typedef(cython.const[cython.longlong])
+Real = cython.typedef(cython.double)
+ConstReal = cython.typedef(cython.const[cython.double])
+
+
+def contracted(fields: ConstReal[:, :, :, ::1], start: ConstInt[:, ::1], weights: ConstReal[:, :, ::1]):
+    """Fields (m, nx, ny, nz) summed (n, m) with weights (n, 3, nodes), from the points `start` (n, 3) on."""
+    n, m, nodes = start.shape[0], fields.shape[0], weights.shape[2]
+    out: Real[:, ::1] = np.zeros((n, m))
+    for p in range(n):
+        i0, j0, k0 = start[p, 0], start[p, 1], start[p, 2]
+        for c in range(m):
+            total: Real = 0.0
+            for i in range(nodes):
+                for j in range(nodes):
+                    row: Real = 0.0
+                    for k in range(nodes):
+                        row += weights[p, 2, k] * fields[c, i0 + i, j0 + j, k0 + k]
+                    total += weights[p, 0, i] * weights[p, 1, j] * row
+            out[p, c] = total
+    return np.asarray(out)
