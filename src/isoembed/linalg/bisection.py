@@ -293,7 +293,8 @@ def _dissolve(graph: Pattern, members: Int[::1], cell: Int[::1]) -> cython.void:
             excess: Int = 0
             for p in range(graph.indptr[v], graph.indptr[v + 1]):
                 side = cell[graph.indices[p]]
-                excess += (side == odd) - (side == odd - 1)
+                excess += side == odd
+                excess -= side == odd - 1
             cell[v] = odd - (excess < 0)
 
 

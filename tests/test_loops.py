@@ -1,0 +1,79 @@
+"""Loops are compiled, and arrays that they are not made for are refused, whatever else is wrong with them."""
+
+import importlib
+
+import numpy as np
+import pytest
+
+from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.loops import Mesh, tilts
+from isoembed.mesh.loops import find, pinched, reached_faces
+from isoembed.surface.loops import face_normals
+from places import ROOT
+
+SOURCES = ROOT / "src"
+MODULES = [
+    ".".join(path.relative_to(SOURCES).with_suffix("").parts)
+    for path in sorted(SOURCES.rglob("*.py"))
+    if path.read_bytes().startswith(b"# cython:")
+]
+FACES = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+VERTICES = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_modules_of_loops_are_compiled(name):
+    assert not importlib.import_module(name).__file__.endswith(".py")
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        lambda table: table.astype(np.int32),
+        lambda table: table.astype(np.float32),
+        lambda table: table.astype(np.complex128),
+        lambda table: table.tolist(),
+        lambda table: table.ravel(),
+        lambda table: table[None],
+        lambda table: np.array(table, dtype=object),
+        lambda _: np.zeros((4, 3), dtype="U1"),
+        lambda _: None,
+    ],
+)
+def test_arrays_of_other_types_and_shapes_are_refused(spoilt):
+    face_normals(FACES, VERTICES)
+    with pytest.raises((TypeError, ValueError)):
+        face_normals(spoilt(FACES), VERTICES)
+    with pytest.raises((TypeError, ValueError)):
+        face_normals(FACES, spoilt(VERTICES))
+    with pytest.raises((TypeError, ValueError)):
+        find(spoilt(FACES), 4, FACES[:, :2].copy())
+
+
+@pytest.mark.parametrize("strided", [np.asfortranarray, lambda table: np.repeat(table, 2, axis=1)[:, ::2]])
+def test_arrays_that_are_not_contiguous_are_refused_or_read(strided):
+    assert np.array_equal(face_normals(strided(FACES), VERTICES), face_normals(FACES, VERTICES))
+    with pytest.raises(ValueError, match="contiguous"):
+        find(strided(FACES), 4, FACES[:, :2].copy())
+
+
+def test_arrays_that_are_read_only_and_empty_are_read():
+    table = FACES.copy()
+    table.flags.writeable = False
+    assert np.array_equal(face_normals(table, VERTICES), face_normals(FACES, VERTICES))
+    assert face_normals(FACES[:0], VERTICES).shape == (0, 3)
+    assert find(FACES[:0, :2].copy(), 4, FACES[:0, :2].copy()).size == 0
+    assert pinched(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), 0) == -1
+    for integer in (np.int32, np.int64):
+        assert reached_faces(np.array([3, 4, 5, 0, 1, 2], dtype=integer)).all()
+
+
+def test_tables_that_are_to_be_changed_are_not_read_only():
+    mesh = HalfEdges(FACES.ravel(), np.arange(12), np.ones(12), np.zeros(12))
+    tilts(mesh.views, np.zeros(4))
+    mesh.lengths.flags.writeable = False
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.views  # noqa: B018
+    with pytest.raises(TypeError, match="Mesh"):
+        tilts(mesh, np.zeros(4))
+    assert isinstance(HalfEdges(FACES.ravel(), np.arange(12), np.ones(12), np.zeros(12)).views, Mesh)
