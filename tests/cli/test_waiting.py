@@ -5,12 +5,9 @@ import sys
 import threading
 
 import pytest
-from numba import njit
 
-import isoembed.kernel.compiler  # noqa: F401 -- numba's events are heard
 from isoembed.cli import main, waiting
 from isoembed.cli.waiting import ERASED, Waiting
-from isoembed.progress.compiling import COMPILING
 
 
 class Terminal(io.StringIO):
@@ -71,20 +68,6 @@ def test_it_is_held_where_a_command_shows_more(attached, monkeypatch):
     line.end()
     thread.join(10)
     assert not thread.is_alive()
-
-
-def test_it_says_that_functions_are_compiled(attached, monkeypatch):
-    terminal = attached()
-    monkeypatch.setattr(type(COMPILING), "now", True)
-    with waiting.waiting(quiet=False):
-        assert terminal.written.wait(10)
-    assert "isoembed: compiling, once, 0 s" in terminal.getvalue()
-
-
-def test_compiling_is_heard(monkeypatch):
-    before = COMPILING.functions
-    njit(lambda x: x + 1)(1)
-    assert COMPILING.functions == before + 1 and COMPILING.seconds > 0 and not COMPILING.now
 
 
 @pytest.mark.parametrize(("quiet", "tty"), [(True, True), (False, False)])

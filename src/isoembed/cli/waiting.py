@@ -1,4 +1,4 @@
-"""A line on the terminal for whoever waits: that the command is at work, since when, and what it compiles.
+"""A line on the terminal while a command works: for how many seconds it has.
 
 Nothing is shown for the first two seconds, of what is piped, and while a command shows more itself.
 """
@@ -12,8 +12,6 @@ import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from typing import Any, TextIO
-
-from isoembed.progress.compiling import COMPILING
 
 PATIENCE, PERIOD = 2.0, 0.5  # seconds until it is shown, and between two
 ERASED = "\r\x1b[2K"
@@ -38,8 +36,7 @@ class Waiting:
                     self._shown = True
 
     def _text(self) -> str:
-        doing = "compiling, once" if COMPILING.now else "working"
-        return f"isoembed: {doing}, {time.monotonic() - self._began:.0f} s (Ctrl-C stops)"
+        return f"isoembed: working, {time.monotonic() - self._began:.0f} s (Ctrl-C stops)"
 
     def erase(self) -> None:
         """Take the line away, for what is printed instead."""
