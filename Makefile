@@ -46,7 +46,7 @@ lint: $(LINTERS)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
-	$(BIN)/codespell .ci benchmarks docs examples paper reproduction src tests *.md Makefile
+	$(BIN)/codespell .ci benchmarks building docs examples paper reproduction src tests *.md Makefile
 
 lint-page:
 	@cd page-lint && npm install --silent --no-audit --no-fund --no-package-lock && npm run --silent lint
