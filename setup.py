@@ -58,11 +58,15 @@ class Compile(build_ext):
         kept = BUILD / "compiled" / self._digest(ext) / made.name
         if not kept.exists():
             with self._cython:
-                (c,) = cythonize([ext], build_dir=(BUILD / "c").as_posix(), language_level=3, quiet=True)
+                (c,) = cythonize(
+                    [ext], build_dir=(BUILD / "c").as_posix(), language_level=3, quiet=True, force=True
+                )
             ext.sources = c.sources
             super().build_extension(ext)
             kept.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(made, kept)
+            part = kept.with_name(f"{kept.name}.{os.getpid()}")  # whole, or not there
+            shutil.copy2(made, part)
+            part.replace(kept)
         else:
             made.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(kept, made)
@@ -70,12 +74,26 @@ class Compile(build_ext):
     @staticmethod
     def _digest(ext: Extension) -> str:
         read = [Path(__file__), *map(Path, ext.sources), *sorted(SOURCES.rglob("*.pxd"))]
-        which = (Cython.__version__, sys.version, sysconfig.get_platform(), os.environ.get("CC", ""))
+        chosen = [os.environ.get(name, "") for name in ("CC", "CFLAGS", "CPPFLAGS", "LDFLAGS", "LDSHARED")]
+        which = (Cython.__version__, sys.version, sysconfig.get_platform(), *chosen)
         return hashlib.sha256(repr(which).encode() + b"".join(path.read_bytes() for path in read)).hexdigest()
 
 
+def remove_old(modules: list[Extension]) -> None:
+    """Remove what earlier builds left of modules that are no more, or are not compiled any more."""
+    for folder in BUILD.glob("lib*"):
+        shutil.rmtree(folder)
+    current = {Path(extension.sources[0]).with_suffix("") for extension in modules}
+    for pattern in ("*.so", "*.pyd"):
+        for library in SOURCES.rglob(pattern):
+            if library.with_name(library.name.split(".")[0]) not in current:
+                library.unlink()
+
+
+MODULES = compiled_modules()
+remove_old(MODULES)
 setup(
-    ext_modules=compiled_modules(),
+    ext_modules=MODULES,
     cmdclass={"build_ext": Compile},
     options={} if FREE_THREADED else {"bdist_wheel": {"py_limited_api": "cp311"}},
 )

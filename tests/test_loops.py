@@ -5,9 +5,11 @@ import importlib
 import numpy as np
 import pytest
 
+from isoembed import Embedding, embed, unfold
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import Mesh, tilts
 from isoembed.mesh.loops import find, pinched, reached_faces
+from isoembed.smooth.harmonics import Harmonics
 from isoembed.surface.loops import face_normals
 from places import ROOT
 
@@ -77,3 +79,18 @@ def test_tables_that_are_to_be_changed_are_not_read_only():
     with pytest.raises(TypeError, match="Mesh"):
         tilts(mesh, np.zeros(4))
     assert isinstance(HalfEdges(FACES.ravel(), np.arange(12), np.ones(12), np.zeros(12)).views, Mesh)
+
+
+def test_points_in_any_order_of_memory():
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    surface = embed((corners, faces))
+    by_columns = np.asfortranarray(surface.vertices)
+    assert Embedding(surface.metric, by_columns, method="given", tolerance=1e-9).volume == surface.volume
+    assert unfold((corners[:, [1, 2, 0]], faces)).sheets
+    harmonics = Harmonics(3, 3)
+    u = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.0, 0.8]])
+    expected = harmonics.derivatives(u, np.ones(harmonics.size))
+    for other in (np.asfortranarray(u), np.repeat(u, 2, axis=0)[::2]):
+        for got, right in zip(harmonics.derivatives(other, np.ones(harmonics.size)), expected, strict=True):
+            np.testing.assert_array_equal(got, right)

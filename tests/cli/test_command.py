@@ -573,3 +573,9 @@ def test_parameter_values(text, type_, value):
 def test_parameter_values_refused():
     with pytest.raises(ValueError, match="'maybe' is not true or false"):
         parsed("maybe", bool)
+
+
+def test_an_output_that_is_given_twice_is_refused(tmp_path, capsys):
+    assert main(["nets", "platonic", "-o", str(tmp_path / "a.obj"), "-o", str(tmp_path / "b.obj")]) == 2
+    assert "argument -o: given twice" in capsys.readouterr().err
+    assert not any(tmp_path.iterdir())

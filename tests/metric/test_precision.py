@@ -130,7 +130,8 @@ def test_equal_lengths_have_one_error_in_a_design_only():
     rounded = np.full(234, 0.01 / np.sqrt(12))
     few = rng.choice([1.23, 1.52, 2.01], 234)
     assert len(np.unique(shared_errors(few, rounded))) == 3
-    assert len(np.unique(shared_errors(few, np.full(234, 0.003)))) == 3  # as it is typed
+    assert len(np.unique(shared_errors(few, np.full(234, 0.0029)))) == 3  # as it is typed
+    assert len(np.unique(shared_errors(few, np.full(234, 0.003)))) == 234  # an error of its own
     for errors in (2 * rounded, rounded * rng.uniform(0.9, 1.1, 234), 0 * rounded):
         assert len(np.unique(shared_errors(few, errors))) == 234
     measured = np.round(rng.uniform(0.8, 1.6, 234), 2)  # 81 places, so many are equal

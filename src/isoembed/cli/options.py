@@ -3,7 +3,7 @@
 import argparse
 import re
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from isoembed.cli.screen import UsageError
 from isoembed.metric.given_mesh import MERGING
@@ -13,11 +13,28 @@ DEFAULT, FEWEST = 1000, 12  # vertices
 OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
 
 
+class _Once(argparse.Action):
+    """A value that is given once: of two, one would be lost."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        value: Any,
+        name: str | None = None,
+    ) -> None:
+        if getattr(namespace, self.dest) is not None:
+            parser.error(f"argument {name}: given twice: {getattr(namespace, self.dest)} and {value}")
+        setattr(namespace, self.dest, value)
+
+
 def add_output_option(
     parser: argparse.ArgumentParser, purpose: str, *, metavar: str = "FILE", required: bool = False
 ) -> None:
     """Add the option that says where the answer goes."""
-    parser.add_argument("-o", "--output", type=Path, metavar=metavar, required=required, help=purpose)
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar=metavar, required=required, help=purpose, action=_Once
+    )
 
 
 def add_json_option(

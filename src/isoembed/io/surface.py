@@ -1,24 +1,28 @@
 """Surfaces from files and into files."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError, Tables, Writer, ending, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.metric import facts, metric_of, read_tables
 from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_writer
 from isoembed.io.title_line import WRITTEN
 from isoembed.method import TOLERANCE
+from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.space.models import to_model
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume
 from isoembed.surface.polyhedron import Polyhedron
+
+PLANE = 1e-12  # sizes of a polygon, that rounding puts its corners off a plane
 
 
 def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) -> Embedding:
@@ -60,7 +64,7 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
 def surface_of(tables: Tables, name: str) -> Embedding:
     """The surface of the arrays of a file of this name, which have vertices."""
     metric = metric_of(tables)
-    vertices = np.asarray(tables["vertices"])
+    vertices = np.ascontiguousarray(tables["vertices"], dtype=np.float64)
     if vertices.shape[1:] != (3,):
         raise FileError(f"{name} holds vertices of shape {vertices.shape}, not (V, 3)")
     given = "lengths" in tables
@@ -121,8 +125,9 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
     With the vertices (V, 3) and faces (F, 3) go ``mean_curvature`` (V,), H = (k1 + k2) / 2, and
     ``residual`` (V,), the largest residual of the edges at each vertex, where the format has a place for
     them (not in OBJ, OFF and STL).  The faces of a `ConvexPolyhedron` are polygons where the format can hold
-    some (not in NPZ, JSON and STL), but for those with flat vertices inside, which stay triangles: every
-    given vertex is in a face.
+    some (not in NPZ, JSON and STL), but for those with flat vertices inside, which stay triangles, so that
+    every given vertex is in a face, and those that readers would cut along
+    other diagonals, where rounding left them off a plane.
 
     In hyperbolic and spherical space the vertices are conformal coordinates: Poincare's ball, or
     stereographic projection.  The file says so and holds the ``curvature`` of space, as a number where it can
@@ -139,16 +144,37 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
 
 
 def polygon_faces(embedding: Embedding) -> Polygons:
-    """The faces as polygons, or as triangles where those hold vertices that the polygon does not."""
+    """The faces as polygons; as triangles where those hold other vertices, or are cut in another way.
+
+    What is read again is the same surface: readers cut polygons, which are planar but for rounding, along
+    diagonals of their choice.
+    """
     polygons, owners, faces = embedding.polygons, embedding.face_polygons, embedding.faces
     if polygons is faces:
         return faces
     triangles = np.split(faces[np.argsort(owners, kind="stable")], np.cumsum(np.bincount(owners))[:-1])
+    points = embedding._straight
+    as_is = _cut_as(list(polygons), triangles, points)
+    as_turned = _cut_as([np.roll(polygon, 1) for polygon in polygons], triangles, points)
+    out: list[Indices] = []
+    for polygon, parts, same, turned in zip(polygons, triangles, as_is, as_turned, strict=True):
+        out += [polygon if same else np.roll(polygon, 1)] if same or turned else list(parts)
+    return out
+
+
+def _cut_as(polygons: Sequence[Indices], triangles: list[Indices], points: Floats) -> list[bool]:
+    """Whether readers cut each polygon into given triangles, or into others in the same plane."""
+    sizes = np.array([len(polygon) for polygon in polygons])
+    cut = PolygonFaces(points, np.concatenate(polygons), sizes)
+    ends = np.cumsum(sizes - 2)[:-1]
     return [
-        face
-        for polygon, parts in zip(polygons, triangles, strict=True)
-        for face in ([polygon] if len(parts) == len(polygon) - 2 else parts)
+        len(own) == len(parts) and (warp <= PLANE or (warp <= PLANAR and _corners(own) == _corners(parts)))
+        for own, parts, warp in zip(np.split(cut.triangles(), ends), triangles, cut.warps, strict=True)
     ]
+
+
+def _corners(triangles: Indices) -> set[tuple[int, ...]]:
+    return {tuple(row) for row in np.sort(triangles, axis=1).tolist()}
 
 
 def vertex_residuals(embedding: Embedding) -> Floats:

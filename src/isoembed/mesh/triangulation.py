@@ -216,7 +216,8 @@ class Triangulation:
 
     def edge_indices(self, pairs: Indices) -> Indices:
         """Index of each edge, (n,), given by its two ends in either order, (n, 2); -1 where it is none."""
-        return find(self.edges, self.n_vertices, np.ascontiguousarray(pairs, dtype=np.int64))
+        pairs = np.ascontiguousarray(pairs, dtype=np.int64).reshape(-1, 2)
+        return find(self.edges, self.n_vertices, pairs)
 
 
 Frozen = TypeVar("Frozen", bound=NDArray)

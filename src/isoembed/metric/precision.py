@@ -121,7 +121,7 @@ def shared_errors(lengths: Floats, errors: Floats) -> Indices:
         return each
     step = math.sqrt(12) * float(errors[0])
     unit = 10.0 ** round(math.log10(step))
-    if not 0.8 < step / unit < 1.25 or not _multiples(lengths, unit):  # typed as .3, say
+    if not 0.99 < step / unit < 1.01 or not _multiples(lengths, unit):  # typed with two digits
         return each
     values, labels = np.unique(np.rint(lengths / unit), return_inverse=True)
     places = float(values[-1] - values[0]) + 1

@@ -138,8 +138,15 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
         raise InvalidParameter("a convex cap needs no start: it is the only one")
     check_cap(metric)
     found = _raised(metric, np.zeros(len(metric.triangulation.boundaries[0])), tolerance, log, "plane")
-    is_cap = found.converged and not found.concave_edges.any()
-    return replace(found, uniqueness=CAP) if is_cap else found
+    concave = int(found.concave_edges.sum())
+    if found.converged and not concave:
+        return replace(found, uniqueness=CAP)
+    if not concave:
+        return found
+    return found._with_message(
+        f"{concave} edge{'s are' if concave > 1 else ' is'} concave: on these triangles it is not the convex "
+        "cap, and other surfaces may have the lengths and a boundary in a plane"
+    )
 
 
 def _over_heights(

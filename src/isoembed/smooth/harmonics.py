@@ -86,7 +86,9 @@ class Harmonics:
         # c Re w^m + s Im w^m = Re (c - i s) w^m
         table.real[orders[~sine], degrees[~sine]] = several[~sine]
         table.imag[-orders[sine], degrees[sine]] = -several[sine]
-        values, gradient, hessian = summed(u, table, *recurrence(self.degree, self.order))
+        values, gradient, hessian = summed(
+            np.ascontiguousarray(u, dtype=np.float64), table, *recurrence(self.degree, self.order)
+        )
         radial = np.einsum("ni,nci->nc", u, gradient)
         P = np.eye(3) - u[:, :, None] * u[:, None, :]
         gradient -= radial[:, :, None] * u[:, None, :]

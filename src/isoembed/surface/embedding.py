@@ -88,7 +88,7 @@ class Embedding(Sensitivity, Views):
     _DIMENSIONAL: ClassVar[tuple[str, ...]] = ("gaussian_curvature", "mean_curvature")
 
     def __post_init__(self) -> None:
-        points, metric = np.array(self.vertices, dtype=np.float64), self.metric
+        points, metric = np.array(self.vertices, dtype=np.float64, order="C"), self.metric
         if points.shape != (metric.triangulation.n_vertices, 3):
             raise ValueError(
                 f"the vertices have shape {points.shape}, not ({metric.triangulation.n_vertices}, 3)"

@@ -33,7 +33,7 @@ class Views:
         ----------
         path : path
             ``.ply``, ``.obj``, ``.stl``, ``.off``, ``.npz``, ``.json``, ``.fold``, ``.vtk``, ``.vtu``,
-            ``.vtp``, ``.glb`` or ``.gltf`` for the surface, as `isoembed.io.write_surface` writes it;
+            or ``.vtp`` for the surface, as `isoembed.io.write_surface` writes it;
             ``.png``, ``.svg`` or ``.pdf`` for a picture; ``.html`` for a page.
         color : str or Quantity, optional
             Of a picture: what the colors show, one of `isoembed.plot.QUANTITIES`.

@@ -68,12 +68,17 @@ class EmbeddedSurface:
 
     def _shown(self) -> Iterator[tuple[str, object]]:
         yield "name", self.data.name
-        yield "status", "embedded" if self.embedding.converged else "best fit"
+        yield "status", self.status
         yield "space", self.space
         yield "residual", self.embedding.residual
 
     def _repr_html_(self) -> str:
         return html_table(self) + html_table(self.energies)
+
+    @property
+    def status(self) -> str:
+        """``"embedded"``, or ``"best fit"`` where the surface has the metric approximately only."""
+        return "embedded" if self.embedding.converged else "best fit"
 
     @property
     def space(self) -> Space:
@@ -105,7 +110,7 @@ class EmbeddedSurface:
         """Plain numbers, for JSON: the energies and how the surface was embedded."""
         found = self.embedding
         return {
-            "status": "embedded" if found.converged else "best fit",
+            "status": self.status,
             "name": self.data.name,
             **self.energies.report,
             "spin": spin_report(self.data, self.spin),

@@ -27,7 +27,7 @@ class TrackedHorizons:
     ----------
     horizons : tuple of FoundHorizon
         Those that no other one is found to enclose, the largest area first; empty where none was found.
-        Notes say where one does not continue a horizon of the slice before, so that the area jumps.
+        Notes say where one does not continue a horizon of the slice before, so that the area may jump.
     continued : tuple of int or None
         For each of them the index of the horizon of the slice before that it continues.
     failure : NoHorizon or None
@@ -45,7 +45,7 @@ def track_horizons(slices: Iterable[ThreeGeometry]) -> Iterator[TrackedHorizons]
     Each slice is searched by itself as by `isoembed.relativity.find_horizons`, and the horizons of the slice
     before are continued by Newton's method.  A continued horizon that encloses those of the search replaces
     them.  Where the outermost horizon continues none of the slice before, as where a common horizon appears,
-    its area is discontinuous, and a note says so.
+    its area may be discontinuous, and a note says so.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def _joined(
     outermost = [
         (horizon, index)
         for horizon, index in found
-        if not any(_encloses(other, horizon) for other, _ in found)
+        if not any(_encloses(other, horizon) and other.area > horizon.area for other, _ in found)
     ]
     outermost.sort(key=lambda pair: -pair[0].area)
     horizons = []
@@ -112,8 +112,8 @@ def _joined(
         if before_it is None and before:
             areas = ", ".join(f"{other.area:.6g}" for other in before)
             note = (
-                f"discontinuous: its area is {horizon.area:.6g}, and it continues no horizon of the slice "
-                f"before (of area {areas})"
+                f"Newton's method leads to this horizon, of area {horizon.area:.6g}, from none of the slice "
+                f"before (of area {areas}): its area may be discontinuous"
             )
             horizon = replace(horizon, notes=(*horizon.notes, note))
         elif not any(horizon is other for other in searched):

@@ -181,7 +181,9 @@ class _Interpolation:
     def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
         """Matrices (n, 3, 3) of gamma, the first six fields, or K, the other six, summed with weights."""
         fields = self.grid.gamma if part.start is None else self.grid.K
-        return np.asarray(contracted(fields, start, weights)[:, ENTRY])
+        return np.asarray(
+            contracted(fields, np.ascontiguousarray(start), np.ascontiguousarray(weights))[:, ENTRY]
+        )
 
     def located(self, x: Floats) -> tuple[Indices, Floats]:
         """The first of the points along each axis (n, 3), and the distance from it in spacings."""
@@ -203,7 +205,9 @@ class _Noisy(_Interpolation):
     noise: Floats
 
     def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
-        noise = contracted(self.noise[part], start % PERIOD, weights)[:, ENTRY]
+        noise = contracted(
+            self.noise[part], np.ascontiguousarray(start % PERIOD), np.ascontiguousarray(weights)
+        )[:, ENTRY]
         return np.asarray(super()._summed(part, start, weights) + noise)
 
 
