@@ -17,6 +17,7 @@ COMMANDS = [
     ("isoembed --version", DONE, f"isoembed {isoembed.__version__}"),
     ("isoembed -h", DONE, "usage: isoembed"),
     ("isoembed help", WRONG, "did you mean '--help'?"),
+    ("isoembed metric.npz", WRONG, "isoembed embed metric.npz"),
     ("isoembed embed --help", DONE, "examples:"),
     # The five things.
     ("isoembed surface ellipsoid --axes 3 2 1 --vertices 50 -o new.npz", DONE, "new.npz written, "),

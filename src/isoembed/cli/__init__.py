@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from importlib import import_module
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -68,6 +69,8 @@ class Parser(argparse.ArgumentParser):
         if unknown := re.match(r"argument (.*?): invalid choice: '(.*?)' \(choose from (.*)\)", message):
             what, given, choices = unknown.groups()
             question = did_you_mean(given, [*re.findall(r"[^', ]+", choices), "--help"])
+            if what == "COMMAND" and Path(given).suffix:
+                question = f"; to embed a file: isoembed embed {given}"
             message = f"unknown command {given!r}{question}" if what == "COMMAND" else f"{message}{question}"
         print_error(f"{message} (see '{self.prog} --help')")
         raise SystemExit(WRONG)
