@@ -11,7 +11,7 @@ from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.io.registry import SURFACE_ENDINGS, check_output
 from isoembed.io.surface import surface_writer
-from isoembed.plot.coloring import MEAN_CURVATURE, Quantity
+from isoembed.plot.coloring import Quantity
 from isoembed.plot.endings import PAGE_ENDINGS, PICTURE_ENDINGS, SHEET_ENDINGS
 from isoembed.plot.page import page_writer
 from isoembed.plot.picture import picture_writer
@@ -32,7 +32,7 @@ def save_surface(
         raise InvalidParameter(f"color is for pictures ({', '.join(PICTURE_ENDINGS)}), not for {form} files")
     writer: Writer
     if form in PICTURE_ENDINGS:
-        writer = picture_writer(path, embedding, color=MEAN_CURVATURE if color is None else color)
+        writer = picture_writer(path, embedding, color=color)
     elif form in PAGE_ENDINGS:
         writer = page_writer(path, embedding)
     else:
