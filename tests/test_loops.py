@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from isoembed import Embedding, embed, unfold
+from isoembed.intrinsic.delaunay_loops import tilts
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import Mesh, tilts
+from isoembed.intrinsic.loops import Mesh
 from isoembed.mesh.loops import find, pinched, reached_faces
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.surface.loops import face_normals

@@ -1,6 +1,6 @@
-"""Contract of a method of embedding, and the solve by which each is run.
+"""Base class of embedding methods, and `solve`, which runs one on a metric.
 
-A method says what it keeps and takes, so that nobody needs to know it by name.
+A method declares its capabilities, so that no code depends on its name.
 """
 
 import math
@@ -136,7 +136,7 @@ def solve(
             f"the method {method.name!r} takes lengths as exact: embed without length_errors{after}"
         )
     unit = metric.normalized
-    fingerprint = Fingerprint.of(unit.tables, method, tolerance)
+    fingerprint = Fingerprint.of(metric.tables, method, tolerance)
     if resume is not None:
         if not isinstance(resume, Checkpoint):
             raise InvalidParameter(

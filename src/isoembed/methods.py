@@ -1,6 +1,6 @@
-"""Methods of embedding by their names: those of this package, and of installed ones.
+"""Registry of embedding methods by name, with those of installed packages.
 
-Another package brings a method by an entry point of the group ``isoembed.methods``.
+Another package registers a method by an entry point of the group ``isoembed.methods``.
 """
 
 from importlib.metadata import EntryPoint, entry_points

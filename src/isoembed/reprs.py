@@ -1,4 +1,4 @@
-"""Short texts of results with large arrays, and tables of them in notebooks."""
+"""Short `repr` of results with large arrays, and their HTML tables in notebooks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Questions that answer a mistyped name with the most similar one that is known."""
+"""Suggestion of a known name similar to a misspelled one ("did you mean")."""
 
 from collections.abc import Iterable
 

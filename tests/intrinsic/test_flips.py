@@ -9,10 +9,10 @@ from scipy.spatial import ConvexHull
 import curved
 import zoo
 from isoembed import PolyhedralMetric
-from isoembed.intrinsic import loops
+from isoembed.intrinsic import delaunay_loops
 from isoembed.intrinsic.delaunay import make_delaunay
+from isoembed.intrinsic.delaunay_loops import tilt, tilts
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import tilt, tilts
 from isoembed.metric.curvature import Triangles, deficits
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.glued import GluedMetric
@@ -26,7 +26,7 @@ def tables_of(metric):
 
 
 def non_delaunay_edges(tables, weights):
-    return loops.non_delaunay_edges(tables.views, weights)
+    return delaunay_loops.non_delaunay_edges(tables.views, weights)
 
 
 def assert_consistent(tables):

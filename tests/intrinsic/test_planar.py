@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
-from isoembed.intrinsic.polygon_loops import face_at, first_sides
+from isoembed.intrinsic.insertion_loops import face_at
+from isoembed.intrinsic.polygon_loops import first_sides
 from isoembed.intrinsic.polygons import Polygons, lay_out
 from sprinkled import box, polyhedron, tables_of
 

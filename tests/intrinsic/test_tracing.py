@@ -8,13 +8,7 @@ from hypothesis import strategies as st
 import zoo
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import modulo, third_corner, total_angle
-from isoembed.intrinsic.polygon_loops import (
-    from_corner,
-    from_inside,
-    place,
-    sector,
-    straight,
-)
+from isoembed.intrinsic.polygon_loops import from_corner, from_inside, place, sector, straight
 from isoembed.intrinsic.polygons import lay_out
 from sprinkled import box, checked, tables_of
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.intrinsic.delaunay_loops import flip_to_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import flip_to_delaunay
 from isoembed.meshing.flips import twin_halfedges
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths
 from isoembed.meshing.loops import relaxed

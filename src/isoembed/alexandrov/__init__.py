@@ -1,4 +1,4 @@
-"""The exact convex polyhedron of a convex metric (Alexandrov 1941), and the proof that it is the one.
+"""Alexandrov's theorem: the exact convex polyhedron of a convex metric, and its proof.
 
 Every convex polyhedral metric on the sphere is the surface of one convex polyhedron.
 """

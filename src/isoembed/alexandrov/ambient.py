@@ -1,4 +1,4 @@
-"""Euclidean pyramids in the place of those of hyperbolic and spherical space, and where their apex is.
+"""Euclidean pyramids equivalent to those of hyperbolic and spherical space (projective model).
 
 A point at distance r from the apex in direction u has ambient coordinates ``sn(r) u``: those of a Euclidean
 pyramid with the same dihedral angles at its radii.  Coordinates about the apex are conformal ones,

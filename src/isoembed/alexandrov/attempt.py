@@ -1,4 +1,4 @@
-"""What to show where no polyhedron was found: the nearest polytope, its vertices placed as they may be."""
+"""Result of a failed search: the nearest polytope, with its vertices placed approximately."""
 
 import numpy as np
 from scipy.sparse import diags_array

@@ -1,4 +1,4 @@
-"""Cells: triangles put together across flat edges, and the outlines of the polygons that they form."""
+"""Faces of a polyhedron: triangles merged across flat edges, and their outlines."""
 
 from __future__ import annotations
 

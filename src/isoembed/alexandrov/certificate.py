@@ -1,4 +1,4 @@
-"""A proof that a computed polyhedron is Alexandrov's, up to a stated distance.
+"""Proof that a computed polyhedron is Alexandrov's, within a stated distance.
 
 `prove_nearby_hulls` shows that all points y near the computed vertices span a convex polyhedron, whose faces
 are the triangles or, where edges may be flat, polygons of them.  On its surface draw the edges: as edges, or

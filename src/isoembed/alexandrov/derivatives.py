@@ -1,4 +1,4 @@
-"""How the convex polyhedron of a metric in R^3 follows the lengths that were given.
+"""Derivatives of the convex polyhedron of a metric in R^3 with respect to the lengths.
 
 A given edge is a straight path over the polyhedron, whose length follows those of the edges of the polyhedron
 (`path_derivatives`); solved for the latter, that is what intrinsic flips make of changes of the lengths.  The

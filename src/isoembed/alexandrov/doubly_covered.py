@@ -13,8 +13,9 @@ from isoembed.alexandrov.lengths import worst_length
 from isoembed.alexandrov.polytope import Polytope, delaunay_weights
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.intrinsic.delaunay import make_delaunay
+from isoembed.intrinsic.delaunay_loops import tilts
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import flip, set_directions, tilts
+from isoembed.intrinsic.loops import flip, set_directions
 from isoembed.mesh.components import components
 from isoembed.metric.curvature import Triangles
 from isoembed.space import Space

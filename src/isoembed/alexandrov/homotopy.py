@@ -1,4 +1,4 @@
-"""From a ball to the polyhedron: the curvatures of the generalized polytope are led to zero.
+"""Homotopy from large equal radii to the polyhedron: the curvatures of the generalized polytope go to zero.
 
 Bobenko and Izmestiev start from equal radii so large that every curvature nearly is the deficit of its
 vertex, and follow ``kappa(t) = (1 - t) kappa(0)``.  Here the radii are moderate from the beginning, the

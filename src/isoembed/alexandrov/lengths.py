@@ -1,4 +1,4 @@
-"""Lengths of placed vertices against those of the metric."""
+"""Length residuals of placed vertices."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over the pyramids of a polytope and over the edges between points."""
+"""Compiled loops over the pyramids of a polytope."""
 
 from __future__ import annotations
 

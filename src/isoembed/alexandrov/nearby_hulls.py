@@ -1,4 +1,4 @@
-"""A proof that all points near given ones span convex polyhedra with the same faces.
+"""Proof of convexity for all points near given ones: the same faces of the convex hull.
 
 Faces across edges that may be flat are put together into *cells*. *Near* means: within a distance R, the
 reach, of the given point of the same number. Of every cell, with a unit normal n, it is verified that

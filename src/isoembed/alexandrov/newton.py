@@ -1,4 +1,4 @@
-"""Newton's method on the radii: from a polytope nearly without curvature to the polyhedron.
+"""Newton's method on the radii of a generalized polytope.
 
 Three radii are pinned, which fixes the apex: it may move, so the curvatures do not determine it.
 """

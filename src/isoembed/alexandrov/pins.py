@@ -1,4 +1,4 @@
-"""Three vertices in independent directions from the apex of a polytope: their radii fix where the apex is."""
+"""Gauge of the apex: three vertices whose radii fix its place."""
 
 import numpy as np
 from scipy.linalg import qr

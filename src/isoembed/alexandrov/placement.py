@@ -1,4 +1,4 @@
-"""The vertices of a polytope without curvature.
+"""Placement of the vertices of a polytope without curvature.
 
 The apex may move, so ``x_i / r_i``, the unit vectors from the apex, are a kernel of ``d kappa / d r``: three
 columns that one factor gives for all vertices alike.  Building the body up pyramid by pyramid instead would

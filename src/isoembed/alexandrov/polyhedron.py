@@ -1,4 +1,4 @@
-"""The convex polyhedron of a metric: an embedding whose triangles need not be those of the input."""
+"""Convex polyhedra as embeddings, on triangles that need not be those of the input."""
 
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""The generalized convex polytope: pyramids over the triangles with a common apex, glued face to face.
+"""Generalized convex polytopes: pyramids with a common apex over the triangles of a metric.
 
 Every vertex i has a radius r_i, its distance from the apex.  The pyramids fit around the apex except for the
 curvatures kappa_i = 2 pi - (sum of the dihedral angles at the edge from i to the apex), and bound a convex
@@ -25,8 +25,8 @@ from scipy.sparse import csc_array
 from isoembed.alexandrov.loops import evaluated, jacobian_product
 from isoembed.arrays import Floats
 from isoembed.intrinsic.delaunay import make_delaunay
+from isoembed.intrinsic.delaunay_loops import non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import non_delaunay_edges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.metric.curvature import Triangles
 from isoembed.space import Space

@@ -1,4 +1,4 @@
-"""Newton's method on the lengths, and flips, where curvatures of the radii get small but not to zero.
+"""Newton's method on the lengths with flips, for the last part of the homotopy.
 
 Nearly flat vertices leave ``d kappa / d r`` nearly singular; their places are determined by the lengths all
 the same.

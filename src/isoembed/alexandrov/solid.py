@@ -1,4 +1,4 @@
-"""Corners, edges and faces of a convex polyhedron, its name, and whether two are congruent."""
+"""Combinatorics of a convex polyhedron: corners, edges, faces, name, congruence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Equal radii, so large that a generalized polytope has them: where the homotopy starts."""
+"""Initial radii of the homotopy."""
 
 import math
 

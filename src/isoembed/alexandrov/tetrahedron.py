@@ -1,4 +1,4 @@
-"""Bodies of four vertices in R^3, which six lengths give at once.
+"""Tetrahedra from six lengths.
 
 Four cone points have many triangulations, of which one is the tetrahedron's.  It is looked for by flips from
 the Delaunay one: any that gives a tetrahedron gives a convex body, and there is only one.

@@ -1,4 +1,4 @@
-"""Surfaces as functions of their lengths that JAX differentiates."""
+"""Embedding as a differentiable JAX function."""
 
 from collections.abc import Callable
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""The vertices as a function of the lengths, near a surface, with the derivative and its transpose."""
+"""Vertices as a function of the lengths near a surface: derivative and adjoint."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Surfaces as functions of their lengths that PyTorch differentiates."""
+"""Embedding as a differentiable PyTorch function."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""What every command that embeds does with its answer: show it, write it, report it, and its exit status."""
+"""Output of commands that embed: surface files, report, closing lines, exit status."""
 
 import argparse
 import sys

@@ -1,4 +1,4 @@
-"""``isoembed certify``: prove that an exact surface is near the one in a file."""
+"""``isoembed certify``: proof that a realization is near the surface in a file."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A surface of a closed-form spacetime from the options that name it."""
+"""Options that select a closed-form surface of a spacetime."""
 
 import argparse
 from typing import get_args

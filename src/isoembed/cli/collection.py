@@ -1,4 +1,4 @@
-"""The garbage collector, which finds nothing in what libraries bring: that lasts as long as the process."""
+"""Garbage collector settings of a short-lived process."""
 
 import atexit
 import gc

@@ -1,4 +1,4 @@
-"""``isoembed compare``: how two surfaces of the same triangles differ, above all in their curvature."""
+"""``isoembed compare``: distance and curvature differences of two surfaces on the same triangulation."""
 
 import argparse
 from pathlib import Path

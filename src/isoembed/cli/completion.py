@@ -1,4 +1,4 @@
-"""Completion of command lines by shells, by shtab."""
+"""Shell completion for bash, zsh and fish, by shtab."""
 
 import argparse
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""``isoembed deviation``: how far a surface may be off because its lengths are."""
+"""``isoembed deviation``: sensitivity of a surface to errors of its lengths."""
 
 import argparse
 from pathlib import Path

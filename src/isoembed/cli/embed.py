@@ -1,4 +1,4 @@
-"""``isoembed embed``: from a file of lengths to a file with the surface."""
+"""``isoembed embed``: embedding of a metric, a mesh or a net in a file."""
 
 import argparse
 import math

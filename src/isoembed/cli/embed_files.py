@@ -1,4 +1,4 @@
-"""``isoembed embed`` of many files: a surface and a report for each in a folder, and a table of all."""
+"""``isoembed embed`` of several files: a folder with a surface and a report of each, and a table."""
 
 import argparse
 import csv

@@ -1,4 +1,4 @@
-"""``isoembed glue``: from a paper net to the solid that it folds to."""
+"""``isoembed glue``: gluing and folding of a paper net to its solid."""
 
 import argparse
 from dataclasses import asdict

@@ -1,4 +1,4 @@
-"""``isoembed horizon``: from horizons, in files or found, to embeddings, energies, pictures and files."""
+"""``isoembed horizon``: apparent horizons, read or found: embeddings, energies, pictures and files."""
 
 import argparse
 from importlib.util import find_spec

@@ -1,4 +1,4 @@
-"""``isoembed inspect``: what kind of metric a file holds, and what that means for its embedding."""
+"""``isoembed inspect``: geometry, rounding and convexity of a metric before it is embedded."""
 
 import argparse
 

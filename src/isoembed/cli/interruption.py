@@ -1,4 +1,4 @@
-"""Checkpoints: what a run leaves every few minutes and when interrupted, for another one to go on from."""
+"""Checkpoint files of a command: written every few minutes and on interruption, read on ``--resume``."""
 
 import argparse
 import shlex

@@ -1,4 +1,4 @@
-"""The option that says how far the lengths of edges may be off."""
+"""The option ``--length-error``: standard deviations of the lengths."""
 
 import argparse
 from pathlib import Path

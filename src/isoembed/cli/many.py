@@ -1,4 +1,4 @@
-"""What commands do that have many tasks: where they are done, how that is watched, and what is said of it."""
+"""Commands with many tasks: workers or clusters, a progress display and a summary."""
 
 import argparse
 import sys

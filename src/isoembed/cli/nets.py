@@ -1,4 +1,4 @@
-"""``isoembed nets``: classic nets and the solids that they fold to."""
+"""``isoembed nets``: classic paper nets and the solids they fold to."""
 
 import argparse
 

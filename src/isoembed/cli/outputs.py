@@ -1,4 +1,4 @@
-"""The files that a command writes: all checked before anything is computed, written together at the end."""
+"""Output files of a command: checked before the computation, written together after it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fields of a frozen dataclass from the command line: ``NAME=VALUE``, read by the field's type."""
+"""Command-line parameters ``NAME=VALUE`` for the fields of a frozen dataclass."""
 
 import types
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The pictures, pages and films that a command makes of its answer: what draws them is imported for them."""
+"""Pictures, pages and films of an answer, drawn on request."""
 
 from __future__ import annotations
 

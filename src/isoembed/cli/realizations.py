@@ -1,4 +1,4 @@
-"""``isoembed realizations``: search for surfaces with the same lengths near the one in a file."""
+"""``isoembed realizations``: search for other realizations of the lengths near a surface."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Files that are to have the same triangles."""
+"""Check that two files have the same triangulation."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Words to the user: answers on standard output, complaints as one line on standard error."""
+"""Console output: answers on standard output, one-line errors on standard error."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""``isoembed series``: horizons of a whole simulation, each in its own slice, to tables, plots and films."""
+"""``isoembed series``: horizons of a whole simulation: tables, plots and films."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ctrl-C, and SIGTERM, by which batch systems end a job: both interrupt the command, once."""
+"""Signal handling: SIGINT (Ctrl-C) and SIGTERM interrupt a command once."""
 
 import math
 import signal

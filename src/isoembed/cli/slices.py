@@ -1,4 +1,4 @@
-"""Slices of spacetime from the options that name them: closed forms, and files of grids."""
+"""Options that select a slice of spacetime: closed forms and grid files."""
 
 import argparse
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""The exit statuses of the contract."""
+"""Exit statuses."""
 
 OK = 0
 WRONG = 2

@@ -1,4 +1,4 @@
-"""An embedding in a few lines for the eye."""
+"""Summary of an embedding for the terminal."""
 
 from collections.abc import Mapping
 from typing import Any

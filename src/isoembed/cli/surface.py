@@ -1,4 +1,4 @@
-"""``isoembed surface``: the metric of a closed-form surface, well triangulated."""
+"""``isoembed surface``: triangulation of a closed-form surface, and its metric."""
 
 import argparse
 from dataclasses import Field, fields

@@ -1,4 +1,4 @@
-"""``isoembed triangulate``: from a smooth 2-metric to triangles with geodesic lengths."""
+"""``isoembed triangulate``: triangulation of a smooth 2-metric with geodesic edge lengths."""
 
 import argparse
 

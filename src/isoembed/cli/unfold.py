@@ -1,4 +1,4 @@
-"""``isoembed unfold``: from a solid to a paper net."""
+"""``isoembed unfold``: unfolding of a solid to a paper net."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""``isoembed view``: look at a surface, in the browser or as a picture."""
+"""``isoembed view``: a surface in the browser or as a picture."""
 
 import argparse
 import tempfile

@@ -1,4 +1,4 @@
-"""A line on the terminal while a command works: for how many seconds it has.
+"""Elapsed time on the terminal while a command runs.
 
 Nothing is shown for the first two seconds, of what is piped, and while a command shows more itself.
 """

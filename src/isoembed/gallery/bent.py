@@ -1,4 +1,4 @@
-"""Ellipsoids whose x-axis is bent towards z: the bean, along a parabola, and the tube, around a circle."""
+"""Bent ellipsoids: the bean, along a parabola, and the tube, around a circle."""
 
 from dataclasses import dataclass
 from math import pi

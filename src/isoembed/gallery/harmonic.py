@@ -1,4 +1,4 @@
-"""The sphere with one spherical harmonic on it: saddles, trefoils, stars with dents between their arms."""
+"""Spheres deformed by one spherical harmonic: saddles, trefoils, stars."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Convex surfaces |x/a|^p + |y/b|^q + |z/c|^r = 1: ellipsoid, sphere, drum, superellipsoid."""
+"""Superellipsoids |x/a|^p + |y/b|^q + |z/c|^r = 1: ellipsoid, sphere, drum."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Surfaces r = R(theta) of the Kerr-Newman geometry, embedded as surfaces of revolution: horizon, ergosphere.
+"""Kerr-Newman horizon and ergosphere as surfaces of revolution.
 
 Section 3.2 of the paper with s = sin^2(theta) as the variable, in units of the mass.
 """

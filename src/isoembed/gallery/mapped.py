@@ -1,4 +1,4 @@
-"""Surfaces that are the image of the unit sphere under a smooth map, from the map's two derivatives."""
+"""Images of the unit sphere under a smooth map, by its first and second derivatives."""
 
 from abc import abstractmethod
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Quadrature: the double-exponential rule, and any rule with more and more nodes."""
+"""Double-exponential quadrature, and adaptive refinement of quadrature rules."""
 
 from collections.abc import Callable
 

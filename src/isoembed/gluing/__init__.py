@@ -1,4 +1,4 @@
-"""Paper to metric: polygons whose sides are identified make a polyhedral metric on the sphere.
+"""Paper nets: gluing of polygon sides to a polyhedral metric on the sphere, and unfolding of solids.
 
 `glue` is the room's verb and `Net` its noun; `unfold` leads back, from a solid to paper.  Zipped polygons,
 pita forms, D-forms and the search for all edge-to-edge gluings of a polygon stand on them.

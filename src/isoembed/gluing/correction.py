@@ -1,4 +1,4 @@
-"""Least correction of paper sheets: glued sides become equal, and vertices flat within the digits flat."""
+"""Least-squares correction of paper sheets: equal lengths of glued sides, flat interior vertices."""
 
 from __future__ import annotations
 

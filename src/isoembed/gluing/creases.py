@@ -1,4 +1,4 @@
-"""A crease pattern folded by the angles of its creases: where its boundary meets, it is glued."""
+"""Folding of a crease pattern by its fold angles."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The true faces of a surface as polygons of the plane, and which of their sides are glued."""
+"""Flat faces of a surface as plane polygons, with the gluing of their sides."""
 
 from typing import NamedTuple
 

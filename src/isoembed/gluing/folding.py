@@ -1,4 +1,4 @@
-"""Solids that a family of nets folds to, in classes of congruent ones."""
+"""Solids folded from a family of nets, in congruence classes."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over outlines in the plane: whether sides meet, and faces joined to sheets that do not overlap."""
+"""Compiled overlap tests of plane outlines, and growth of sheets face by face."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 from cython.cimports.libc.math import hypot
 
 if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.loops import turn
+    from cython.cimports.isoembed.intrinsic.ear_loops import turn
 else:
-    from isoembed.intrinsic.loops import turn
+    from isoembed.intrinsic.ear_loops import turn
 
 Int = cython.typedef(cython.longlong)
 ConstInt = cython.typedef(cython.const[cython.longlong])

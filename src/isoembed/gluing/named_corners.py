@@ -1,4 +1,4 @@
-"""Polygons whose corners have names: sides that join the same two are glued."""
+"""Gluing by corner names: sides with the same two names are identified."""
 
 from collections.abc import Hashable, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Polygons with identified sides, and the metric that they make."""
+"""Polygons with identified sides, and their polyhedral metric."""
 
 import warnings
 from collections.abc import Sequence

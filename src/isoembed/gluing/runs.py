@@ -1,4 +1,4 @@
-"""Stretches of the boundaries that are glued: read, checked, and cut where corners meet sides."""
+"""Glued stretches of polygon boundaries: parsing, checks, and subdivision at corners."""
 
 import math
 import sys

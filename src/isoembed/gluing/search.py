@@ -1,4 +1,4 @@
-"""Gluings of the sides of a polygon in pairs, to a sphere."""
+"""Enumeration of the edge-to-edge gluings of a polygon to a sphere."""
 
 import numpy as np
 from numpy.typing import ArrayLike

@@ -1,4 +1,4 @@
-"""Thresholds of gluing paper."""
+"""Thresholds of gluing."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Solid to paper: a surface cut along edges and unfolded into sheets that do not overlap."""
+"""Unfolding of a surface into sheets without overlap (edge unfolding)."""
 
 from __future__ import annotations
 

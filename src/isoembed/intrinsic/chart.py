@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Points of a surface of constant curvature in conformal coordinates, in which they move and are seen.
+"""Conformal (stereographic) charts of surfaces of constant curvature: points, motions, distances.
 
 A point at distance d from the origin is the complex number of size ``2 tn(d / 2)`` in its direction: the disc
 of Poincare, stereographic projection, or for curvature zero the plane itself.  Angles are true, circles are

@@ -1,8 +1,9 @@
-"""Delaunay triangulations by flips."""
+"""Intrinsic Delaunay triangulation, weighted or not, by edge flips."""
 
 from isoembed.arrays import Floats, Indices
+from isoembed.intrinsic.delaunay_loops import Weighted, non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import Weighted, flip_edges, non_delaunay_edges
+from isoembed.intrinsic.loops import flip_edges
 
 THINNEST = 1e-15  # height over longest side: thinner triangles are lost in rounding
 

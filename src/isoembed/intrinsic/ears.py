@@ -1,9 +1,10 @@
-"""A simple polygon cut into triangles: ears are clipped, then edges are flipped until they are Delaunay."""
+"""Triangulation of a simple polygon: ear clipping, then constrained Delaunay flips."""
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.intrinsic.loops import Constrained, clip_ears, flip_edges
+from isoembed.intrinsic.ear_loops import Constrained, clip_ears
+from isoembed.intrinsic.loops import flip_edges
 
 
 def triangulated(points: Floats) -> Indices | None:

@@ -1,4 +1,4 @@
-"""The edges of one triangulation as straight paths across the triangles of another of the same metric."""
+"""Common subdivision: edges of one triangulation as straight paths across the triangles of another."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.chart import distances
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.polygon_loops import cross_all, follow, set_out
+from isoembed.intrinsic.path_loops import cross_all, follow, set_out
 from isoembed.intrinsic.polygons import Polygons
 from isoembed.mesh.triangulation import frozen
 from isoembed.space import Space

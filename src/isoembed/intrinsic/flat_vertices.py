@@ -1,4 +1,4 @@
-"""Flat vertices taken out of a triangulation: the metric does not need them.
+"""Removal of flat vertices from an intrinsic triangulation.
 
 The triangles around a vertex without curvature unfold into a polygon in the plane, which is cut anew along
 diagonals.  Loops are flipped away first, except for one around the only neighbor of a vertex of small angle.
@@ -15,7 +15,7 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import remove_vertices
+from isoembed.intrinsic.removal_loops import remove_vertices
 from isoembed.mesh.triangulation import frozen
 
 

@@ -1,4 +1,4 @@
-"""The half-edge structure of a triangulated surface without coordinates, which flips change in place.
+"""Half-edge tables of an intrinsic triangulation, changed in place by flips.
 
 Half-edge ``h = 3 f + c`` leaves corner c of face f and is followed by the next corner's.  Nothing asks two
 triangles to meet in one edge only: loops, repeated edges and triangles glued to themselves are triangles like

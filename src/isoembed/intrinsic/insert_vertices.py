@@ -1,4 +1,4 @@
-"""Flat vertices put back into a triangulation that was flipped while they were away."""
+"""Reinsertion of removed flat vertices into a flipped triangulation."""
 
 from dataclasses import dataclass
 from typing import TypeVar
@@ -11,9 +11,11 @@ from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.chart import distances
 from isoembed.intrinsic.flat_vertices import Removal
 from isoembed.intrinsic.halfedges import HalfEdges
+from isoembed.intrinsic.insertion_loops import Marks, insert_all, seen_sides
 from isoembed.intrinsic.loops import leaving_halfedges
 from isoembed.intrinsic.multi_edges import separated
-from isoembed.intrinsic.polygon_loops import Marks, first_sides, insert_all, locate, seen_sides
+from isoembed.intrinsic.path_loops import locate
+from isoembed.intrinsic.polygon_loops import first_sides
 from isoembed.intrinsic.polygons import Polygons, lay_out, loosened
 from isoembed.mesh.triangulation import frozen
 

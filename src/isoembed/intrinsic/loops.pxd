@@ -26,5 +26,5 @@ cdef void swap_diagonals(long long h, long long[::1] corners, long long[::1] twi
 cdef void push(long long h, long long[::1] stack, long long[::1] twins) noexcept
 cdef (long long, long long) restore_delaunay(long long[::1] stack, Rule rule) noexcept
 cpdef flip_edges(const long long[::1] edges, Rule rule)
-cdef double turn(double ax, double ay, double bx, double by, double cx, double cy) noexcept
-cdef bint looks_outward(const double[:, ::1] u, long long a, long long b, long long c) noexcept
+cdef long long degree(long long h, const long long[::1] twins, long long most) noexcept
+cpdef bint flip(long long h, Mesh mesh, double thinnest) noexcept

@@ -1,10 +1,10 @@
-"""Flips that leave no two edges with the same two ends, so that triangles become a simplicial complex."""
+"""Flips that remove multiple edges, toward a simplicial complex."""
 
 import numpy as np
 
 from isoembed.arrays import Indices, Mask
+from isoembed.intrinsic.delaunay_loops import separate_edges
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import separate_edges
 from isoembed.intrinsic.polygons import Polygons, lay_out
 
 

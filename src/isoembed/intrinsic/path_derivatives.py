@@ -1,4 +1,4 @@
-"""How the lengths of straight paths follow those of the edges of the triangles that they cross, in the plane.
+"""Derivatives of geodesic path lengths with respect to the edge lengths crossed.
 
 A path and the triangles around it are a framework that one bar too many stiffens: with the path itself it has
 one stress, w_e on the edges and -1 on the path, in balance at every corner, and for changes that keep the
@@ -13,7 +13,7 @@ from isoembed.arrays import Indices
 from isoembed.errors import InvalidParameter
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.polygon_loops import balance
+from isoembed.intrinsic.path_loops import balance
 
 
 def path_derivatives(paths: EdgePaths) -> csr_array:

@@ -1,4 +1,4 @@
-"""Points of the plane: on which side one lies, and whether segments meet."""
+"""Plane geometry predicates: orientation of points, intersection of segments."""
 
 from typing import cast
 

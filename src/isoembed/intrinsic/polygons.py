@@ -1,4 +1,4 @@
-"""Flat polygons that triangles form between edges that are kept, laid out in a `chart`.
+"""Flat polygons bounded by fixed edges of an intrinsic triangulation, laid out in a `chart`.
 
 Lengths alone do not say how a triangle lies that is a million times longer than high: rounding hides its
 height.  Every corner of a triangle has coordinates here, which no flip changes.

@@ -1,9 +1,9 @@
-"""Symmetric sparse matrices on the vertices of triangles, with an entry for every edge."""
+"""Sparse symmetric matrices over the vertices with an entry for every edge (as the Laplacian)."""
 
 from scipy.sparse import csc_array
 
 from isoembed.arrays import Floats, Indices
-from isoembed.intrinsic.loops import assembled
+from isoembed.intrinsic.vertex_matrix_loops import assembled
 
 
 def vertex_matrix(corners: Indices, twins: Indices, values: Floats, diagonal: Floats) -> csc_array:

@@ -1,4 +1,4 @@
-"""Files: metrics in, surfaces, reports and checkpoints out.
+"""File input and output: metrics, surfaces, nets, reports and checkpoints.
 
 Every file is read, or refused in one clear sentence; what is written is written whole or not at all.
 """

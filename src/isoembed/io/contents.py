@@ -1,4 +1,4 @@
-"""Whatever a file holds: a net, a surface or a metric."""
+"""Detection of a file's contents: a net, a surface or a metric."""
 
 import os
 

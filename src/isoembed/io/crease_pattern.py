@@ -1,4 +1,4 @@
-"""Nets in FOLD: crease patterns whose vertices say which corner of the solid they become.
+"""Nets in FOLD format: crease patterns with the vertex identifications of the solid.
 
 FOLD has no word for what is glued.  The corners have names, in a field of our own: sides whose ends have the
 same two names are glued.  Where there are none, the sheet is folded up by its fold angles, and what meets is.

@@ -1,4 +1,4 @@
-"""Digests of files and arrays, and files that must not change while they are read."""
+"""Digests of files and arrays, and detection of files that change while they are read."""
 
 import contextlib
 import hashlib

@@ -1,4 +1,4 @@
-"""How far compressed files may expand: a few bytes can promise terabytes."""
+"""Decompression limits, against archives that expand without bound."""
 
 from dataclasses import dataclass
 

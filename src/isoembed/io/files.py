@@ -1,4 +1,4 @@
-"""Files: their errors, in one sentence each, and writing that leaves whole files or none."""
+"""File errors in one sentence each, and atomic writing."""
 
 import os
 import secrets

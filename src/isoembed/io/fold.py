@@ -1,4 +1,4 @@
-"""FOLD, the format of origami (https://github.com/edemaine/fold, specification 1.2): faces and folds in JSON.
+"""FOLD, the origami format (https://github.com/edemaine/fold, specification 1.2): faces and folds in JSON.
 
 A frame with coordinates is read as a mesh, one with edge lengths alone as a metric.  The convex folds of a
 surface that is seen from outside are mountains.

@@ -1,4 +1,4 @@
-"""File format: an ending, a reader and a writer."""
+"""File formats: name ending, reader and writer."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

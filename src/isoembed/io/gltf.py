@@ -1,4 +1,4 @@
-"""glTF 2.0, .gltf and .glb: the triangles of its scene, where they stand.
+"""glTF 2.0 (.gltf, .glb): the triangles of a scene with their node transformations.
 
 It is read only: its coordinates have single precision, which no exact surface survives.
 """

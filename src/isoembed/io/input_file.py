@@ -1,4 +1,4 @@
-"""Files to read, opened once whatever is asked of them."""
+"""Input files, opened once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JSON: one object of named tables, each a list of numbers or a list of lists of numbers."""
+"""JSON files with named tables of numbers."""
 
 import json
 import sys

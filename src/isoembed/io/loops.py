@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over plain text: tables of meshes are scanned for numbers.
+"""Compiled scanning of numbers in plain text.
 
 Whatever is not what a format usually looks like is left to its own reader, which is slow and names what is
 wrong.

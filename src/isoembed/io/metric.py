@@ -1,4 +1,4 @@
-"""Metrics from files and into files."""
+"""Reading and writing of metrics."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""Paper nets in JSON: polygons and the pairs of sides that are glued, or a form by its name."""
+"""Paper nets in JSON: polygons with identified sides, or a named form."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""NumPy archives."""
+"""NumPy archives (.npz)."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Wavefront OBJ: ``v`` and ``f`` lines."""
+"""Wavefront OBJ files: ``v`` and ``f`` lines."""
 
 import re
 from pathlib import Path

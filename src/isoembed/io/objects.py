@@ -1,4 +1,4 @@
-"""Surfaces as objects of trimesh and PyVista."""
+"""Conversion of surfaces to trimesh and PyVista objects."""
 
 from __future__ import annotations
 

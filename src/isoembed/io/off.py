@@ -1,4 +1,4 @@
-"""Object File Format, as text."""
+"""Object File Format (.off), as text."""
 
 import re
 from itertools import islice

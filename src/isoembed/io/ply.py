@@ -1,4 +1,4 @@
-"""PLY, text and binary, with any properties and elements around the vertices and faces.
+"""PLY files, text and binary, with any properties and elements around the vertices and faces.
 
 It is written in binary double precision with the data at the vertices.
 """

@@ -1,4 +1,4 @@
-"""The file formats by their endings: our own, and those of other packages.
+"""Registry of file formats by name ending, with those of installed packages.
 
 A package adds one by an entry point of the group ``isoembed.formats``: its name is the ending, and what it
 refers to is a `Format`.  Our own endings stay ours, and names without a dot are left aside.

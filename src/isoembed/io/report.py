@@ -1,4 +1,4 @@
-"""Reports into files: strict JSON."""
+"""JSON output of reports."""
 
 import os
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""STL, text and binary: triangles without vertices of their own.
+"""STL files, text and binary: triangles without shared vertices.
 
 100,000 triangles are read in 0.5 s from text and in 0.09 s from binary; meshio takes 1.1 and 0.56 s.
 """

@@ -1,4 +1,4 @@
-"""Triangles of strips and fans."""
+"""Triangle strips and fans, converted to triangles."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Surfaces from files and into files."""
+"""Reading and writing of surfaces."""
 
 import os
 from collections.abc import Sequence

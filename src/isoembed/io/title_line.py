@@ -1,4 +1,4 @@
-"""A line of text that says what a surface file has no other place for: its space, or its precision.
+"""Space and coordinate precision in the title line of a surface file.
 
 Vertices in hyperbolic and spherical space are written in conformal coordinates: Poincare's ball, or
 stereographic projection.  Vertices that were found from rounded coordinates have as many digits as any

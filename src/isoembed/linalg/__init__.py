@@ -1,4 +1,4 @@
-"""Sparse direct solvers that need nothing installed.
+"""Sparse direct solvers without external libraries.
 
 `dissect` orders a surface mesh by nested dissection, `analyze` prepares a pattern once, and its `factor` and
 `solve` do the numbers, with iterative refinement and the same errors, `SingularMatrix` and `OutOfMemory`.

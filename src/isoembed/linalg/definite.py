@@ -1,4 +1,4 @@
-"""A proof, in floats, that a sparse symmetric matrix A is positive definite, and by how much.
+"""Proof of positive definiteness of a sparse symmetric matrix in floating point.
 
 Elimination down the diagonal without exchanges leaves factors with ``L U = A + dA``. In whatever order it
 adds, ``|dA_ij| <= gamma_k (|L| |U|)_ij``, where ``gamma_k = k u / (1 - k u)``, u = 2^-53 and k is the

@@ -1,4 +1,4 @@
-"""Nested dissection of a surface mesh from hop distances, and the elimination orders that it gives.
+"""Nested dissection ordering of a surface mesh.
 
 No library and no positions are needed: the distances, counted in edges, to three pairs of far vertices place
 every vertex well enough for cells to be halved near their medians.

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Symbolic elimination of a symmetric matrix: its pattern, its tree, and the entries of each column of L.
+"""Symbolic elimination: elimination tree and column counts of the factor L.
 
 Row i of the factor L has an entry in column j for every j on the paths of the elimination tree from the
 entries of row i of A up to i (Liu, SIAM J. Matrix Anal. Appl. 11, 1990). To count them, these row subtrees

@@ -1,4 +1,4 @@
-"""Factorizations: analyze a pattern once, factor its matrices, solve with refinement."""
+"""Sparse factorizations: one analysis of a pattern, numeric factors, solves with refinement."""
 
 from __future__ import annotations
 

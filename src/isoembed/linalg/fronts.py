@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Dense symmetric matrices, the fronts, in which the first columns are eliminated, and factors.
+"""Dense frontal matrices: partial factorization and assembly.
 
 Of a front the upper triangle is kept, row after row: row j of m is m - j numbers, from the diagonal on. An
 eliminated row is D times a column of L. It is followed by what is left for the rows below. The numbers are of

@@ -1,4 +1,4 @@
-"""Memory that this process may still take, looked up before much of it is needed.
+"""Available memory of the process.
 
 Where memory is promised more often than it exists, a process that takes too much is killed without a word.
 """

@@ -1,4 +1,4 @@
-"""L D L^T of sparse symmetric matrices by dense fronts.
+"""Multifrontal L D L^T factorization of sparse symmetric matrices.
 
 The front of a supernode is a symmetric matrix on its columns and the rows below them: the sum of entries of A
 and of what its children pass on. Its columns are eliminated, and what that leaves of the rows below is passed

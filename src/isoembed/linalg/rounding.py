@@ -1,4 +1,4 @@
-"""Rounding errors of floats, and factors that keep bounds valid which are computed in floats."""
+"""Rounding error bounds of floating-point sums and products."""
 
 U = 2.0**-53  # unit roundoff: x + y, x - y, x y, x / y and sqrt(x) are off by a factor within 1 +- U
 UNDERFLOW = 1e-290  # exceeds all that underflow takes from sums of a million products of numbers near 1

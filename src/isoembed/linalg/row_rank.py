@@ -1,4 +1,4 @@
-"""A proof, in floats, that a sparse matrix J has full row rank, and how large its singular values are.
+"""Proof of full row rank of a sparse matrix in floating point, with a lower bound of its singular values.
 
 The eigenvalues of ``A = J J^T`` are bounded from below as in `isoembed.linalg.definite`.  Where rounding may
 take more than the least of them, the few soft directions are treated on their own.  Let the m columns of V

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Smallest vertex separators near a cut: the maximal flow through a band around it.
+"""Minimal vertex separators by maximum flow in a band around a cut.
 
 A cut parts a cell of a graph in two: the vertices on one side bear an even number, those on the other the
 next.  The vertices within some hops of the cut are the band; of all sets of vertices of the band whose

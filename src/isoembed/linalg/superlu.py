@@ -1,4 +1,4 @@
-"""SuperLU, which comes with scipy: it is compiled, but every factorization repeats the symbolic part."""
+"""SuperLU (of SciPy) as a factorization backend."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Supernodes: neighboring columns of L that are stored on the same rows, and eliminated together.
+"""Supernodes: adjacent columns of L with the same structure.
 
 The rows of a column of L below the diagonal are its parent in the elimination tree and some of the parent's
 rows. So columns that all lie below the last of them have entries on one another's rows and on those of the

@@ -1,4 +1,4 @@
-"""What factorizations of symmetric matrices have in common: a pattern, analyzed once, and an error."""
+"""Interfaces of symbolic and numeric factorizations."""
 
 from dataclasses import dataclass
 from typing import Protocol

@@ -1,4 +1,4 @@
-"""A sparse symmetric matrix, of which the lower triangle is kept: products, and the sizes of the unknowns."""
+"""Sparse symmetric matrices stored by their lower triangle: products and scaling."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over the lower triangle of a sparse symmetric matrix in compressed columns."""
+"""Compiled products of sparse symmetric matrices in compressed columns."""
 
 from __future__ import annotations
 

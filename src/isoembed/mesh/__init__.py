@@ -1,4 +1,4 @@
-"""Combinatorics: which triangles, edges and vertices touch.  No lengths, no coordinates.
+"""Combinatorics of triangulations, without lengths or coordinates.
 
 The room's noun is `Triangulation`; its checks refuse whatever is not a triangulated sphere.
 """

@@ -1,4 +1,4 @@
-"""Checks that a list of triangles is a triangulated surface: each names the first offender."""
+"""Checks of triangle lists (manifold, oriented, connected), with the first offender."""
 
 import numbers
 import sys

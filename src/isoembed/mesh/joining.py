@@ -1,4 +1,4 @@
-"""Edges of a triangulated sphere in linear time; `checks` says what is wrong with other triangles."""
+"""Edge tables of a triangulated sphere, in linear time."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over the tables of triangulations."""
+"""Compiled loops over triangulation tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Vertices that coincide: which are one, and what is left of the faces once they are."""
+"""Merging of coincident vertices."""
 
 import numpy as np
 

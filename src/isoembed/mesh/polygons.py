@@ -1,4 +1,4 @@
-"""Polygons of any sizes as one table of corners, one polygon after the other."""
+"""Polygons of any size as flat arrays of corners."""
 
 from itertools import pairwise
 from typing import cast

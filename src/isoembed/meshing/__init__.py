@@ -1,4 +1,4 @@
-"""Triangulations of smooth surfaces, from coordinates, and of metrics, from lengths.
+"""Triangulation of smooth surfaces and metrics.
 
 Points are spread with a wanted density, connected, and relaxed until the triangles are nearly equilateral.
 """

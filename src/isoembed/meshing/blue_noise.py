@@ -1,4 +1,4 @@
-"""Blue noise on a surface: irregular points that keep their distance, from too many random ones."""
+"""Blue noise sampling of a surface: irregular points with a minimal distance."""
 
 import numpy as np
 from scipy.spatial import cKDTree

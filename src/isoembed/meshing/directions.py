@@ -1,4 +1,4 @@
-"""Directions that name given points of a surface."""
+"""Directions (points of the unit sphere) of given surface points."""
 
 import numpy as np
 from numpy.typing import ArrayLike

@@ -1,4 +1,4 @@
-"""Delaunay flips of a closed triangle mesh in R^3, in rounds of flips that do not touch each other."""
+"""Delaunay flips of a closed mesh in R^3, in rounds of independent edges."""
 
 import numpy as np
 

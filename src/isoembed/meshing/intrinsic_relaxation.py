@@ -1,4 +1,4 @@
-"""Compiled parts of the relaxation of a metric: steps of triangles on the sphere, by lengths alone.
+"""Compiled relaxation of triangles on the sphere toward equal sides in a metric.
 
 The tables over half-edges are those of `isoembed.intrinsic.halfedges`.  Vertices also have directions u
 (V, 3) on the unit sphere, in which every triangle looks outward.

@@ -1,4 +1,4 @@
-"""One step of Lloyd's relaxation on a surface: every vertex towards the centroid of its Voronoi cell."""
+"""Lloyd's relaxation on a surface: vertices move to the centroids of their Voronoi cells."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over the triangles of a mesh that is improved: steps of vertices, flips and verdicts."""
+"""Compiled loops of mesh improvement: vertex steps, flips and quality checks."""
 
 from __future__ import annotations
 
@@ -8,25 +8,18 @@ import numpy as np
 from cython.cimports.libc.math import cos, hypot, sin, sqrt
 
 if cython.compiled:
+    from cython.cimports.isoembed.intrinsic.delaunay_loops import looks_outward
     from cython.cimports.isoembed.intrinsic.loops import (
         Mesh,
         corner_angle,
         edges_between,
         following,
         glue,
-        looks_outward,
         preceding,
     )
 else:
-    from isoembed.intrinsic.loops import (
-        Mesh,
-        corner_angle,
-        edges_between,
-        following,
-        glue,
-        looks_outward,
-        preceding,
-    )
+    from isoembed.intrinsic.delaunay_loops import looks_outward
+    from isoembed.intrinsic.loops import Mesh, corner_angle, edges_between, following, glue, preceding
 
 Int = cython.typedef(cython.longlong)
 ConstInt = cython.typedef(cython.const[cython.longlong])

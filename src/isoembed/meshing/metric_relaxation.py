@@ -1,4 +1,4 @@
-"""Relaxation of triangles on the sphere until they are nearly equilateral in a metric, by lengths alone."""
+"""Relaxation of a spherical triangulation until its triangles are nearly equilateral in a metric."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.intrinsic.delaunay_loops import flip_to_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import flip_to_delaunay
 from isoembed.meshing.flips import twin_halfedges
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengths
 from isoembed.meshing.lloyd import OVERRELAXATION, RINGS

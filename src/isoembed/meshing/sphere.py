@@ -1,4 +1,4 @@
-"""Points on the unit sphere: spread evenly, at the nodes of a rule, connected by their convex hull."""
+"""Points on the unit sphere (spiral, quadrature nodes), and their Delaunay triangulation."""
 
 from functools import lru_cache
 

@@ -1,4 +1,4 @@
-"""Triangulations laid out on the unit sphere with little distortion of lengths, angles and areas.
+"""Parameterization of triangulations over the unit sphere with little distortion.
 
 A conformal layout has angles, but gives long arms of a surface hardly any room on the sphere, and functions
 on the surface high frequencies there.  From it the symmetric Dirichlet energy is minimized, the mean of

@@ -1,4 +1,4 @@
-"""Directions spread over the sphere with any density: points of a square, carried by its distribution."""
+"""Directions with a prescribed density on the sphere, by the inverse distribution function."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The contract of surfaces that are triangulated, and the density of vertices on them."""
+"""Interface of surfaces to be triangulated, and vertex densities."""
 
 from typing import Protocol
 

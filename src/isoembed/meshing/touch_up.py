@@ -1,4 +1,4 @@
-"""Relaxation of a large mesh where it needs it: what the regular mesh of a large surface is made with."""
+"""Local relaxation of a large mesh."""
 
 import numpy as np
 

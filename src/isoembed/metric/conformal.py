@@ -1,4 +1,4 @@
-"""Conformal change of a metric: one factor u_a a vertex scales the edges at it."""
+"""Conformal change of a polyhedral metric: logarithmic scale factors at the vertices scale the edges."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A polyhedral metric laid out on the unit sphere, discretely conformally.
+"""Discrete conformal map of a polyhedral metric to the unit sphere.
 
 Two metrics on one triangulation are discretely conformally equivalent if their lengths differ by a factor
 ``e^{(u_a + u_b) / 2}`` an edge; on the sphere and in the hyperbolic plane it is the chords ``2 sn(l / 2)``

@@ -1,4 +1,4 @@
-"""Whether a metric is convex: whether its deficits are negative nowhere, up to rounding or noise."""
+"""Convexity check of a metric: non-negative angle deficits, up to rounding or noise."""
 
 from functools import reduce
 from typing import cast

@@ -1,11 +1,12 @@
-"""Delaunay flips of metrics and of their conformal classes, which leave simplicial complexes."""
+"""Delaunay flips of a metric and of its conformal class, within simplicial complexes."""
 
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.intrinsic.loops import Ptolemaic, Straight, flip_edges
+from isoembed.intrinsic.loops import flip_edges
+from isoembed.intrinsic.ptolemaic_loops import Ptolemaic, Straight
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space

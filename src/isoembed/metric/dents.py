@@ -1,4 +1,4 @@
-"""Dents by the intrinsic metric: patches that can be reflected without a change of the lengths.
+"""Dents of a metric: patches that can be reflected without change of the lengths.
 
 A plane that is tangent to a surface of revolution along a circle cuts off a patch; reflected in the plane, it
 has the same metric and fits as smoothly as before, up to the sign of the curvature across the circle.  A dent

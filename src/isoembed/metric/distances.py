@@ -1,4 +1,4 @@
-"""Lengths of edges between points."""
+"""Edge lengths from vertex positions."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Meshes as they come: vertices that coincide, polygons, vertices in no face."""
+"""Preparation of input meshes: coincident vertices, polygons, unused vertices, T-junctions."""
 
 import numbers
 import warnings

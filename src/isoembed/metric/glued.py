@@ -1,4 +1,4 @@
-"""A polyhedral metric glued from triangles side by side, which need not form a simplicial complex."""
+"""Polyhedral metrics glued from triangles side by side, without the restriction to simplicial complexes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inspection of a metric: measures that matter to its embedding, and warnings that follow from them."""
+"""Inspection of a metric: measures relevant to its embedding, and warnings."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The cotangent Laplacian, and the derivative of the deficits by conformal factors."""
+"""Cotangent Laplacian, and derivatives of the deficits with respect to conformal factors."""
 
 from typing import cast
 

@@ -1,4 +1,4 @@
-"""The least curved hyperbolic space on whose triangles given lengths are a convex metric."""
+"""Least curved hyperbolic space in which given lengths are a convex metric."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Meshes of trimesh and PyVista as arrays.  Neither is imported: any object with their attributes will do."""
+"""Arrays of trimesh and PyVista meshes, by their attributes and without their import."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Polygons in space, cut into triangles: quadrilaterals all together, others ear by ear."""
+"""Triangulation of polygons in space."""
 
 from collections import Counter
 from dataclasses import dataclass

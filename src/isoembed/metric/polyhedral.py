@@ -1,4 +1,4 @@
-"""The polyhedral metric: a triangulated surface and the length of every edge."""
+"""Polyhedral metrics: a triangulated surface with edge lengths."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rounding of coordinates and lengths, recognized by their digits."""
+"""Detection of rounded coordinates and lengths by their digits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Deficits within the noise, repaired by the smallest conformal change of the lengths.
+"""Repair of negative deficits within the noise, by the least conformal change.
 
 A vertex inside a face or an edge of a polyhedron has no deficit; errors of the lengths leave it one of either
 sign.  The edge from i to j becomes ``l_ij exp((u_i + u_j) / 2)``, as a chord on the sphere and in the

@@ -1,4 +1,4 @@
-"""From any gluing of triangles to a simplicial complex with the same metric."""
+"""Subdivision of glued triangles to a simplicial complex with the same metric."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Whether three lengths are the sides of a triangle, in the plane, the hyperbolic plane and on the sphere."""
+"""Triangle inequality checks in the plane, the hyperbolic plane and on the sphere."""
 
 import math
 from collections.abc import Callable

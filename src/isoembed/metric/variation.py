@@ -1,4 +1,4 @@
-"""First variation of intrinsic quantities: deficits and areas by lengths, lengths by conformal factors."""
+"""First variation of intrinsic quantities with respect to lengths and conformal factors."""
 
 from typing import cast
 

@@ -1,4 +1,4 @@
-"""Pictures of surfaces: still ones, films, and pages for the browser; nets to cut out.
+"""Pictures, films and browser pages of surfaces; printable nets.
 
 Still ones, films and nets as PDF need matplotlib: ``pip install 'isoembed[plot]'``.
 

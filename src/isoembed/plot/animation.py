@@ -1,4 +1,4 @@
-"""Films: the pull-back as a GIF or an MP4, surface after surface, and once around the answer."""
+"""Films (GIF, MP4) of the pull-back, with a final turn around the surface."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -129,7 +129,7 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
     shown = mean_curvature(embedding)
     scale = color_scale(*shown.bounds)
     drawn = Drawn.of(embedding)
-    pose = Pose.of(drawn.put(embedding.vertices))
+    pose = Pose.of(drawn.put(embedding.vertices), embedding.faces)
     placed = [pose.put(drawn.put(image.vertices)) for image in images]
     size = max(float(np.linalg.norm(points, axis=1).max()) for points in placed)
     ups = [points @ camera(image.turn)[1] for points, image in zip(placed, images, strict=True)]

@@ -1,4 +1,4 @@
-"""What the colors of a picture show: quantities at the vertices of a surface."""
+"""Quantities shown by color: values at the vertices or faces, with label, scale and limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How surfaces in hyperbolic and spherical space are drawn.
+"""Surfaces of hyperbolic and spherical space in a conformal model, for drawing.
 
 Hyperbolic space is drawn as Poincare's ball, spherical space in stereographic projection.  Straight edges are
 arcs of circles there, and plane faces parts of spheres: large ones are drawn in pieces.

@@ -1,4 +1,4 @@
-"""The endings of the files that pictures, pages and films go to."""
+"""File name endings of pictures, pages and films."""
 
 PICTURE_ENDINGS = (".png", ".svg", ".pdf")
 PAGE_ENDINGS = (".html",)

@@ -1,4 +1,4 @@
-"""The surfaces on the way to an answer."""
+"""Recording of intermediate surfaces for a film."""
 
 from dataclasses import dataclass
 

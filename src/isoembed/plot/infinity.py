@@ -1,4 +1,4 @@
-"""The sphere at infinity around a surface in Poincare's ball."""
+"""The sphere at infinity around a surface in the Poincare ball."""
 
 from __future__ import annotations
 

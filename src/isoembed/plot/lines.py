@@ -1,4 +1,4 @@
-"""Lines on a surface that other parts of it may hide: each is drawn after the faces beside it."""
+"""Lines on a surface, drawn among its faces by the painter's algorithm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What notebooks show of a surface: its page, without a network, or of a large one a picture."""
+"""Display of surfaces in notebooks: an interactive page, or a picture of a large surface."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page for the browser: one file with a surface to turn around, its colors, its film and its report."""
+"""Interactive page of a surface for the browser: colors, film and report in one HTML file."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -220,7 +220,7 @@ def own_ramp(scale: str, low: float, high: float) -> list[str] | None:
 def _pose(drawn: Drawn) -> Pose:
     """The pose of points of space: in a curved one the origin stays, which is the center of its models."""
     vertices = drawn.surface.vertices
-    pose = Pose.of(drawn.put(vertices))
+    pose = Pose.of(drawn.put(vertices), drawn.surface.faces)
     if drawn.space.is_euclidean:
         return pose
     return Pose(np.zeros(3), pose.axes, float(np.linalg.norm(drawn.points(vertices), axis=1).max()))

@@ -1,4 +1,4 @@
-"""One surface of a picture: what is drawn, and what its colors show."""
+"""One panel of a picture: a surface, its face values and a title."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of surfaces: triangles colored by a quantity, lit from the upper left."""
+"""Still pictures of surfaces, colored by a quantity and lit from the upper left."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Triangles of hyperbolic and spherical space in pieces, so small that they may be drawn straight."""
+"""Subdivision of triangles of hyperbolic and spherical space for drawing."""
 
 from __future__ import annotations
 

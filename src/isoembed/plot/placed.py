@@ -1,4 +1,4 @@
-"""Pictures of surfaces whose place in space means something: named axes, a scale of lengths, an arrow."""
+"""Pictures of surfaces with axes: named coordinates, a length scale, an arrow."""
 
 from __future__ import annotations
 

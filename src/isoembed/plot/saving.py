@@ -1,4 +1,4 @@
-"""Surfaces and nets into files of every kind, by their endings."""
+"""Saving of surfaces and nets in any format, by file name ending."""
 
 from __future__ import annotations
 

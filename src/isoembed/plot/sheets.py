@@ -1,4 +1,4 @@
-"""Nets to print, cut, fold and glue: SVG and PDF."""
+"""Printable nets in SVG and PDF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the viewer stands: a surface in its principal axes, seen a little from above, and its light."""
+"""Camera, pose by principal axes, visibility and lighting of a surface."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.io.format import Polygons, flattened
 from isoembed.mesh.polygons import polygon_normals
 
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
 LIGHT = np.array([-0.5, 0.8, 0.8])  # right, up, toward the viewer
 AMBIENT, DIFFUSE, GLOSS, SHARPNESS = 0.66, 0.42, 0.14, 20
+INSIDE = 0.4  # light on faces that are seen from inside
 
 
 SAME = 1e-6  # relative difference below which two moments, skews or distances are equal
@@ -37,13 +38,15 @@ class Pose:
     size: float
 
     @classmethod
-    def of(cls, vertices: Floats) -> Pose:
-        """The pose of a surface by its own axes."""
+    def of(cls, vertices: Floats, faces: Polygons | None = None) -> Pose:
+        """The pose of a surface by its own axes; the outer side of one with a boundary is up."""
         center = vertices.mean(axis=0)
         centered = vertices - center
         largest = float(np.abs(centered).max()) or 1.0  # all may be one point
         centered /= largest
         axes = _principal_axes(centered)
+        if faces is not None and (_area_vector(centered, faces) @ axes[:, 2]) < -SAME:
+            axes[:, 1:] *= -1.0
         return cls(center, axes, largest * float(np.linalg.norm(centered, axis=1).max()) or 1.0)
 
     def put(self, vertices: Floats) -> Floats:
@@ -76,6 +79,23 @@ def _principal_axes(points: Floats) -> Floats:
     return axes
 
 
+def _area_vector(points: Floats, faces: Polygons) -> Floats:
+    """Area vector over the area: 0 if there is no boundary."""
+    corners, sizes = flattened(faces)
+    normals = polygon_normals(points[corners], sizes)
+    total = np.linalg.norm(normals, axis=1).sum()
+    return normals.sum(axis=0) / total if total > 0 else np.zeros(3)
+
+
+def _has_boundary(corners: Indices, sizes: Indices) -> bool:
+    """Whether an edge belongs to one polygon only, of polygons that are flattened."""
+    ends = np.cumsum(sizes)
+    after = np.arange(1, len(corners) + 1)
+    after[ends - 1] = ends - sizes
+    a, b, n = corners, corners[after], int(corners.max(initial=0)) + 1
+    return not np.array_equal(np.sort(a * n + b), np.sort(b * n + a))
+
+
 def _farthest(distances: Floats) -> int:
     """The first of the vertices that are the farthest but for rounding."""
     return int(np.argmax(distances >= (1 - SAME) * distances.max()))
@@ -84,6 +104,8 @@ def _farthest(distances: Floats) -> int:
 @dataclass(frozen=True)
 class View:
     """The visible faces of a surface in orthographic projection, farthest first.
+
+    Of a closed surface these are the faces that look toward the viewer; of one with a boundary all faces.
 
     Attributes
     ----------
@@ -95,6 +117,8 @@ class View:
         Diffuse light on them, 0 to about 1.
     gloss : ndarray, shape (n,)
         Reflected light, 0 to 1.
+    inside : ndarray of bool, shape (n,)
+        Whether they are seen from inside.
     pose : Pose
         Where the surface is put.
     camera : ndarray, shape (3, 3)
@@ -105,6 +129,7 @@ class View:
     faces: Indices
     light: Floats
     gloss: Floats
+    inside: Mask
     pose: Pose
     camera: Floats
 
@@ -122,13 +147,16 @@ class View:
         turn : float
             Radians by which the viewer has walked around the shortest axis.
         """
-        pose, turned = pose or Pose.of(vertices), camera(turn)
+        pose, turned = pose or Pose.of(vertices, faces), camera(turn)
         points = pose.put(vertices) @ turned.T
         corners, sizes = flattened(faces)
         ends = np.cumsum(sizes)
         normals = polygon_normals(points[corners], sizes)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-        front = np.flatnonzero(normals[:, 2] > 0)  # of a closed surface the other side is never seen
+        inside = normals[:, 2] < 0
+        if _has_boundary(corners, sizes):
+            normals[inside] *= -1.0
+        front = np.flatnonzero(normals[:, 2] > 0)
         depths = np.add.reduceat(points[corners, 2], ends - sizes) / sizes
         front = front[np.argsort(depths[front])]
         toward = LIGHT / np.linalg.norm(LIGHT)
@@ -139,7 +167,7 @@ class View:
         seen = faces[front] if isinstance(faces, np.ndarray) else [faces[f] for f in front.tolist()]
         flat = points[:, :2]
         polygons = flat[seen] if isinstance(seen, np.ndarray) else [flat[face] for face in seen]
-        return cls(polygons, front, light, gloss, pose, turned)
+        return cls(polygons, front, light, gloss, inside[front], pose, turned)
 
     @property
     def extent(self) -> tuple[Floats, Floats]:
@@ -153,7 +181,7 @@ class View:
 
     def shade(self, colors: Floats) -> Floats:
         """Return the colors (n, 3) of the visible faces under this light."""
-        lit = colors * (AMBIENT + DIFFUSE * self.light)[:, None]
+        lit = colors * np.where(self.inside, INSIDE, AMBIENT + DIFFUSE * self.light)[:, None]
         return np.clip(lit + GLOSS * self.gloss[:, None], 0.0, 1.0)
 
 

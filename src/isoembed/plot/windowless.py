@@ -1,4 +1,4 @@
-"""Figures of matplotlib without a window.  It is imported here, so import this where a figure is drawn."""
+"""Matplotlib figures without a window (import of `Figure` without pyplot)."""
 
 import io
 from typing import Any

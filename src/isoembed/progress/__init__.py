@@ -1,4 +1,4 @@
-"""Progress of a computation: its stages, snapshots, the time left, checkpoints and what they belong to.
+"""Progress of a computation: stages, snapshots, remaining time, checkpoints.
 
 `bar` shows it live.
 """

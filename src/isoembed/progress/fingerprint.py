@@ -1,4 +1,4 @@
-"""Fingerprint of a computation: a checkpoint carries one, and only the same computation goes on from it."""
+"""Fingerprint of a computation, by which a checkpoint is matched on resumption."""
 
 from __future__ import annotations
 

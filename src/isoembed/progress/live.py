@@ -1,4 +1,4 @@
-"""The live view of a running computation: one line a stage and the time left."""
+"""Live display of a running computation, one line for each stage."""
 
 from __future__ import annotations
 

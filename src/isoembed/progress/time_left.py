@@ -1,4 +1,4 @@
-"""Time left of a computation: what its stages cost as a rule, at the pace that they have here."""
+"""Estimate of the remaining time."""
 
 from collections.abc import Callable, Mapping
 

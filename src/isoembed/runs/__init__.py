@@ -1,4 +1,4 @@
-"""Runs of many tasks: on all cores or a cluster, their results kept as they come and not made twice."""
+"""Batch runs: many tasks on all cores or a cluster, with stored results."""
 
 from isoembed.runs.chunk import Outcome, Wish
 from isoembed.runs.result import Result

@@ -1,4 +1,4 @@
-"""The tasks of one chunk, one after the other, in whatever process."""
+"""Execution of a chunk of tasks in one process, and the rerun policy."""
 
 from __future__ import annotations
 

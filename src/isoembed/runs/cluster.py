@@ -1,4 +1,4 @@
-"""Clusters of Dask."""
+"""Dask clusters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The embedding of one file of many."""
+"""Task that embeds one file."""
 
 from __future__ import annotations
 

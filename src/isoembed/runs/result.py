@@ -1,4 +1,4 @@
-"""What a task comes to: a report, and arrays where there is an answer."""
+"""Result of a task: a report, with arrays where it succeeded."""
 
 from __future__ import annotations
 

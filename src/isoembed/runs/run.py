@@ -1,4 +1,4 @@
-"""The tasks of a run: in chunks, here or by an executor, and again where a process was killed."""
+"""Scheduling of a run's tasks in chunks, with reruns after killed processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The results of a run in a folder: one file for each, whole, under its task's label and key."""
+"""Result store: a folder with one file for each task."""
 
 from __future__ import annotations
 

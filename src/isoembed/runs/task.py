@@ -1,4 +1,4 @@
-"""What is to be done: tasks, and the keys under which their results are kept."""
+"""Tasks, and the keys of their stored results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Processes that work side by side: one that is killed takes nothing else with it."""
+"""Worker processes, isolated from each other's crashes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Axisymmetric metrics: the surface of revolution; where there is none, and the bands that there are.
+"""Axisymmetric metrics: embedding as surfaces of revolution, and the parts that embed.
 
 With x = cos(theta), s = 1 - x^2, q_tt = T and q_pp = s P, the surface has rho^2 = s P and dz/dx = sqrt(G),
 ``G = (q_tt - (d rho/d theta)^2) / s``.  T, P and G are smooth in x over the poles, and where G < 0 there is

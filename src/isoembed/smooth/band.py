@@ -1,4 +1,4 @@
-"""Bands of axisymmetric surfaces: what of them embeds, between two circles of latitude."""
+"""Bands of axisymmetric surfaces between two circles of latitude."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Coordinates that fit: directions in which a surface needs few harmonics, found from its triangulation.
+"""Directions in which a surface needs few spherical harmonics, from its triangulation.
 
 How many harmonics a surface X(u) needs is as much a matter of the directions u as of its shape: the ellipsoid
 with the axes 3, 2 and 1 is of degree 1 if the sphere is mapped to it linearly, and of degree 80 as r(u).

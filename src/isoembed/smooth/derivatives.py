@@ -1,4 +1,4 @@
-"""How a smooth embedding in R^3 follows its metric, to first order.
+"""First variation of a smooth embedding in R^3 with respect to its metric.
 
 A change h of the metric demands ``2 sym (X_a . dX_b) = h_ab`` of the displacements dX, X_a being the
 derivatives along a frame.  They are found in harmonics, in least squares over the area, without translation

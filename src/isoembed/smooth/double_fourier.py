@@ -1,4 +1,4 @@
-"""Functions on the sphere between the nodes of a grid in theta and phi, to the accuracy of a Fourier series.
+"""Double Fourier interpolation of functions on a (theta, phi) grid.
 
 On the circle of all theta a smooth function on the sphere is even under the glide (theta, phi) -> (-theta,
 phi + pi), so that the part with exp(i m phi) is a series of cosines in theta for even m and of sines for odd

@@ -1,4 +1,4 @@
-"""A smooth surface in space that realizes a 2-metric, in spherical harmonics: it measures itself."""
+"""Smooth embeddings of 2-metrics in spherical harmonics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Surfaces in a space by the derivatives of their ambient coordinates: normals and curvature."""
+"""Normals and second fundamental form of smooth surfaces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The map whose metric is nearest to a given one, by the Gauss-Newton method."""
+"""Gauss-Newton method for the isometry equations."""
 
 import numpy as np
 

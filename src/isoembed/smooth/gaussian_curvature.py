@@ -1,4 +1,4 @@
-"""The Gaussian curvature of a smooth metric on the sphere, by differences of the metric alone."""
+"""Gaussian curvature of a smooth metric by finite differences."""
 
 import numpy as np
 from numpy.typing import ArrayLike

@@ -1,4 +1,4 @@
-"""Lengths of short geodesics of a smooth metric on the sphere: what the edges of triangulations measure."""
+"""Lengths of short geodesics of a smooth metric."""
 
 from dataclasses import dataclass
 from functools import cache

@@ -1,4 +1,4 @@
-"""A metric that is known at the nodes of a grid in theta and phi, as a simulation writes it."""
+"""Metrics given on a (theta, phi) grid."""
 
 from __future__ import annotations
 

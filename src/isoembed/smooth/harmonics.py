@@ -1,4 +1,4 @@
-"""Real spherical harmonics as functions on R^3, with their derivatives.
+"""Real spherical harmonics and their derivatives.
 
 ``Y_lm(u) = Pi_lm(z) Re, Im (x + i y)^m``, orthonormal, ``Pi_lm`` a polynomial in z: there is no division by
 sin(theta) anywhere, and the poles are points like any others.

@@ -1,4 +1,4 @@
-"""The isometry equations in spherical harmonics, X_a . X_b = delta_ab, by the Gauss-Newton method.
+"""Isometry equations X_a . X_b = delta_ab in spherical harmonics, linearized densely.
 
 The derivatives X_a are taken along a frame that is orthonormal in the given metric, and the equations are
 weighted by its area, so that neither scale nor coordinates count.

@@ -1,4 +1,4 @@
-"""The least curvature of hyperbolic space that takes a metric."""
+"""Least curvature of a hyperbolic space in which a metric embeds."""
 
 from __future__ import annotations
 

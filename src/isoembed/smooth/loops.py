@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over spherical harmonics."""
+"""Compiled loops over spherical harmonics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The isometry equations in many harmonics, by the Gauss-Newton method with conjugate gradients.
+"""Isometry equations in many harmonics, by matrix-free conjugate gradients.
 
 No matrix is made: the derivatives of the strains and their adjoint are fast transforms.  The unknowns are
 scaled by their degree, which makes the round sphere's equations well conditioned in all degrees; conjugate

@@ -1,4 +1,4 @@
-"""Harmonics fitted to a closed triangle mesh whose vertices lie on a smooth surface of any shape.
+"""Spherical harmonic fit of a closed triangle mesh.
 
 Where on the sphere a vertex belongs is not known and does not matter: only distances along the normal do.
 """

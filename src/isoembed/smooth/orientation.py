@@ -1,4 +1,4 @@
-"""Place of an embedded surface in space: isometries of space that isometric embeddings leave free.
+"""Rigid motions: standard place of a smooth surface in space.
 
 Without it the orientation would be that of the mesh with which a search began, another one in every run.
 """

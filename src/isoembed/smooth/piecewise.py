@@ -1,4 +1,4 @@
-"""Functions on an interval as Chebyshev series on pieces, bisected until they resolve the function."""
+"""Piecewise Chebyshev series with adaptive bisection."""
 
 from __future__ import annotations
 

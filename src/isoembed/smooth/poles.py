@@ -1,4 +1,4 @@
-"""Smoothness of a metric at the poles: what is seen there that no smooth tensor has.
+"""Regularity of a metric at the poles of its grid.
 
 In the orthonormal frame (e_theta, e_phi) the mean T = (Q_tt + Q_pp) / 2 of a smooth tensor is a function, and
 S = (Q_tt - Q_pp) / 2 +- i Q_tp has the spin weights +-2: at a pole its part with exp(i m phi) falls like

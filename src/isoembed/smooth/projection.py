@@ -1,4 +1,4 @@
-"""Functions of the direction projected onto harmonics, up to the degree where only rounding is left."""
+"""Projection of functions onto spherical harmonics, to rounding."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Truncation error of grid averages, by coarsening the grid.
+"""Truncation error of grid data, by coarsening.
 
 The interpolant of a grid is sampled on grids with fewer nodes of the same kind, and these interpolants are
 averaged as the first one is.  The changes are the errors of the coarser grids.  That of the grid itself is

@@ -1,4 +1,4 @@
-"""Harmonics fitted to scattered values: by least squares, without single outliers, with their errors."""
+"""Robust least-squares fit of spherical harmonics to scattered values, with errors."""
 
 from __future__ import annotations
 

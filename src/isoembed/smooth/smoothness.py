@@ -1,4 +1,4 @@
-"""Refusal of metrics that are no smooth tensors, by what is seen at the poles, with the mistake behind it."""
+"""Refusal of metrics that are not smooth tensors at the poles, with the likely mistake."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Smooth embeddings of smooth metrics: a mesh finds the branch, spherical harmonics the digits."""
+"""Embedding of smooth metrics: a triangulation selects the branch, spherical harmonics refine it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

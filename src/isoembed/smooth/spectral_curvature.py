@@ -1,4 +1,4 @@
-"""The Gaussian curvature of a smooth metric on the sphere, to rounding: by harmonics of its components.
+"""Gaussian curvature of a smooth metric by spectral differentiation.
 
 The Cartesian components of the tensor are smooth functions on the sphere, at the poles, too.  Their series in
 scalar harmonics has derivatives without differences, and falls exponentially where the metric is analytic.

@@ -1,4 +1,4 @@
-"""Errors of functions on grids, estimated from their Fourier coefficients.
+"""Error estimates of grid functions from their Fourier coefficients.
 
 The coefficients of a smooth function fall with their degree, those of noise do not.  What is beyond the grid
 is estimated from the highest degrees that are on it.  Averages over the sphere see less of it than values at

@@ -1,4 +1,4 @@
-"""Smooth maps of the sphere onto itself: other coordinates for metrics and functions of the direction."""
+"""Smooth maps of the sphere to itself: changes of coordinates."""
 
 from __future__ import annotations
 

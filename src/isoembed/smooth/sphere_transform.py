@@ -1,4 +1,4 @@
-"""Fast synthesis of spherical harmonics at the nodes of a Gauss rule, with derivatives, and its adjoint.
+"""Fast spherical harmonic transform at the nodes of a Gauss rule, with derivatives and adjoint.
 
 A sum of harmonics is a Fourier series along each circle of latitude, whose coefficients are Legendre sums:
 FFTs and one matrix product for each order take O(L^3) operations for the L^2 coefficients at L^2 nodes, where

@@ -1,4 +1,4 @@
-"""Starts of embeddings: the surface nearby that is deformed, as the numbers that it takes."""
+"""Initial surfaces of smooth embeddings."""
 
 from __future__ import annotations
 

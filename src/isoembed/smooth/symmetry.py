@@ -1,4 +1,4 @@
-"""Axes of symmetry of metrics, wherever they point."""
+"""Axes of symmetry of a metric."""
 
 from __future__ import annotations
 

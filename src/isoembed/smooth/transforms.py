@@ -1,4 +1,4 @@
-"""Coefficients of functions in spherical harmonics: resized, trimmed."""
+"""Resizing and truncation of spherical harmonic coefficients."""
 
 import numpy as np
 

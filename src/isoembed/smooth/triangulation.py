@@ -1,4 +1,4 @@
-"""Triangulations of the sphere that are nearly equilateral in a given smooth metric."""
+"""Nearly equilateral triangulations of the sphere in a smooth metric."""
 
 from dataclasses import dataclass
 from functools import cached_property, partial

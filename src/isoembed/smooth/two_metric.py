@@ -1,4 +1,4 @@
-"""Smooth metrics on the sphere: at every direction u a quadratic form on the tangent plane.
+"""Smooth 2-metrics on the sphere.
 
 It is kept as a symmetric 3x3 matrix q with q u = 0, so that the length of the velocity v of a path of unit
 vectors is sqrt(v . q v).  No coordinate is singular anywhere; theta and phi appear only where data have them.

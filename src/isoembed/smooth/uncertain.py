@@ -1,4 +1,4 @@
-"""Functions on the sphere of directions with their errors."""
+"""Functions on the sphere with errors."""
 
 from __future__ import annotations
 

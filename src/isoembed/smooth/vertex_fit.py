@@ -1,4 +1,4 @@
-"""Harmonics fitted to vertices at given directions, and vertices moved to the directions that suit them.
+"""Spherical harmonic fit of vertices at given directions, and reparameterization.
 
 Distances along the surface hardly count: only those along its normals tell how well it fits.
 """

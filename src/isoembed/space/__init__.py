@@ -1,4 +1,4 @@
-"""Euclidean, hyperbolic and spherical space: one curvature, its trigonometry, its points and its models."""
+"""Spaces of constant curvature: Euclidean, hyperbolic and spherical."""
 
 from isoembed.space.space import EUCLIDEAN, Euclidean, Hyperbolic, Space, Spherical
 

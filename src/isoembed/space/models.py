@@ -1,4 +1,4 @@
-"""Models of hyperbolic and spherical space: coordinates in R^3 to draw and to store points in.
+"""Models of hyperbolic and spherical space: ambient, projective and conformal coordinates.
 
 Of a point X = (x, w): ``"ambient"`` is x; ``"conformal"`` is ``2 x / (1 + w)``, Poincare's ball, with the
 sphere at infinity at radius 2 / sqrt(-k), or stereographic projection; ``"projective"`` is ``x / w``,

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Triangles of constant curvature from their sides, accurate for needles and caps.
+"""Trigonometry of constant curvature, accurate for needles and caps.
 
 The curvature k is signed: with r = 1 / sqrt(|k|), ``sn(x) = r sin(x / r)`` on the sphere and r sinh(x / r) in
 the hyperbolic plane, and ``cs`` is its derivative.  In the plane sn(x) = x and cs(x) = 1, to which all of it

@@ -1,4 +1,4 @@
-"""The text of a page: its markup with style, script, report and data, all in one file."""
+"""HTML document of a browser page, self-contained in one file."""
 
 import base64
 import hashlib

@@ -1,4 +1,4 @@
-"""Arrays as text within a page."""
+"""Base64 encoding of arrays in a browser page."""
 
 import base64
 from typing import Any

@@ -1,4 +1,4 @@
-"""The colors of pages and pictures.
+"""Color maps of pages and pictures.
 
 Both ramps are curves in OKLCh, the polar form of the space of Ottosson, "A perceptual color space for image
 processing" (2020).  The one of a page rises evenly in lightness, from dark violet over teal to light yellow,

@@ -1,4 +1,4 @@
-"""The report of an embedding as tables of HTML."""
+"""HTML tables of an embedding's report."""
 
 from collections.abc import Iterable, Mapping
 from html import escape

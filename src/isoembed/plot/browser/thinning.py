@@ -1,4 +1,4 @@
-"""Which frames of a film a page shows."""
+"""Selection of the film frames in a browser page."""
 
 from collections.abc import Sequence
 

@@ -1,1 +1,1 @@
-"""Paper nets to print, cut, fold and glue."""
+"""Printable paper nets."""

@@ -1,4 +1,4 @@
-"""Convex pieces of the paper: whether one overlaps any of others."""
+"""Overlap tests of convex pieces of paper."""
 
 from collections.abc import Iterable
 

@@ -1,4 +1,4 @@
-"""A net on paper: what to cut, what to fold, and which sides to glue."""
+"""Drawing of a paper net: outlines to cut, folds, and labels of glued sides."""
 
 from __future__ import annotations
 

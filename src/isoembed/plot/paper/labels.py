@@ -1,4 +1,4 @@
-"""Labels that say which sides are glued: numbers inside of a sheet, along the side."""
+"""Labels of glued sides: numbers inside the sheet, along the side."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A net on paper as PDF, a page each."""
+"""PDF output of a paper net."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Sheets on pages: turned so that they fit, in one scale, side by side while there is room."""
+"""Packing of sheets on pages: rotation, common scale, rows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A net on paper as SVG, in mm."""
+"""SVG output of a paper net, in millimeters."""
 
 from collections.abc import Iterable
 from html import escape

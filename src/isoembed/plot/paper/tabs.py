@@ -1,4 +1,4 @@
-"""Tabs to glue: trapezoids on one of two sides that are glued, as deep as there is room."""
+"""Glue tabs: trapezoids on one of two glued sides."""
 
 from collections.abc import Sequence
 from itertools import chain

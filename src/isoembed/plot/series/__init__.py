@@ -1,4 +1,4 @@
-"""Pictures of a run: its numbers against time, and its horizons for ParaView, as films and pages.
+"""Pictures of a simulation: time series, ParaView files, films and pages.
 
 All of them are made of the results of a run, in any order, and the same results make the same bytes.
 """

@@ -1,4 +1,4 @@
-"""What the horizons of a run are put in order by: time, or what takes its place where none is known."""
+"""Abscissa of a simulation's plots: time, or iteration number where no time is known."""
 
 from __future__ import annotations
 

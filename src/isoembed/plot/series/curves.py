@@ -1,4 +1,4 @@
-"""Numbers of a run against time: a panel for each, a line with its error band for each series."""
+"""Time series plots with error bands."""
 
 from __future__ import annotations
 

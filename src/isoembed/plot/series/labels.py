@@ -1,4 +1,4 @@
-"""What the numbers of a run are called in pictures, and the colors of its series."""
+"""Labels of quantities in time series, and colors of horizons."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came of every horizon of a run, as a strip along time."""
+"""Strip chart of success and failure for every horizon of a simulation."""
 
 from __future__ import annotations
 

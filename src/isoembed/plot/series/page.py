@@ -1,4 +1,4 @@
-"""Page of a run for the browser: its embedded horizons to turn around, with time on the slider."""
+"""Browser page of a simulation, with time on a slider."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands beside the horizons of a run on a page: a table for each series."""
+"""HTML tables beside the horizons of a simulation's page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A run for ParaView: a surface for each embedded horizon, and the collection that says when it is there."""
+"""ParaView files of a simulation: VTP surfaces and a PVD collection."""
 
 from __future__ import annotations
 

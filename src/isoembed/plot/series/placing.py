@@ -1,4 +1,4 @@
-"""Embedded horizons of a run, each at its center in the slice, turned so that they follow one another."""
+"""Placement of embedded horizons at their centers in the slice, with rotations continuous in time."""
 
 from __future__ import annotations
 

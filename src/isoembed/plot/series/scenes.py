@@ -1,4 +1,4 @@
-"""What is seen of a run at one time: the horizons that are there, and those that are lost."""
+"""Scenes of a simulation: the horizons, found and lost, at one time."""
 
 from __future__ import annotations
 

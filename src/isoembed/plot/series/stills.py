@@ -1,4 +1,4 @@
-"""Still pictures of embedded horizons, in one scale, so that they can be compared and made a film."""
+"""Still pictures of embedded horizons on a common scale."""
 
 from __future__ import annotations
 

@@ -1,0 +1,116 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
+"""Compiled flips in a triangulation without loops or multiple edges, straight and Ptolemaic."""
+
+from __future__ import annotations
+
+import cython
+
+if cython.compiled:
+    from cython.cimports.isoembed.intrinsic.loops import (
+        Mesh,
+        Rule,
+        edges_between,
+        flip,
+        following,
+        preceding,
+        swap_diagonals,
+    )
+    from cython.cimports.isoembed.space.trigonometry import chord
+else:
+    from isoembed.intrinsic.loops import (
+        Mesh,
+        Rule,
+        edges_between,
+        flip,
+        following,
+        preceding,
+        swap_diagonals,
+    )
+    from isoembed.space.trigonometry import chord
+
+Int = cython.typedef(cython.longlong)
+Real = cython.typedef(cython.double)
+
+THINNEST = cython.declare(
+    cython.double, 1e-15
+)  # height over longest side: thinner triangles are lost in rounding
+BLOCKED = cython.declare(cython.longlong, -1)  # outcomes of a rule, as in `loops`
+LEFT = cython.declare(cython.longlong, 0)
+FLIPPED = cython.declare(cython.longlong, 1)
+
+
+@cython.cclass
+class Straight(Rule):
+    """The rule by which an edge gives way to the straight line across its two triangles unfolded.
+
+    It leaves the star of a vertex alone, ``fixed``, and doubles no edge.
+    """
+
+    mesh: Mesh
+    fixed: cython.longlong
+
+    def __init__(self, mesh: Mesh, fixed):
+        self.mesh, self.twins, self.fixed = mesh, mesh.twins, fixed
+
+    @cython.cfunc
+    @cython.exceptval(check=False)
+    def attempt(self, h: cython.longlong) -> cython.longlong:
+        if not _is_demanded(h, self.mesh, self.fixed):
+            return LEFT
+        return FLIPPED if flip(h, self.mesh, THINNEST) else BLOCKED
+
+
+@cython.cclass
+class Ptolemaic(Rule):
+    """The rule by which an edge gives way to the other diagonal of a quadrilateral inscribed in a circle.
+
+    It leaves the star of a vertex alone, ``fixed``, and doubles no edge.
+    """
+
+    mesh: Mesh
+    fixed: cython.longlong
+
+    def __init__(self, mesh: Mesh, fixed):
+        self.mesh, self.twins, self.fixed = mesh, mesh.twins, fixed
+
+    @cython.cfunc
+    @cython.exceptval(check=False)
+    def attempt(self, h: cython.longlong) -> cython.longlong:
+        mesh = self.mesh
+        if not _is_demanded(h, mesh, self.fixed):
+            return LEFT
+        t, lengths = mesh.twins[h], mesh.lengths
+        jk, ki, im, mj = following(h), preceding(h), following(t), preceding(t)
+        diagonal = (lengths[ki] * lengths[mj] + lengths[jk] * lengths[im]) / lengths[h]
+        lengths[t], lengths[h] = lengths[jk], lengths[im]
+        lengths[jk] = lengths[im] = diagonal
+        swap_diagonals(h, mesh.corners, mesh.twins)
+        return FLIPPED
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def _is_demanded(h: Int, mesh: Mesh, fixed: Int) -> cython.bint:
+    """Whether a flip is demanded that leaves the star of a vertex alone and doubles no edge."""
+    corners, t = mesh.corners, mesh.twins[h]
+    # in cosines: four vertices on a circle, but for rounding
+    if _cosine(h, mesh) + _cosine(t, mesh) >= -1e-9:
+        return False
+    k, m = preceding(h), corners[preceding(t)]
+    if fixed in (corners[h], corners[t], corners[k], m):
+        return False
+    return edges_between(k, m, corners, mesh.twins) == 0
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def _cosine(h: Int, mesh: Mesh) -> Real:
+    """Twice the cosine across from a half-edge, also of a triangle that breaks the triangle inequality.
+
+    It is that of the triangle of chords: divided by ``cs(l / 2)``, which the two sides of an edge have in
+    common, it is the sine of half the excess of the other two angles over the one across.
+    """
+    l = chord(mesh.lengths[h], mesh.curvature)
+    a = chord(mesh.lengths[following(h)], mesh.curvature)
+    b = chord(mesh.lengths[preceding(h)], mesh.curvature)
+    return b / a + a / b - l * l / (b * a)

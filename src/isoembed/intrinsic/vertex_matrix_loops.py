@@ -1,0 +1,59 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
+"""Compiled assembly of a sparse symmetric matrix over the vertices from values on half-edges."""
+
+from __future__ import annotations
+
+import cython
+import numpy as np
+
+Int = cython.typedef(cython.longlong)
+ConstInt = cython.typedef(cython.const[cython.longlong])
+Int32 = cython.typedef(cython.int)
+Real = cython.typedef(cython.double)
+ConstReal = cython.typedef(cython.const[cython.double])
+
+
+def assembled(corners: ConstInt[::1], twins: ConstInt[::1], values: ConstReal[::1], diagonal: ConstReal[::1]):
+    n = diagonal.shape[0]
+    indptr: Int32[::1] = np.ones(n + 1, dtype=np.int32)
+    indptr[0] = 0
+    for h in range(corners.shape[0]):
+        indptr[corners[h] + 1] += 1
+    for i in range(n):
+        indptr[i + 1] += indptr[i]
+    # The half-edges by the vertex that they leave: one entry less a vertex than there are in its column.
+    leaving: Int32[::1] = np.empty(corners.shape[0], dtype=np.int32)
+    end: Int32[::1] = np.empty(n, dtype=np.int32)
+    for i in range(n):
+        end[i] = indptr[i] - i
+    for h in range(corners.shape[0]):
+        i = corners[h]
+        leaving[end[i]] = h
+        end[i] += 1
+    indices: Int32[::1] = np.empty(indptr[n], dtype=np.int32)
+    data: Real[::1] = np.empty(indptr[n])
+    for i in range(n):
+        end[i] = indptr[i]
+    for i in range(n):  # columns get their rows in order, and equal ones one after the other
+        indices[end[i]], data[end[i]] = i, diagonal[i]
+        end[i] += 1
+        for k in range(indptr[i] - i, indptr[i + 1] - i - 1):
+            h = leaving[k]
+            j = corners[twins[h]]
+            e = end[j]
+            if e > indptr[j] and indices[e - 1] == i:
+                data[e - 1] += values[h]
+            else:
+                indices[e], data[e] = i, values[h]
+                end[j] = e + 1
+    count: Int = 0
+    for i in range(n):
+        start, indptr[i] = indptr[i], count
+        if start == count:
+            count = end[i]
+            continue
+        for e in range(start, end[i]):
+            indices[count], data[count] = indices[e], data[e]
+            count += 1
+    indptr[n] = count
+    return np.asarray(indptr), np.asarray(indices[:count]), np.asarray(data[:count])
