@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.relativity.horizons.ladder import in_degree, level_of
 from isoembed.relativity.horizons.newton import Solution, solve
+from isoembed.relativity.horizons.radial_image import discretized, in_degree
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
@@ -92,10 +92,11 @@ def leaf_of(
     """
     highest = HIGHEST_DEGREES[int(symmetric)]
     while True:
-        level = level_of(geometry, guess)
-        solution = solve(level, guess.coefficients, None, enough)
-        f, harmonics, theta = solution.shape.f, guess.harmonics, solution.shape.local.expansion
-        errors, R = np.abs(level.expansion_errors(solution.shape)), level.areal_radius(solution.shape)
+        discretization = discretized(geometry, guess)
+        solution = solve(discretization, guess.coefficients, None, enough)
+        at, harmonics = solution.iterate, guess.harmonics
+        f, theta = at.f, at.local.expansion
+        errors, R = np.abs(discretization.expansion_errors(at)), discretization.areal_radius(at)
         high = harmonics.labels[0] > 0.75 * harmonics.degree
         tail = np.abs(f[high]).max() / f[0]
         spread = 0.5 * R * float(np.ptp(theta))
@@ -121,7 +122,7 @@ def leaf_of(
         areal_radius=R,
         rate=rate,
         tangent=tangent,
-        speed=float(np.abs(level.transform.values(tangent[:, None])).max()) * np.sqrt(4.0 * np.pi),
+        speed=float(np.abs(discretization.transform.values(tangent[:, None])).max()) * np.sqrt(4.0 * np.pi),
         noise=solution.noise,
     )
 
@@ -144,7 +145,7 @@ def clearance(geometry: ThreeGeometry, surface: StarSurface) -> float:
 def _tangent(solution: Solution) -> tuple[float, Floats]:
     """The derivatives of the expansion and of the coefficients in that of degree zero."""
     equations = solution.equations
-    one = np.zeros(len(solution.shape.f))
+    one = np.zeros(len(solution.iterate.f))
     one[0] = 1.0
     rates = -equations.solved(replace(equations, free=False).applied(one))
     rate, rates[0] = float(rates[0]), 1.0

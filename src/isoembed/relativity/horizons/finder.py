@@ -12,17 +12,16 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.foliation import Foliation, crossing, foliate, inside
-from isoembed.relativity.horizons.found_horizon import FoundHorizon, mapped_horizon, star_horizon
-from isoembed.relativity.horizons.ladder import is_symmetric
-from isoembed.relativity.horizons.mapped_ladder import swept_mapped
+from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near, refined_horizon
 from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.normal_image import foliated_inwards
+from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.horizons.search_places import Place, places_of
-from isoembed.relativity.horizons.sheet import Sheet
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.smooth.two_metric import angle_frame
 
 NODES = (16, 32)  # heights and angles at which a guess is tried
 # First spheres, over the guess: small ones for grids and among holes, large ones around fast holes.
@@ -87,7 +86,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         return replace(first, notes=(*first.notes, note))
     guess.expansion(geometry, gauss_rule(*NODES)[0])  # refuses a guess that leaves the slice
     try:
-        return _near(geometry, guess, 0.0)
+        return horizon_near(geometry, guess)
     except FAILURES as error:
         why = str(error)
     if isinstance(guess, StarSurface):
@@ -140,7 +139,7 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface
     True
     """
     try:
-        return _near(geometry, guess, expansion)
+        return horizon_near(geometry, guess, expansion)
     except FAILURES as error:
         raise NoHorizon(
             f"no surface of expansion {expansion:.6g} was found near the guess: {error}"
@@ -166,8 +165,8 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
     geometry, surface = outer.geometry, outer.surface
     try:
         # First degree of surfaces inside a horizon.
-        start = Sheet.of(surface, 24, symmetric=is_symmetric(geometry, surface)).even()
-        inner = mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
+        start = HarmonicMap.projected(surface, 24, symmetric=is_symmetric(geometry, surface))
+        inner = refined_horizon(geometry, foliated_inwards(geometry, start.reparametrized()))
     except FAILURES as error:
         raise NoHorizon(f"no inner horizon was found where it was looked for: {error}") from None
     if inner.outer:  # Newton's method may lead back to the one outside
@@ -176,14 +175,6 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
             f"{inner.area:.6g}, is stable, with the eigenvalue {inner.stability:.3g} / R^2"
         )
     return inner
-
-
-def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHorizon:
-    """The surface near a guess, by Newton's method alone."""
-    symmetric = is_symmetric(geometry, guess)
-    if isinstance(guess, StarSurface):
-        return star_horizon(geometry, guess, expansion, symmetric=symmetric)
-    return mapped_horizon(geometry, Sheet.of(guess, guess.harmonics.degree, symmetric=symmetric), expansion)
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,7 +233,7 @@ def _holes_inside(geometry: ThreeGeometry, surface: Surface) -> frozenset[int]:
     n, order = surface.harmonics.degree + NODES[0], surface.harmonics.order
     u, weights = gauss_rule(n, 2 * (order + NODES[0]))
     jet = surface.jet(u)
-    normals = np.cross(*(np.einsum("nij,nj->ni", jet.first, e) for e in angle_frame(u)))
+    normals = np.cross(jet.first[:, 0], jet.first[:, 1])
     inside = []
     for i, (_, position) in enumerate(getattr(geometry, "black_holes", ())):
         away = jet.x - np.array(position)
@@ -329,7 +320,7 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
     for closeness in (1e-4, 1e-6, 1e-8):
         try:
             outer, inner, guess = crossing(geometry, outer, inner, symmetric=symmetric, closeness=closeness)
-            horizon = star_horizon(geometry, guess, 0.0, symmetric=symmetric)
+            horizon = horizon_near(geometry, guess, symmetric=symmetric)
         except FAILURES as error:
             why = str(error)
             continue
@@ -379,7 +370,7 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
     """The surface of least expansion, where that is zero to rounding: a horizon of stability zero."""
     assert foliation.minimum is not None
     try:
-        horizon = star_horizon(geometry, foliation.minimum.surface, 0.0, symmetric=symmetric)
+        horizon = horizon_near(geometry, foliation.minimum.surface, symmetric=symmetric)
     except FAILURES:
         return None
     if horizon.residual > 1e-9 or abs(horizon.stability) > 1e-4:

@@ -31,8 +31,8 @@ from isoembed.relativity.horizons.constant_expansion import (
     hole_heights,
     leaf_of,
 )
-from isoembed.relativity.horizons.ladder import about, in_degree, recentered
 from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.radial_image import about, in_degree, recentered
 from isoembed.relativity.spacetimes.scaled_curvature import ScaledCurvature
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface

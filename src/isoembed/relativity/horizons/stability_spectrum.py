@@ -25,17 +25,13 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import checked_count
-from isoembed.relativity.horizons.expansion_operator import (
-    Fields,
-    LinearizedExpansion,
-    LocalSurface,
-    linearized,
-)
+from isoembed.relativity.horizons.discretization import DEALIASING
+from isoembed.relativity.horizons.expansion_operator import LinearizedExpansion, linearized
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
-from isoembed.relativity.horizons.sheet import Sheet
 from isoembed.relativity.horizons.stability import SETTLED
-from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
-from isoembed.relativity.horizons.surface_level import DEALIASING
+from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
+from isoembed.relativity.spacetimes.jet import SurfaceFamily
+from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -208,8 +204,8 @@ class _Displacements:
     def of(cls, surface: StarSurface | MappedSurface, heights: int, around: int) -> _Displacements:
         """Those at the nodes of a rule."""
         if isinstance(surface, MappedSurface):
-            sheet = Sheet(surface.harmonics.degree, _is_symmetric(surface), surface.coefficients)
-            return cls(SurfaceFamily(sheet.jet(heights), sheet.normals().jet(heights)))
+            map = HarmonicMap(surface.harmonics, surface.coefficients)
+            return cls(SurfaceFamily(map.jet_at_nodes(heights), map.normals().jet_at_nodes(heights)))
         transform, c = SphereTransform(surface.harmonics, heights, around), surface.coefficients[:, None]
         star = SurfaceFamily.star(surface.center, transform.u)
         radius = transform.values(c)[:, 0], transform.gradients(c)[..., 0], transform.hessians(c)[..., 0]
@@ -217,16 +213,12 @@ class _Displacements:
 
     def longer(self, factor: float) -> _Displacements:
         """The same displacements, but for a factor, which the operator does not see."""
-        D = self.family.direction
-        longer = Jet(factor * D.value, factor * D.first, factor * D.second)
-        return _Displacements(SurfaceFamily(self.family.base, longer))
+        return _Displacements(replace(self.family, direction=self.family.direction.scaled(factor)))
 
-    def linearized(self, geometry: ThreeGeometry) -> tuple[LocalSurface, LinearizedExpansion]:
+    def linearized(self, geometry: ThreeGeometry) -> tuple[LocalGeometry, LinearizedExpansion]:
         """The surface in a slice, and how its expansion changes."""
-        surface = self.family.base
-        fields = Fields.of(geometry, surface.value)
-        local = LocalSurface.of(fields, surface.first, surface.second)
-        return local, linearized(geometry, self.family, surface, fields, local)
+        local = LocalGeometry.of(geometry, self.family.base)
+        return local, linearized(self.family, local)
 
     def coefficients(self, geometry: ThreeGeometry) -> Floats:
         """The functions (7, N) that make a `LinearizedExpansion`."""

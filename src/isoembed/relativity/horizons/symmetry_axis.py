@@ -9,7 +9,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
-from isoembed.relativity.horizons.ladder import HIGHEST_DEGREE, is_symmetric
+from isoembed.relativity.horizons.radial_image import HIGHEST_DEGREES, is_symmetric
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.rotated_frame import RotatedFrame
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -42,7 +42,7 @@ class Axis:
         otherwise a map whose directions are those of the frame.
         """
         rotation, origin = self.frame.rotation, self.frame.origin
-        if isinstance(found, StarSurface) and found.harmonics.degree <= HIGHEST_DEGREE:
+        if isinstance(found, StarSurface) and found.harmonics.degree <= HIGHEST_DEGREES[0]:
             center = (origin + rotation @ np.array(found.center)).tolist()
             harmonics = Harmonics(found.harmonics.degree, found.harmonics.degree)
             fit = deviating(found.harmonics)

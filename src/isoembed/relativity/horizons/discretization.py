@@ -1,4 +1,4 @@
-"""Surfaces of a family in harmonics of one degree, and linear equations for their changes."""
+"""Discretization of a family of surfaces in harmonics of one degree, and linear equations for their changes."""
 
 from __future__ import annotations
 
@@ -10,13 +10,9 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from isoembed.arrays import Floats, Indices
-from isoembed.relativity.horizons.expansion_operator import (
-    Fields,
-    LinearizedExpansion,
-    LocalSurface,
-    linearized,
-)
-from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
+from isoembed.relativity.horizons.expansion_operator import LinearizedExpansion, linearized
+from isoembed.relativity.spacetimes.jet import SurfaceFamily
+from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
@@ -25,17 +21,21 @@ DEALIASING = 1.5  # circles of nodes over the degree: products are not aliased
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
-    """One surface of a family: the coefficients (size,) of f, and what is at the nodes."""
+class Iterate:
+    """One surface of a family: the coefficients (size,) of f, and its local geometry at the nodes."""
 
     f: Floats
-    surface: Jet
-    fields: Fields
-    local: LocalSurface
+    local: LocalGeometry
+
+    @property
+    def radius(self) -> float:
+        """The mean distance from the mean point, root-mean-square over the nodes."""
+        x = self.local.jet.x
+        return float(np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1))))
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class Discretization:
     """Surfaces of a family in harmonics of one degree, in a slice.
 
     Attributes
@@ -50,7 +50,7 @@ class Level:
     transform: SphereTransform
     family: SurfaceFamily
 
-    def shape(self, f: Floats) -> Shape:
+    def iterate(self, f: Floats) -> Iterate:
         """The surface with the coefficients f (size,).
 
         Raises
@@ -60,26 +60,25 @@ class Level:
         """
         c, T = f[:, None], self.transform
         surface = self.family.at(T.values(c)[:, 0], T.gradients(c)[:, :, 0], T.hessians(c)[:, :, 0])
-        fields = Fields.of(self.geometry, surface.value)
-        return Shape(f, surface, fields, LocalSurface.of(fields, surface.first, surface.second))
+        local = LocalGeometry.of(self.geometry, surface)
+        _ = local.expansion  # refuses points where the slice is not known
+        return Iterate(f, local)
 
-    def expansion_errors(self, shape: Shape) -> Floats:
+    def expansion_errors(self, at: Iterate) -> Floats:
         """Errors (n,) of the expansion, as the slice tells them."""
 
         def expansion(geometry: ThreeGeometry) -> Floats:
-            fields = Fields.of(geometry, shape.surface.value)
-            return LocalSurface.of(fields, shape.surface.first, shape.surface.second).expansion[None]
+            return LocalGeometry.of(geometry, at.local.jet).expansion[None]
 
         return self.geometry.error(expansion)[0]
 
-    def areal_radius(self, shape: Shape) -> float:
+    def areal_radius(self, at: Iterate) -> float:
         """The root of the area over 4 pi."""
-        return float(np.sqrt(self.transform.weights @ shape.local.density / (4.0 * np.pi)))
+        return float(np.sqrt(self.transform.weights @ at.local.density / (4.0 * np.pi)))
 
-    def equations(self, shape: Shape) -> Equations:
+    def equations(self, at: Iterate) -> Equations:
         """Those for changes of f that change the expansion as asked for."""
-        linear = linearized(self.geometry, self.family, shape.surface, shape.fields, shape.local)
-        return Equations(self.transform, LowDegrees.of(self.transform), linear)
+        return Equations(self.transform, LowDegrees.of(self.transform), linearized(self.family, at.local))
 
 
 @dataclass(frozen=True, eq=False)

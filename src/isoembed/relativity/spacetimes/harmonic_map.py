@@ -1,15 +1,15 @@
-"""Maps of the sphere into a slice that are moved along their normals, and given better coordinates."""
+"""Maps of the unit sphere into space with coordinates in spherical harmonics: displacement, reparametrization."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from scipy.fft import dct
 
 from isoembed.arrays import Floats
-from isoembed.relativity.horizons.surface_family import Jet
+from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
@@ -20,67 +20,68 @@ AROUND = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
-    """A map of the unit sphere: coordinates in spherical harmonics, with coefficients (size, 3).
+class HarmonicMap:
+    """A map X of the unit sphere, its coordinates in spherical harmonics.
 
     Attributes
     ----------
-    degree : int
-    symmetric : bool
-        About z: only the orders 0 and 1 are there.
-    coefficients : ndarray, shape (size, 3)
+    harmonics : Harmonics
+    coefficients : ndarray, shape (harmonics.size, 3)
+        Those of X, lengths.
     """
 
-    degree: int
-    symmetric: bool
+    harmonics: Harmonics
     coefficients: Floats
 
     @classmethod
-    def of(cls, surface: Surface, degree: int, *, symmetric: bool) -> Sheet:
+    def projected(cls, surface: Surface, degree: int, *, symmetric: bool) -> HarmonicMap:
         """Projection of a surface, in its own directions."""
-        T = _transform(degree, 2 * max(degree, surface.harmonics.degree) + 4, symmetric)
-        return cls(degree, symmetric, T.analysis(surface.points(T.u)))
+        n = 2 * max(degree, surface.harmonics.degree) + 4
+        T = SphereTransform(coordinate_harmonics(degree, symmetric), n, AROUND if symmetric else 2 * n)
+        return cls(T.harmonics, T.analysis(surface.points(T.u)))
 
     @property
-    def harmonics(self) -> Harmonics:
-        """Those of the coordinates."""
-        return harmonics_of(self.degree, self.symmetric)
+    def degree(self) -> int:
+        """Of the harmonics."""
+        return self.harmonics.degree
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether it is symmetric about z: only the orders 0 and 1 are there."""
+        return self.harmonics.order <= 1
 
     @property
     def radius(self) -> float:
         """The mean distance from the mean point, root-mean-square over the directions."""
         return float(np.sqrt(np.sum(self.coefficients[1:] ** 2) / (4.0 * np.pi)))
 
-    @property
-    def tail(self) -> float:
-        """The largest coefficient of high degree over the radius."""
-        high = self.harmonics.labels[0] > 0.875 * self.degree
-        return float(np.abs(self.coefficients[high]).max()) / self.radius
-
-    def in_degree(self, degree: int) -> Sheet:
+    def in_degree(self, degree: int, *, symmetric: bool | None = None) -> HarmonicMap:
         """The same map, cut off or filled up with zeros."""
-        new = harmonics_of(degree, self.symmetric)
-        return Sheet(degree, self.symmetric, resized(self.coefficients, self.harmonics, new))
+        new = coordinate_harmonics(degree, self.symmetric if symmetric is None else symmetric)
+        return HarmonicMap(new, resized(self.coefficients, self.harmonics, new))
 
-    def jet(self, n: int) -> Jet:
+    def jet(self, u: Floats) -> Jet:
+        """The map to second order in the directions u (n, 3)."""
+        return Jet.of_tensors(u, *self.harmonics.derivatives(u, self.coefficients))
+
+    def jet_at_nodes(self, n: int) -> Jet:
         """The map at the nodes of n circles; with symmetry at those of one meridian."""
-        jet = Jet.of(_transform(self.degree, n, self.symmetric), self.coefficients)
-        step = AROUND if self.symmetric else 1
-        return Jet(jet.value[::step], jet.first[::step], jet.second[::step])
+        jet = Jet.at_nodes(_transform(self.harmonics, n), self.coefficients)
+        return jet[:: AROUND if self.symmetric else 1]
 
-    def normals(self) -> Sheet:
+    def normals(self) -> HarmonicMap:
         """The unit normals of flat space, in the same harmonics."""
-        T = _transform(self.degree, 2 * self.degree + 4, self.symmetric)
-        return replace(self, coefficients=T.analysis(_normals(T, self.coefficients)))
+        T = self._fine
+        return HarmonicMap(self.harmonics, T.analysis(_normals(T, self.coefficients)))
 
-    def moved(self, direction: Sheet, f: Floats, harmonics: Harmonics) -> Sheet:
+    def displaced(self, direction: HarmonicMap, f: Floats, harmonics: Harmonics) -> HarmonicMap:
         """The map ``X + f D`` in the same harmonics, f (size,) in given ones."""
-        T = _transform(self.degree, 2 * self.degree + 4, self.symmetric)
+        T = self._fine
         shift = SphereTransform(harmonics, T.n, T.around).values(f[:, None])
         x = T.values(self.coefficients) + shift * T.values(direction.coefficients)
-        return replace(self, coefficients=T.analysis(x))
+        return HarmonicMap(self.harmonics, T.analysis(x))
 
-    def even(self) -> Sheet:
+    def reparametrized(self) -> HarmonicMap:
         """The same surface, nearly, in coordinates in which it needs fewer harmonics.
 
         With symmetry, by the length of the meridian.  Otherwise high degrees are damped, but only along the
@@ -88,7 +89,7 @@ class Sheet:
         """
         if self.symmetric:
             return self._by_length()
-        T = _transform(self.degree, 2 * self.degree + 4, self.symmetric)
+        T = self._fine
         # The highest degree is damped by exp(-2).
         damped = np.exp(-2.0 * (self.harmonics.labels[0] / self.degree) ** 2)[:, None]
         c = self.coefficients
@@ -97,9 +98,9 @@ class Sheet:
             change = T.values((damped - 1.0) * c)
             change -= np.einsum("ni,ni->n", change, n)[:, None] * n
             c = c + T.analysis(change)
-        return replace(self, coefficients=c)
+        return HarmonicMap(self.harmonics, c)
 
-    def _by_length(self) -> Sheet:
+    def _by_length(self) -> HarmonicMap:
         # Angles along a meridian, and terms of the series of its length.
         samples, terms = 20 * self.degree, 6 * self.degree
         theta = (np.arange(samples) + 0.5) * np.pi / samples
@@ -113,7 +114,7 @@ class Sheet:
         def length(t: Floats) -> Floats:
             return np.asarray(series[0] * t + np.sin(np.outer(t, k)) @ (series[1:] / k))
 
-        T = _transform(self.degree, 2 * self.degree + 4, self.symmetric)
+        T = self._fine
         aim = series[0] * np.arccos(T.u[::AROUND, 2])
         t = np.interp(aim, length(theta), theta)
         for _ in range(8):  # Newton's method
@@ -122,17 +123,22 @@ class Sheet:
         rho, z = np.repeat(on_meridian[:, 0], AROUND), np.repeat(on_meridian[:, 2], AROUND)
         phi = np.arctan2(T.u[:, 1], T.u[:, 0])
         x = np.stack([rho * np.cos(phi), rho * np.sin(phi), z], axis=1)
-        return replace(self, coefficients=T.analysis(x))
+        return HarmonicMap(self.harmonics, T.analysis(x))
+
+    @property
+    def _fine(self) -> SphereTransform:
+        """Nodes twice as dense as the degree needs."""
+        return _transform(self.harmonics, 2 * self.degree + 4)
 
 
-def harmonics_of(degree: int, symmetric: bool) -> Harmonics:
-    """Those of coordinates of this degree."""
+def coordinate_harmonics(degree: int, symmetric: bool) -> Harmonics:
+    """The harmonics of coordinates: with symmetry about z those of the orders 0 and 1."""
     return Harmonics(degree, min(1, degree) if symmetric else degree)
 
 
 @lru_cache(maxsize=4)
-def _transform(degree: int, n: int, symmetric: bool) -> SphereTransform:
-    return SphereTransform(harmonics_of(degree, symmetric), n, AROUND if symmetric else 2 * n)
+def _transform(harmonics: Harmonics, n: int) -> SphereTransform:
+    return SphereTransform(harmonics, n, AROUND if harmonics.order <= 1 else 2 * n)
 
 
 def _normals(T: SphereTransform, coefficients: Floats) -> Floats:
