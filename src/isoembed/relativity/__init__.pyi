@@ -2,6 +2,7 @@ from .energies.chen_wang_yau import ChenWangYau as ChenWangYau
 from .energies.chen_wang_yau import chen_wang_yau as chen_wang_yau
 from .energies.embedded import EmbeddedSurface as EmbeddedSurface
 from .energies.embedded import embed_surface as embed_surface
+from .energies.embedded import embedded_report as embedded_report
 from .energies.energies import Energies as Energies
 from .energies.energies import Integrals as Integrals
 from .energies.mesh_deviation import mesh_deviation as mesh_deviation
@@ -9,7 +10,6 @@ from .energies.mesh_energies import mesh_energies as mesh_energies
 from .energies.report import energy_table as energy_table
 from .energies.report import mesh_report as mesh_report
 from .energies.report import unembedded_report as unembedded_report
-from .energies.report import wang_yau_report as wang_yau_report
 from .energies.time_function import TimeFunction as TimeFunction
 from .energies.wang_yau_energy import wang_yau as wang_yau
 from .energies.wang_yau_result import WangYau as WangYau
@@ -29,7 +29,8 @@ from .horizons.found_horizon import FoundHorizon as FoundHorizon
 from .horizons.grid_file import read_grid_data as read_grid_data
 from .horizons.grid_file import read_metric_grid as read_metric_grid
 from .horizons.grid_file import read_metric_or_grid as read_metric_or_grid
-from .horizons.horizon import Horizon as Horizon
+from .horizons.horizon import HorizonFacts as HorizonFacts
+from .horizons.horizon import horizon_data as horizon_data
 from .horizons.horizon_file import read_horizon as read_horizon
 from .horizons.horizon_format import HorizonFormat as HorizonFormat
 from .horizons.horizon_shape import HorizonShape as HorizonShape

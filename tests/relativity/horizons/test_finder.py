@@ -186,7 +186,7 @@ def test_a_horizon_that_exists_and_is_not_resolved(monkeypatch):
     def fails(*_, **__):
         raise NoConvergence("the residual falls no more")
 
-    monkeypatch.setattr(finder, "star_horizon", fails)
+    monkeypatch.setattr(finder, "horizon_near", fails)
     with pytest.raises(
         NoHorizon, match="a horizon exists between two surfaces, and no horizon was resolved"
     ) as failure:

@@ -83,9 +83,9 @@ class TestClosedForms:
     def test_in_flat_space(self, shape):
         surface = MappedSurface.from_map(shape)
         normals, k = mapped_shapes.differences(shape, U)
-        frame = surface.frame(FLAT, U)
-        np.testing.assert_allclose(frame.normal[1], normals, atol=1e-11)
-        np.testing.assert_allclose(frame.mean_curvature(), k, rtol=1e-7)
+        local = surface.local_geometry(FLAT, U)
+        np.testing.assert_allclose(local.normal[1], normals, atol=1e-11)
+        np.testing.assert_allclose(local.mean_curvature, k, rtol=1e-7)
 
     @pytest.mark.parametrize("shape", SHAPES[:2])
     def test_in_a_conformally_flat_slice(self, shape):
@@ -167,9 +167,9 @@ def banana():
 def integrals(surface, geometry):
     """The area and the integral of k."""
     u, weights = gauss_rule(48, 96)
-    frame = surface.frame(geometry, u)
-    areas = weights * area_density(frame.q)
-    return areas.sum(), areas @ frame.mean_curvature()
+    local = surface.local_geometry(geometry, u)
+    areas = weights * area_density(local.q)
+    return areas.sum(), areas @ local.mean_curvature
 
 
 class TestMeshes:

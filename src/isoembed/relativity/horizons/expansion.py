@@ -110,8 +110,10 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     )
 
 
-def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None = None) -> SurfaceData:
-    """Data of a surface that is taken for a horizon or not, with errors and notes accordingly.
+def classify_horizon(
+    data: SurfaceData, marginal: bool | None, test: ExpansionTest | None = None
+) -> SurfaceData:
+    """Classification of a surface as a horizon or not: its data with errors and notes accordingly.
 
     Parameters
     ----------
@@ -159,8 +161,8 @@ def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None 
     )
 
 
-def noted_near(data: SurfaceData) -> SurfaceData:
-    """Data of a surface with a note if it may be a horizon."""
+def classify_surface(data: SurfaceData) -> SurfaceData:
+    """Classification of a surface as no horizon: its data with a note if it may be one."""
     if data.mean_curvature is None:
         return data
     test = expansion_test(data)

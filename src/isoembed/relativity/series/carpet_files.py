@@ -20,6 +20,7 @@ from isoembed.io.files import FileError
 from isoembed.relativity.series.carpet import CarpetPart, CarpetSlice, opened_unchanged
 from isoembed.relativity.series.grid_symmetry import symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
+from isoembed.relativity.series.source import SliceSource
 from isoembed.relativity.spacetimes.slice_file import GAMMA, K
 
 CARPET_FILE = re.compile(
@@ -40,7 +41,7 @@ CONFORMAL = re.compile(r"^\s*admbase::metric_type\s*=\s*\"?static conformal", re
 METADATA = "Parameters and Global Attributes"
 
 
-def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
+def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]:
     """Slices in files of Carpet; of an iteration that is in several folders that of the last restart.
 
     Parameters
@@ -71,7 +72,7 @@ def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     return [_listed(iteration, folders) for iteration in iterations]
 
 
-def _listed(iteration: int, folders: list[_Folder]) -> ListedSlice:
+def _listed(iteration: int, folders: list[_Folder]) -> ListedSlice[SliceSource]:
     """The slice of an iteration, each field of it from the last folder that has it, whole ones preferred."""
     there = [folder for folder in folders if iteration in folder.times]
     there.sort(key=lambda folder: not folder.flaw)  # stable: the last is whole if one is

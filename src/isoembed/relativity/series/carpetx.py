@@ -29,6 +29,7 @@ from isoembed.io.files import FileError
 from isoembed.relativity.series.carpet import SAMPLED
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap, symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
+from isoembed.relativity.series.source import SliceSource
 from isoembed.relativity.series.refined_grid import Component, covering_grid
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.slice_file import GAMMA, K
@@ -38,7 +39,7 @@ FILE = re.compile(r"(?!checkpoint).*\.bp[45]?")
 DATA = "data.0"
 
 
-def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
+def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]:
     """Slices in openPMD files of CarpetX; of an iteration that is in several of them that of the last.
 
     Parameters
@@ -56,7 +57,7 @@ def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     FileError
         There are such files, but none that can be read, or openpmd-api is not installed.
     """
-    listed: dict[int, ListedSlice] = {}
+    listed: dict[int, ListedSlice[SliceSource]] = {}
     flaws = []
     for path in paths:
         folder = Path(path).parent
@@ -72,7 +73,7 @@ def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     return [listed[iteration] for iteration in sorted(listed)]
 
 
-def _slices_in(path: str) -> Iterator[ListedSlice]:
+def _slices_in(path: str) -> Iterator[ListedSlice[SliceSource]]:
     with _opened(path) as series:
         for iteration, there in series.iterations.items():
             if any(MESH.fullmatch(mesh) for mesh in there.meshes):

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.spectre import surface_name
 from isoembed.relativity.series.file_names import is_pattern, listing_of
 from isoembed.relativity.series.matching import matched, ordered
-from isoembed.relativity.series.moment import ListedShape, ListedSlice, Moment
+from isoembed.relativity.series.moment import ListedSlice, Moment
 from isoembed.relativity.series.shape_files import SHAPE, shape_files_in, shapes_in_files
 from isoembed.relativity.series.simulation import simulation
 from isoembed.relativity.series.slice_files import slices_in_file, slices_in_folder, slices_of_pattern
@@ -21,7 +22,7 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 GRIDS = (*HDF5_ENDINGS, ".bp", ".bp4", ".bp5")  # of three-dimensional data of the Einstein Toolkit
 Path_ = str | os.PathLike[str]
-Simulation = tuple[list[ListedShape], list[ListedSlice]]
+Simulation = tuple[list[Moment], list[ListedSlice[SliceSource]]]
 
 
 def moments(
@@ -67,8 +68,8 @@ def moments(
             simulated[key] = simulation(folder)
         return simulated[key]
 
-    shapes: list[ListedShape] = []
-    slices: list[ListedSlice] = []
+    shapes: list[Moment] = []
+    slices: list[ListedSlice[SliceSource]] = []
     for given in horizons:
         is_run = hasattr(given, "allfiles")
         if not is_run and not os.path.isdir(given):
@@ -88,11 +89,11 @@ def moments(
     held = None
     if geometry is None and not slices:
         _refuse_coordinates(shapes)
-        return ordered(_moments(shapes, None))
+        return ordered(shapes)
     if geometry is not None:
         held, slices = _slices(geometry, simulation_in)
     if held is not None:
-        return ordered(_moments(shapes, held))
+        return ordered(replace(shape, slice=held) for shape in shapes)
     out = matched(shapes, slices)
     missing = [moment.slice.why for moment in out if isinstance(moment.slice, MissingSlice)]
     if len(missing) == len(out):
@@ -101,11 +102,7 @@ def moments(
     return out
 
 
-def _moments(shapes: list[ListedShape], slice_: SliceSource | None) -> list[Moment]:
-    return [Moment(shape.series, shape.time, shape.iteration, shape.source, slice_) for shape in shapes]
-
-
-def _chosen(shapes: list[ListedShape], horizons: Sequence[Any], surface: str | None) -> list[ListedShape]:
+def _chosen(shapes: list[Moment], horizons: Sequence[Any], surface: str | None) -> list[Moment]:
     """The horizons of one series, or all of them."""
     if not shapes:
         names = [str(getattr(given, "path", given)) for given in horizons]
@@ -119,12 +116,12 @@ def _chosen(shapes: list[ListedShape], horizons: Sequence[Any], surface: str | N
 
 def _slices(
     geometry: ThreeGeometry | Path_, simulation_in: Callable[[Path_], Simulation]
-) -> tuple[SliceSource | None, list[ListedSlice]]:
+) -> tuple[SliceSource | None, list[ListedSlice[SliceSource]]]:
     """One slice for all, or those that there are."""
     if not isinstance(geometry, str | os.PathLike):
         return HeldSlice(geometry), []
     if os.path.isdir(geometry):
-        slices: list[ListedSlice] = [*slices_in_folder(geometry)]
+        slices: list[ListedSlice[SliceSource]] = [*slices_in_folder(geometry)]
         if not slices and not _holds(geometry, GRIDS):
             raise FileError(f"there are no files of slices in {geometry}: {listing_of(geometry)}")
         return None, slices or simulation_in(geometry)[1]
@@ -143,12 +140,12 @@ def _holds(folder: Path_, endings: Sequence[str]) -> bool:
     return any(input_ending(path) in endings for path in Path(folder).rglob("*"))
 
 
-def _refuse_coordinates(shapes: list[ListedShape]) -> None:
+def _refuse_coordinates(shapes: list[Moment]) -> None:
     """Refuse horizons of which none has a metric, by the first of each series."""
     contents = []
     for shape in {shape.series: shape for shape in reversed(shapes)}.values():
         try:
-            found = shape.source.read()
+            found = shape.shape.read()
         except (FileError, InvalidMetric, InvalidParameter):
             return
         if not isinstance(found, CoordinateShape):

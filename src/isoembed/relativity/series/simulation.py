@@ -18,14 +18,15 @@ from typing import Any
 from isoembed.io.files import FileError
 from isoembed.relativity.series.carpet_files import carpet_slices, natural
 from isoembed.relativity.series.carpetx import carpetx_slices
-from isoembed.relativity.series.moment import ListedShape, ListedSlice
+from isoembed.relativity.series.moment import ListedSlice, Moment
 from isoembed.relativity.series.shape_files import shapes_in_files
+from isoembed.relativity.series.source import SliceSource
 
 SHAPES = re.compile(r"h\.t\d+\.ah\d+\.gp(?:\.gz)?")
 QUASILOCALMEASURES = re.compile(r"surface\d+_\d+\.vtk(?:\.gz)?")
 
 
-def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
+def simulation(folder: Any) -> tuple[list[Moment], list[ListedSlice[SliceSource]]]:
     """Horizons and slices of a simulation, for `isoembed.relativity.series.matching.matched`.
 
     Parameters
@@ -39,7 +40,7 @@ def simulation(folder: Any) -> tuple[list[ListedShape], list[ListedSlice]]:
 
     Returns
     -------
-    shapes : list of ListedShape
+    shapes : list of Moment
         One whose time the finder does not tell has that of its slice.
     slices : list of ListedSlice
 
@@ -77,7 +78,7 @@ def _files(folder: Any) -> list[str]:
     return list(SimDir(os.fspath(folder)).allfiles)
 
 
-def _shapes(files: list[Path], name: re.Pattern[str]) -> list[ListedShape]:
+def _shapes(files: list[Path], name: re.Pattern[str]) -> list[Moment]:
     """Horizons in files of such a name, of each iteration the last."""
     there = shapes_in_files(path for path in files if name.fullmatch(path.name))
     return list({(shape.series, shape.iteration): shape for shape in there}.values())

@@ -6,8 +6,8 @@ import pytest
 from isoembed.errors import NoHorizon
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, inner_horizon
-from isoembed.relativity.horizons.sheet import Sheet
 from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
@@ -82,8 +82,8 @@ def test_constant_expansion_from_a_mapped_guess():
 def test_even_coordinates_leave_the_surface():
     # r = 2 + cos^2(theta): lengths of the meridian between nodes are those of the whole.
     star = StarSurface.from_angles(lambda theta, phi: 2.0 + np.cos(theta) ** 2)
-    sheet = Sheet.of(star, 40, symmetric=True).even()
-    x = sheet.jet(60).value
+    even = HarmonicMap.projected(star, 40, symmetric=True).reparametrized()
+    x = even.jet_at_nodes(60).x
     r, z = np.linalg.norm(x, axis=1), x[:, 2]
     assert np.abs(r - 2.0 - (z / r) ** 2).max() < 1e-9
     u, _ = gauss_rule(60, 1)
