@@ -98,6 +98,9 @@ class Functional:
     ) -> Functional:
         """The functional of a surface.
 
+        Raises `InvalidParameter`: k is not given, or the mean curvature vector is not spacelike and outward;
+        the message says where.
+
         Parameters
         ----------
         data : SurfaceData
@@ -108,11 +111,6 @@ class Functional:
             That tau.
         harmonics, time : Harmonics
             Of X, and of the time functions.
-
-        Raises
-        ------
-        InvalidParameter
-            k is not given, or the mean curvature vector is not spacelike and outward; the message says where.
         """
         # Twice the degree, against aliasing.
         n = max(int(np.ceil(2.0 * (harmonics.degree + 1))), time.degree + 1)

@@ -76,6 +76,9 @@ def leaf_of(
 ) -> Leaf:
     """The surface of constant expansion with the mean radius of a guess.
 
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
+    `isoembed.relativity.horizons.newton.solve`.
+
     Parameters
     ----------
     geometry : ThreeGeometry
@@ -84,11 +87,6 @@ def leaf_of(
         About z: slice and surface.
     enough : float
         Residual, as a displacement over the radius, at which to stop.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        See `isoembed.relativity.horizons.newton.solve`.
     """
     highest = HIGHEST_DEGREES[int(symmetric)]
     while True:

@@ -53,10 +53,7 @@ class Discretization:
     def iterate(self, f: Floats) -> Iterate:
         """The surface with the coefficients f (size,).
 
-        Raises
-        ------
-        InvalidMetric, InvalidParameter
-            It leaves the points where the slice is known.
+        Raises `InvalidMetric` or `InvalidParameter`: it leaves the points where the slice is known.
         """
         c, T = f[:, None], self.transform
         surface = self.family.at(T.values(c)[:, 0], T.gradients(c)[:, :, 0], T.hessians(c)[:, :, 0])

@@ -278,12 +278,8 @@ def _inside_sphere(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
 def _foliated(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizon:
     """The horizon to which a foliation leads, in a frame where it needs the fewest harmonics.
 
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        There is no surface of constant expansion near the first one.
-    NoHorizon
-        There is no change of sign, or the horizon beside it is not resolved.
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is no surface of constant expansion
+    near the first one; `NoHorizon`: there is no change of sign, or the horizon beside it is not resolved.
     """
     if is_symmetric(geometry, start):
         return _from_foliation(geometry, start, True)
@@ -310,10 +306,7 @@ def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool
 def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon:
     """The stable horizon between barriers, which exists.
 
-    Raises
-    ------
-    NoHorizon
-        It was not resolved; the message names the barriers.
+    Raises `NoHorizon`: it was not resolved; the message names the barriers.
     """
     assert foliation.barriers is not None
     outer, inner = foliation.barriers

@@ -94,6 +94,9 @@ def foliate(
 ) -> Foliation:
     """Leaves from a surface inwards to a horizon, or outwards from a trapped one.
 
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is no surface of constant expansion
+    near the first one.
+
     Parameters
     ----------
     geometry : ThreeGeometry
@@ -102,11 +105,6 @@ def foliate(
         About z: slice and surface.
     longest_step : float
         Longest displacement of a leaf from the one before, over the mean radius.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        There is no surface of constant expansion near the first one.
     """
     leaves = [_first(geometry, start, symmetric)]
     outward = leaves[0].expansion <= 0.0
@@ -174,6 +172,9 @@ def crossing(
 ) -> tuple[Leaf, Leaf, StarSurface]:
     """Barriers closer to the horizon between two of them, and a prediction of the horizon.
 
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
+    `isoembed.relativity.horizons.newton.solve`.
+
     Parameters
     ----------
     geometry : ThreeGeometry
@@ -183,11 +184,6 @@ def crossing(
         About z: slice and surface.
     closeness : float
         The distance of the horizon from one of them, in mean radii, as the rate of the expansion predicts it.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        See `isoembed.relativity.horizons.newton.solve`.
     """
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
     xtol = closeness * largest / max(outer.speed, inner.speed)
@@ -203,6 +199,9 @@ def least_expansion(
 ) -> tuple[Leaf, float]:
     """The leaf of least expansion between two others, and the error of its expansion.
 
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
+    `isoembed.relativity.horizons.newton.solve`.
+
     Parameters
     ----------
     geometry : ThreeGeometry
@@ -212,11 +211,6 @@ def least_expansion(
         About z: slice and surface.
     settled : float
         Relative change of the least expansion with the degree that is none.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        See `isoembed.relativity.horizons.newton.solve`.
     """
     highest = HIGHEST_DEGREES[int(symmetric)]
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
@@ -301,10 +295,8 @@ def _family(
 def _root(f: Callable[[float], float], a: float, b: float, xtol: float) -> float:
     """The root between a and b by Brent's method.
 
-    Raises
-    ------
-    NoConvergence
-        The signs at the ends are the same: leaves found anew are not those that they were.
+    Raises `NoConvergence`: the signs at the ends are the same: leaves found anew are not those that they
+    were.
     """
     if f(a) * f(b) > 0.0:
         raise NoConvergence("no change of sign is left between two surfaces of constant expansion")
@@ -338,10 +330,7 @@ def _prediction_error(
 ) -> float:
     """The difference of a leaf from its prediction, over the displacement from the leaf before.
 
-    Raises
-    ------
-    NoConvergence
-        The leaves cross each other, or pass over a black hole.
+    Raises `NoConvergence`: the leaves cross each other, or pass over a black hole.
     """
     old = resized(guess.coefficients[:, None], guess.harmonics, leaf.surface.harmonics)[:, 0]
     u, _ = gauss_rule(leaf.surface.harmonics.degree + 2, 2 * leaf.surface.harmonics.order + 1)

@@ -90,6 +90,8 @@ def horizon_near(
 ) -> FoundHorizon:
     """The surface of constant expansion near a guess, by Newton's method alone, with its errors.
 
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is none, or it is known too badly.
+
     Parameters
     ----------
     geometry : ThreeGeometry
@@ -98,11 +100,6 @@ def horizon_near(
     expansion : float
     symmetric : bool, optional
         Whether slice and guess are symmetric about the z-axis, where that is known.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        There is none, or it is known too badly.
     """
     known = is_symmetric(geometry, guess) if symmetric is None else symmetric
     kind = RadialImage if isinstance(guess, StarSurface) else NormalImage

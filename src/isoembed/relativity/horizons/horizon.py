@@ -130,13 +130,9 @@ def coordinate_surface(found: CoordinateShape) -> StarSurface | MappedSurface:
     """Smooth surface through the points of a file, with its notes.
 
     Triangles of the file are used where the center does not see all of them from inside, and where a surface
-    in mapped coordinates fits their corners much better.
-
-    Raises
-    ------
-    InvalidParameter
-        The points are not star-shaped about the center, and there are no triangles; or the triangles are too
-        few for a smooth surface.
+    in mapped coordinates fits their corners much better.  Raises `InvalidParameter`: the points are not
+    star-shaped about the center, and there are no triangles; or the triangles are too few for a smooth
+    surface.
     """
     surface = _fitted(found)
     return replace(surface, notes=(*found.notes, *surface.notes)) if found.notes else surface

@@ -44,6 +44,9 @@ class Solution:
 def solve(discretization: Discretization, f: Floats, expansion: float | None, enough: float = 0.0) -> Solution:
     """Surface of constant expansion near a given one.
 
+    Raises `NoConvergence`: the residual falls no more, or less than tenfold in ten steps; `InvalidMetric` or
+    `InvalidParameter`: the slice is not known on the first surface.
+
     Parameters
     ----------
     discretization : Discretization
@@ -53,13 +56,6 @@ def solve(discretization: Discretization, f: Floats, expansion: float | None, en
         Without it the mean of f is held, and the expansion found.
     enough : float
         Residual, as a displacement over the radius, at which to stop.
-
-    Raises
-    ------
-    NoConvergence
-        The residual falls no more, or less than tenfold in ten steps.
-    InvalidMetric, InvalidParameter
-        The slice is not known on the first surface.
     """
     free = expansion is None
     at = discretization.iterate(f)

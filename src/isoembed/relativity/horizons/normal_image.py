@@ -124,10 +124,8 @@ class NormalImage(Image):
 def foliated_inwards(geometry: ThreeGeometry, start: HarmonicMap) -> NormalImage:
     """Foliation by constant expansion from a horizon inwards, through trapped surfaces, to where these end.
 
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        The surfaces just inside of it are not trapped, or they do not end.
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: the surfaces just inside of it are not
+    trapped, or they do not end.
     """
     highest = HIGHEST_DEGREES[int(start.symmetric)]
     map, step, trapped = start, LONGEST_STEP, False

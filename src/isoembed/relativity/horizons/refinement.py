@@ -66,10 +66,8 @@ class Image(ABC):
     def solved(self, geometry: ThreeGeometry, expansion: float) -> tuple[Image, Discretization, Solution, int]:
         """The surface of constant expansion nearby in this degree, and the number of Newton's steps.
 
-        Raises
-        ------
-        NoConvergence, InvalidMetric, InvalidParameter
-            See `isoembed.relativity.horizons.newton.solve`.
+        Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
+        `isoembed.relativity.horizons.newton.solve`.
         """
 
     @abstractmethod
@@ -109,10 +107,8 @@ class Refined:
 def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
     """Surface of constant expansion near a given one, in the degree that it needs.
 
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        See `isoembed.relativity.horizons.newton.solve`.
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
+    `isoembed.relativity.horizons.newton.solve`.
     """
     image, best = start, None
     steps = stalled = failures = 0

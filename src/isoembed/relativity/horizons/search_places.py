@@ -36,12 +36,8 @@ def places_of(geometry: ThreeGeometry) -> Iterator[Place]:
     """Spheres around all that there is in a slice, and around groups of its holes, the largest first.
 
     Groups whose sphere reaches another hole are left out, as are those of holes further apart than twice
-    their mass: in Brill-Lindquist's slices a common horizon ends at .77 of it.
-
-    Raises
-    ------
-    InvalidParameter
-        The slice does not say where its holes are.
+    their mass: in Brill-Lindquist's slices a common horizon ends at .77 of it.  Raises `InvalidParameter`:
+    the slice does not say where its holes are.
     """
     holes = tuple(getattr(geometry, "black_holes", ()))
     box = getattr(geometry, "box", None)

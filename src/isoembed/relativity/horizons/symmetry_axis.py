@@ -89,12 +89,8 @@ def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
 
     Candidates are the dipole and the principal axes of the expansion on the sphere; one is taken if the
     expansion of several surfaces does not change around it.  None is known where there is none that is seen,
-    or where all directions are equal.
-
-    Raises
-    ------
-    InvalidMetric, InvalidParameter
-        The sphere leaves the slice.
+    or where all directions are equal.  Raises `InvalidMetric` or `InvalidParameter`: the sphere leaves the
+    slice.
     """
     center = np.array(sphere.center)
     u, weights = gauss_rule(128, 256)  # resolves the expansion around fast holes to rounding

@@ -102,12 +102,8 @@ class AMRGrid:
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`.
 
-        Raises
-        ------
-        InvalidParameter
-            A point is in no level with the points around it that the interpolation takes.
-        FileError
-            The files cannot be read, or have changed.
+        Raises `InvalidParameter`: a point is in no level with the points around it that the interpolation
+        takes; `FileError`: the files cannot be read, or have changed.
         """
         return self._values("metric", x, (3, 3))
 

@@ -44,6 +44,8 @@ METADATA = "Parameters and Global Attributes"
 def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]:
     """Slices in files of Carpet; of an iteration that is in several folders that of the last restart.
 
+    Raises `FileError`: there are such files, but none that can be read.
+
     Parameters
     ----------
     paths : iterable of path
@@ -54,11 +56,6 @@ def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]
     -------
     list of ListedSlice
         By iteration.  A slice of which something is missing or damaged is among them: reading it says what.
-
-    Raises
-    ------
-    FileError
-        There are such files, but none that can be read.
     """
     by_folder: dict[Path, _Folder] = {}
     for path in sorted(map(Path, paths), key=natural):

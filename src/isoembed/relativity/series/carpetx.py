@@ -42,6 +42,8 @@ DATA = "data.0"
 def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]:
     """Slices in openPMD files of CarpetX; of an iteration that is in several of them that of the last.
 
+    Raises `FileError`: there are such files, but none that can be read, or openpmd-api is not installed.
+
     Parameters
     ----------
     paths : iterable of path
@@ -51,11 +53,6 @@ def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]
     -------
     list of ListedSlice
         By iteration.  Those of damaged files are not among them.
-
-    Raises
-    ------
-    FileError
-        There are such files, but none that can be read, or openpmd-api is not installed.
     """
     listed: dict[int, ListedSlice[SliceSource]] = {}
     flaws = []
@@ -108,10 +105,7 @@ class CarpetXSlice:
     def digest(self) -> str:
         """Hash of the places of all data of the iteration, and of every eighth plane of them.
 
-        Raises
-        ------
-        FileError
-            The file cannot be read, or changes meanwhile.
+        Raises `FileError`: the file cannot be read, or changes meanwhile.
         """
         sha = hashlib.sha256(repr((self.iteration, self.symmetry)).encode())
         with _opened(self.path) as series:
@@ -126,10 +120,8 @@ class CarpetXSlice:
     def read(self, low: Floats, high: Floats) -> CartesianGrid:
         """The finest refinement level that covers the box: see `covering_grid`.
 
-        Raises
-        ------
-        FileError
-            The file cannot be read or changes meanwhile, fields are missing, or no level covers the box.
+        Raises `FileError`: the file cannot be read or changes meanwhile, fields are missing, or no level
+        covers the box.
         """
         with _opened(self.path) as series:
             return covering_grid(_Reader(self, series), low, high)

@@ -16,6 +16,8 @@ SAME_TIME = 1e-9  # relative difference of equal times
 def matched(shapes: Iterable[Moment], slices: Iterable[ListedSlice[SliceSource]]) -> list[Moment]:
     """Moments of horizons with the slices that they are in.
 
+    Raises `InvalidParameter`: two horizons are of one series and moment, or two slices of one moment.
+
     Parameters
     ----------
     shapes : iterable of Moment
@@ -26,11 +28,6 @@ def matched(shapes: Iterable[Moment], slices: Iterable[ListedSlice[SliceSource]]
     -------
     list of Moment
         As `ordered` puts them.  A horizon without a slice has a `MissingSlice` that says what there is.
-
-    Raises
-    ------
-    InvalidParameter
-        Two horizons are of one series and moment, or two slices of one moment.
     """
     shapes = list(shapes)
     times: dict[str, list[float]] = {}
@@ -44,10 +41,7 @@ def matched(shapes: Iterable[Moment], slices: Iterable[ListedSlice[SliceSource]]
 def ordered(moments: Iterable[Moment]) -> list[Moment]:
     """Moments by series, and within each by time where all of them have one, else by iteration.
 
-    Raises
-    ------
-    InvalidParameter
-        Two of them have one label.
+    Raises `InvalidParameter`: two of them have one label.
     """
     by_series: dict[str, list[Moment]] = {}
     for moment in moments:

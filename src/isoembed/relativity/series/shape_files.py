@@ -40,6 +40,9 @@ NUMBERS = re.compile(rf"{INTEGER} {DECIMAL}")
 def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[Moment]:
     """Horizons that are in files, in their order, without their slices; those of damaged files, too.
 
+    Raises `FileError`: there is no such file, or no table stats_AH<number>.dat for a coordinate file of
+    GRChombo; `InvalidParameter`: a file holds slices.
+
     Parameters
     ----------
     paths : iterable of path
@@ -47,13 +50,6 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[Moment]:
         times of a SpECTRE file; all horizons of an HDF5 file with axes of time (see
         `isoembed.relativity.horizons.time_axis`).  Tables BH_diagnostics of AHFinderDirect and
         BHaHAHA_diagnostics of BHaHAHA are passed over: they tell the times of the shapes beside them.
-
-    Raises
-    ------
-    FileError
-        There is no such file, or no table stats_AH<number>.dat for a coordinate file of GRChombo.
-    InvalidParameter
-        A file holds slices.
     """
     out: list[Moment] = []
     times: dict[Path, dict[int, float]] = {}  # by folder, of GRChombo by table
@@ -141,13 +137,7 @@ def _listed(path: str) -> list[Moment]:
 
 
 def holds_slices(path: str | os.PathLike[str]) -> bool:
-    """Whether a file of arrays holds slices.
-
-    Raises
-    ------
-    FileError
-        It cannot be read.
-    """
+    """Whether a file of arrays holds slices.  Raises `FileError`: it cannot be read."""
     return bool(instants(path)) or (input_ending(path) in HDF5_ENDINGS and bool(volume_times(path)))
 
 

@@ -29,6 +29,9 @@ QUASILOCALMEASURES = re.compile(r"surface\d+_\d+\.vtk(?:\.gz)?")
 def simulation(folder: Any) -> tuple[list[Moment], list[ListedSlice[SliceSource]]]:
     """Horizons and slices of a simulation, for `isoembed.relativity.series.matching.matched`.
 
+    Raises `FileError`: there is no such folder, it has neither horizons nor slices, none of its slices can be
+    read, or kuibit is not installed.
+
     Parameters
     ----------
     folder : path or kuibit.simdir.SimDir
@@ -43,12 +46,6 @@ def simulation(folder: Any) -> tuple[list[Moment], list[ListedSlice[SliceSource]
     shapes : list of Moment
         One whose time the finder does not tell has that of its slice.
     slices : list of ListedSlice
-
-    Raises
-    ------
-    FileError
-        There is no such folder, it has neither horizons nor slices, none of its slices can be read, or kuibit
-        is not installed.
     """
     files = sorted(map(Path, _files(folder)), key=natural)
     shapes = _shapes(files, SHAPES) or _shapes(files, QUASILOCALMEASURES)

@@ -192,10 +192,7 @@ def read_slice(path: str | os.PathLike[str]) -> ThreeGeometry:
 def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
     """The only slice in a file or a folder.
 
-    Raises
-    ------
-    FileError
-        It cannot be read, or holds none or several.
+    Raises `FileError`: it cannot be read, or holds none or several.
     """
     there = slices_in_folder(path) if os.path.isdir(path) else slices_in_file(path)
     if not there:
@@ -210,12 +207,8 @@ def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
 def slices_of_pattern(pattern: str) -> list[ListedSlice[SliceSource]]:
     """Slices in the files whose names a pattern like ``slices/gxx.{iteration}.h5`` makes.
 
-    Raises
-    ------
-    InvalidParameter
-        It is no pattern: see `isoembed.relativity.series.file_names.matching_files`.
-    FileError
-        There is no such file.
+    Raises `InvalidParameter`: it is no pattern: see `isoembed.relativity.series.file_names.matching_files`;
+    `FileError`: there is no such file.
     """
     found = matching_files(pattern)
     if not found:
@@ -243,12 +236,8 @@ def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedFile]:
     """Slices in the files right inside a folder, by what is in them, else by name; damaged files, too.
 
     Files that are parts of a slice, such as those of the processes of a run, are taken together.  Empty if
-    there are damaged files only: they may be anything.
-
-    Raises
-    ------
-    FileError
-        The folder cannot be read; or it is a plot file of AMReX, one slice itself, and damaged.
+    there are damaged files only: they may be anything.  Raises `FileError`: the folder cannot be read; or it
+    is a plot file of AMReX, one slice itself, and damaged.
     """
     if _format_of(Path(folder)) is not None:
         return slices_in_file(folder)
@@ -296,10 +285,7 @@ def _named(listed: ListedFile) -> ListedFile:
 def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
     """Slices in a file; one that does not say when it is may be that of all times.
 
-    Raises
-    ------
-    FileError
-        It cannot be read, or holds none.
+    Raises `FileError`: it cannot be read, or holds none.
     """
     kind = _format_of(Path(path))
     if kind is not None:
@@ -313,10 +299,7 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
 def _format_of(path: Path) -> int | None:
     """The position of the format of a file or a folder in the list of formats.
 
-    Raises
-    ------
-    FileError
-        It is damaged.
+    Raises `FileError`: it is damaged.
     """
     return next((k for k, form in enumerate(FORMATS) if form.holds(path)), None)
 
@@ -340,10 +323,7 @@ def _grid_slices(paths: Iterable[Path]) -> list[ListedFile]:
 def spectre_slices(paths: Iterable[str | os.PathLike[str]]) -> list[ListedFile]:
     """Slices at all times of the files of one run, those of a time together.
 
-    Raises
-    ------
-    FileError
-        A file cannot be read.
+    Raises `FileError`: a file cannot be read.
     """
     found: dict[float, list[str]] = {}
     for path in paths:

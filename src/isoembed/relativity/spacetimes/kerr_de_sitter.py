@@ -185,10 +185,7 @@ class KerrDeSitterSphere:
 def horizon_radii(mass: float, spin: float, cosmological_constant: float) -> tuple[float, float]:
     """Boyer-Lindquist radii of the black hole's horizon and of the cosmological one, which may be infinite.
 
-    Raises
-    ------
-    InvalidParameter
-        There is no black hole with these parameters.
+    Raises `InvalidParameter`: there is no black hole with these parameters.
     """
     if not mass > 0.0:
         raise InvalidParameter(f"mass must be positive, not {mass}")

@@ -33,10 +33,7 @@ class KerrSlice(AnalyticGeometry):
     def horizon(self) -> float:
         """The Boyer-Lindquist radius ``r_+ = M + sqrt(M^2 - a^2)`` of the horizon.
 
-        Raises
-        ------
-        InvalidParameter
-            The spin exceeds the mass: there is none.
+        Raises `InvalidParameter`: the spin exceeds the mass: there is none.
         """
         return horizon_radius(self.mass, self.spin)
 
@@ -108,13 +105,7 @@ class KerrSchild(KerrSlice):
 
 
 def horizon_radius(mass: float, spin: Sequence[float]) -> float:
-    """``r_+ = M + sqrt(M^2 - a^2)``.
-
-    Raises
-    ------
-    InvalidParameter
-        The spin exceeds the mass.
-    """
+    """``r_+ = M + sqrt(M^2 - a^2)``.  Raises `InvalidParameter`: the spin exceeds the mass."""
     a = sqrt(sum((component / mass) ** 2 for component in spin))
     if a > 1.0:
         raise InvalidParameter(f"there is no horizon: the spin {a * mass:.6g} exceeds the mass {mass:.6g}")
