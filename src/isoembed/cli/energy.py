@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -39,9 +39,9 @@ from isoembed.io.title_line import WRITTEN
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import conventions, embed_surface, embedded_report
-from isoembed.relativity.energies.mesh_deviation import mesh_deviation
+from isoembed.relativity.energies.mesh_energies import mesh_deviation
 from isoembed.relativity.energies.mesh_energies import mesh_energies
-from isoembed.relativity.energies.report import energy_table, mesh_report, unembedded_report
+from isoembed.relativity.energies.report import checked_report, energy_table, mesh_report, unembedded_report
 from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import classify_horizon, classify_surface
@@ -185,17 +185,17 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     except NotEmbedded as error:
         print_error("; ".join([str(error), *_instead(options, error.embedding)]))
         band = _write_band(outputs, data, error.embedding.space) if options.band else []
-        report = unembedded_report(data, error, _check(data))
-        _show(options, {**report, "conventions": conventions(error.embedding.space)})
+        report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
+        _show(options, _with_check(data, report))
         _end(options, band)
         return NOT_EMBEDDED
     found = surface.wang_yau if options.wang_yau else None
-    report, shown = embedded_report(surface, found, _check(data)), found if isinstance(found, WangYau) else surface
+    shown = found if isinstance(found, WangYau) else surface
     if options.band:
         why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
         print_error(f"{options.band} is not written: {why}")
     try:
-        _show(options, report)
+        _show(options, _with_check(data, embedded_report(surface, found)))
     finally:
         files = outputs.write(output=lambda path: mesh_writer(path, **shown.mesh(number)))
     _end(options, files)
@@ -211,9 +211,9 @@ def _instead(options: argparse.Namespace, attempt: SmoothEmbedding) -> Iterator[
             yield "--band FILE writes the band that embeds"
 
 
-def _check(data: SurfaceData) -> CurvatureCheck | None | Literal[False]:
-    """How the curvature in the file compares, if it is there."""
-    return data.gaussian_curvature is not None and CurvatureCheck.of(data)
+def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
+    """The report with how the curvature in the file compares, if it is there."""
+    return report if data.gaussian_curvature is None else checked_report(report, CurvatureCheck.of(data))
 
 
 def _write_band(outputs: Outputs, data: SurfaceData, space: Space) -> list[Path]:

@@ -5,7 +5,7 @@ from .energies.embedded import embed_surface as embed_surface
 from .energies.embedded import embedded_report as embedded_report
 from .energies.energies import Energies as Energies
 from .energies.energies import Integrals as Integrals
-from .energies.mesh_deviation import mesh_deviation as mesh_deviation
+from .energies.mesh_energies import mesh_deviation as mesh_deviation
 from .energies.mesh_energies import mesh_energies as mesh_energies
 from .energies.report import energy_table as energy_table
 from .energies.report import mesh_report as mesh_report
@@ -51,13 +51,13 @@ from .series.moments import moments as moments
 from .series.slice_files import read_slice as read_slice
 from .series.table import SeriesTable as SeriesTable
 from .series.table import write_table as write_table
-from .spacetimes.boosted import BoostedSchwarzschild as BoostedSchwarzschild
-from .spacetimes.boosted import Superposed as Superposed
-from .spacetimes.boyer_lindquist import BoyerLindquist as BoyerLindquist
+from .spacetimes.schwarzschild import BoostedSchwarzschild as BoostedSchwarzschild
+from .spacetimes.schwarzschild import Superposed as Superposed
+from .spacetimes.kerr_slices import BoyerLindquist as BoyerLindquist
 from .spacetimes.cartesian_grid import CartesianGrid as CartesianGrid
-from .spacetimes.closed_form import kerr_surface as kerr_surface
-from .spacetimes.conformally_flat import BrillLindquist as BrillLindquist
-from .spacetimes.conformally_flat import IsotropicSchwarzschild as IsotropicSchwarzschild
+from .spacetimes.kerr_surface import kerr_surface as kerr_surface
+from .spacetimes.schwarzschild import BrillLindquist as BrillLindquist
+from .spacetimes.schwarzschild import IsotropicSchwarzschild as IsotropicSchwarzschild
 from .spacetimes.element_grid import Element as Element
 from .spacetimes.element_grid import ElementGrid as ElementGrid
 from .spacetimes.kerr import KerrNewmanErgosphere as KerrNewmanErgosphere
@@ -66,9 +66,9 @@ from .spacetimes.kerr import KerrNewmanSphere as KerrNewmanSphere
 from .spacetimes.kerr import embeddability as embeddability
 from .spacetimes.kerr import smarr_limit as smarr_limit
 from .spacetimes.kerr_de_sitter import KerrDeSitterSphere as KerrDeSitterSphere
-from .spacetimes.kerr_schild import KerrSchild as KerrSchild
+from .spacetimes.kerr_slices import KerrSchild as KerrSchild
 from .spacetimes.mapped_surface import MappedSurface as MappedSurface
-from .spacetimes.painleve_gullstrand import PainleveGullstrand as PainleveGullstrand
+from .spacetimes.schwarzschild import PainleveGullstrand as PainleveGullstrand
 from .spacetimes.slice_file import read_cartesian_grid as read_cartesian_grid
 from .spacetimes.spectre_volume import read_spectre_volume as read_spectre_volume
 from .spacetimes.star_surface import StarSurface as StarSurface
@@ -77,4 +77,4 @@ from .spacetimes.surface_data import SurfaceData as SurfaceData
 from .spacetimes.three_geometry import AnalyticCallable as AnalyticCallable
 from .spacetimes.three_geometry import CallableGeometry as CallableGeometry
 from .spacetimes.three_geometry import ThreeGeometry as ThreeGeometry
-from .spacetimes.translated import Translated as Translated
+from .spacetimes.transformed import Translated as Translated

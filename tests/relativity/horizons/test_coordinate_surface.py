@@ -55,7 +55,7 @@ def test_horizon_of_a_mesh(tmp_path):
     data, facts = horizon_data(found, hole)
     assert data.marginal
     assert facts.report["points"] == 300
-    np.testing.assert_allclose(horizon.facts["center"], 0.0, atol=1e-5)
+    np.testing.assert_allclose(facts.report["center"], 0.0, atol=1e-5)
 
 
 def test_curvature_in_the_file_is_compared_where_the_vertices_are(tmp_path):

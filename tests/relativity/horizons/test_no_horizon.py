@@ -7,10 +7,10 @@ from gridded import sampled
 from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.relativity.horizons import radial_image
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon
-from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
-from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist
+from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry
 

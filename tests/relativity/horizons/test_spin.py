@@ -12,12 +12,12 @@ from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.horizons.horizon import horizon_data
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spin import find_spin, spin_report
-from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild
+from isoembed.relativity.spacetimes.schwarzschild import BoostedSchwarzschild
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist
+from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist
 from isoembed.relativity.spacetimes.kerr import KerrNewmanHorizon, KerrNewmanSphere
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.grid_metric import GridMetric

@@ -16,7 +16,6 @@ from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import smooth_energies
 from isoembed.relativity.energies.wang_yau_energy import wang_yau
 from isoembed.relativity.energies.wang_yau_result import WangYau
-from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.horizon_shape import HorizonShape
 from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report, torques
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -268,9 +267,7 @@ def space_report(space: Space, least: LeastHyperbolic | None = None) -> dict[str
 
 
 def embedded_report(
-    surface: EmbeddedSurface,
-    wang_yau: WangYau | ChenWangYau | str | None = None,
-    check: CurvatureCheck | None | Literal[False] = False,
+    surface: EmbeddedSurface, wang_yau: WangYau | ChenWangYau | str | None = None
 ) -> dict[str, Any]:
     """Report of an embedded surface, plain numbers for JSON.
 
@@ -279,8 +276,6 @@ def embedded_report(
     surface : EmbeddedSurface
     wang_yau : WangYau, ChenWangYau or str, optional
         `EmbeddedSurface.wang_yau`, or why there is none, where it was asked for.
-    check : CurvatureCheck or None, optional
-        Of a surface from a file.
     """
     data, embedding = surface.data, surface.embedding
     energies, more, notes = surface.energies.report, dict[str, Any](), tuple[str, ...]()
@@ -308,7 +303,7 @@ def embedded_report(
         },
         "conventions": conventions(surface.space),
         **more,
-        **checked_entries([*energies["notes"], *notes], check),
+        "notes": [*energies["notes"], *notes],
     }
 
 
@@ -316,10 +311,3 @@ def intrinsic_entries(data: SurfaceData, spin: Spin | None) -> dict[str, Any]:
     """Entries of the spin and, of a horizon, of its intrinsic shape."""
     shape = HorizonShape.of(data, spin).report if data.marginal else {}
     return {"spin": spin_report(data, spin), **shape}
-
-
-def checked_entries(notes: list[str], check: CurvatureCheck | None | Literal[False]) -> dict[str, Any]:
-    """Entries of the notes and, of a surface from a file, of the comparison with its curvature."""
-    if check is False:
-        return {"notes": notes}
-    return {"notes": [*notes, *(check.notes if check else ())], "curvature_check": check and check.report}

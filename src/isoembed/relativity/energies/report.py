@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Literal
+from typing import Any
 
 from isoembed.errors import NotEmbedded
-from isoembed.relativity.energies.embedded import (
-    CONVENTIONS,
-    checked_entries,
-    conventions,
-    intrinsic_entries,
-    space_report,
-)
+from isoembed.relativity.energies.embedded import CONVENTIONS, conventions, intrinsic_entries, space_report
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.horizons.conformal_multipoles import multipole_lines
@@ -132,21 +126,17 @@ def _triple(x: list[float], error: float) -> str:
     return "(" + ", ".join(f"{round(c / size, digits) * size + 0.0:.{digits}g}" for c in x) + ")"
 
 
-def unembedded_report(
-    data: SurfaceData, error: NotEmbedded, check: CurvatureCheck | None | Literal[False] = False
-) -> dict[str, Any]:
+def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
     """Report of a surface that was not embedded: why, and the energies that need no embedding."""
     spin = find_spin(data)
-    energies = intrinsic_energies(data, spin).report
     return {
         "status": "not embedded",
         **error.report,
         "hindrance": error.embedding.hindrance or None,
         "name": data.name,
-        **energies,
+        **intrinsic_energies(data, spin).report,
         **intrinsic_entries(data, spin),
         "space": space_report(error.embedding.space),
-        **checked_entries(energies["notes"], check),
     }
 
 
@@ -173,3 +163,9 @@ def mesh_report(
         "conventions": conventions(embedding.space),
         **({} if deviation is None else {"deviation": deviation}),
     }
+
+
+def checked_report(report: dict[str, Any], check: CurvatureCheck | None) -> dict[str, Any]:
+    """A report with the comparison of the curvature with that in the file, if it is there."""
+    notes = report["notes"] + list(check.notes if check else ())
+    return {**report, "notes": notes, "curvature_check": check and check.report}

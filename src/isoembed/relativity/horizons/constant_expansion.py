@@ -22,7 +22,7 @@ RESIDUAL, PRECISE_RESIDUAL = 1e-6, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Leaf:
+class ConstantExpansionSurface:
     """A surface of constant expansion.
 
     Attributes
@@ -71,9 +71,9 @@ class Leaf:
         return StarSurface(self.surface.center, self.surface.harmonics, f + (mean - f[0]) * self.tangent)
 
 
-def leaf_of(
+def constant_expansion_surface(
     geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool, enough: float = RESIDUAL
-) -> Leaf:
+) -> ConstantExpansionSurface:
     """The surface of constant expansion with the mean radius of a guess.
 
     Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
@@ -111,7 +111,7 @@ def leaf_of(
         guess = in_degree(StarSurface(guess.center, harmonics, f), degree, symmetric)
     rate, tangent = _tangent(solution)
     by_slice = solution.equations.projected(errors[:, None])[:, 0]
-    return Leaf(
+    return ConstantExpansionSurface(
         surface=StarSurface(guess.center, harmonics, f),
         expansion=solution.expansion,
         least=float((theta - errors).min()),

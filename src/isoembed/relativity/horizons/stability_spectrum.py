@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, SupportsIndex
 
 import numpy as np
@@ -194,36 +195,25 @@ class _Found:
         return np.asarray(distances[linear_sum_assignment(distances)])
 
 
-@dataclass(frozen=True, eq=False)
-class _Displacements:
-    """Displacements of a surface: along the normals, or the radius where it is star-shaped."""
+def _family(surface: StarSurface | MappedSurface, heights: int, around: int) -> SurfaceFamily:
+    """Displacements of a surface at the nodes of a rule: along the normals, or the radius of a star-shaped one."""
+    if isinstance(surface, MappedSurface):
+        map = HarmonicMap(surface.harmonics, surface.coefficients)
+        return SurfaceFamily(map.jet_at_nodes(heights), map.normals().jet_at_nodes(heights))
+    transform, c = SphereTransform(surface.harmonics, heights, around), surface.coefficients[:, None]
+    star = SurfaceFamily.star(surface.center, transform.u)
+    radius = transform.values(c)[:, 0], transform.gradients(c)[..., 0], transform.hessians(c)[..., 0]
+    return replace(star, base=star.at(*radius))
 
-    family: SurfaceFamily
 
-    @classmethod
-    def of(cls, surface: StarSurface | MappedSurface, heights: int, around: int) -> _Displacements:
-        """Those at the nodes of a rule."""
-        if isinstance(surface, MappedSurface):
-            map = HarmonicMap(surface.harmonics, surface.coefficients)
-            return cls(SurfaceFamily(map.jet_at_nodes(heights), map.normals().jet_at_nodes(heights)))
-        transform, c = SphereTransform(surface.harmonics, heights, around), surface.coefficients[:, None]
-        star = SurfaceFamily.star(surface.center, transform.u)
-        radius = transform.values(c)[:, 0], transform.gradients(c)[..., 0], transform.hessians(c)[..., 0]
-        return cls(SurfaceFamily(star.at(*radius), star.direction))
+def _linearized(family: SurfaceFamily, geometry: ThreeGeometry) -> LinearizedExpansion:
+    return linearized(family, LocalGeometry.of(geometry, family.base))
 
-    def longer(self, factor: float) -> _Displacements:
-        """The same displacements, but for a factor, which the operator does not see."""
-        return _Displacements(replace(self.family, direction=self.family.direction.scaled(factor)))
 
-    def linearized(self, geometry: ThreeGeometry) -> tuple[LocalGeometry, LinearizedExpansion]:
-        """The surface in a slice, and how its expansion changes."""
-        local = LocalGeometry.of(geometry, self.family.base)
-        return local, linearized(self.family, local)
-
-    def coefficients(self, geometry: ThreeGeometry) -> Floats:
-        """The functions (7, N) that make a `LinearizedExpansion`."""
-        L = self.linearized(geometry)[1]
-        return np.vstack([L.second.T, L.first.T, L.zeroth, L.tilt])
+def _coefficients(family: SurfaceFamily, geometry: ThreeGeometry) -> Floats:
+    """The functions (7, N) that make a `LinearizedExpansion`."""
+    L = _linearized(family, geometry)
+    return np.vstack([L.second.T, L.first.T, L.zeroth, L.tilt])
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,7 +226,8 @@ class _Operator:
         Of the eigenfunctions.
     weights : ndarray, shape (N,)
         Of the nodes: those of one meridian where there is symmetry.
-    displacements : _Displacements
+    family : SurfaceFamily
+        Displacements of the surface.
     linear : LinearizedExpansion
         At the nodes.
     symmetric : bool
@@ -247,7 +238,7 @@ class _Operator:
 
     transform: SphereTransform
     weights: Floats
-    displacements: _Displacements
+    family: SurfaceFamily
     linear: LinearizedExpansion
     symmetric: bool
     areal_radius: float
@@ -260,14 +251,15 @@ class _Operator:
         symmetric = _is_symmetric(surface)
         heights = int(DEALIASING * max(degree, surface.harmonics.degree)) + 2
         around = 1 if symmetric else 2 * heights
-        displacements = _Displacements.of(surface, heights, around)
-        local, linear = displacements.linearized(horizon.geometry)
+        family = _family(surface, heights, around)
+        local = LocalGeometry.of(horizon.geometry, family.base)
         weights = gauss_rule(heights, around)[1]
         R = float(np.sqrt(weights @ local.density / (4.0 * np.pi)))
         # Of n eigenvalues on a disk with two sides, which is the flattest surface, none has a higher order.
         order = min(degree, int(np.sqrt(2.0 * n)) + 4) if symmetric else degree
         transform = SphereTransform(Harmonics(degree, order), heights, max(around, 2 * order + 1))
-        return cls(transform, weights, displacements, linear, symmetric, R, horizon.stability - 1.0)
+        linear = linearized(family, local)
+        return cls(transform, weights, family, linear, symmetric, R, horizon.stability - 1.0)
 
     def changed(self, change: Floats) -> _Operator:
         """The operator whose coefficients (7, N) differ by a change."""
@@ -357,9 +349,10 @@ def _by_data(operator: _Operator, found: _Found, horizon: FoundHorizon) -> Float
     """
     n = found.n
     # Differences along displacements twice as long, of sixth order, have 64 times the error, or nearly so.
-    coarser = operator.displacements.longer(2.0).linearized(horizon.geometry)[1]
+    longer = replace(operator.family, direction=operator.family.direction.scaled(2.0))
+    coarser = _linearized(longer, horizon.geometry)
     by_differences = found.apart(replace(operator, linear=coarser).spectrum(n), 1) / 32.0
-    uncertain = horizon.geometry.error(operator.displacements.coefficients)
+    uncertain = horizon.geometry.error(partial(_coefficients, operator.family))
     errors = UNCERTAIN * found.apart(operator.changed(uncertain).spectrum(n), 1)
     for moved in _deviating(horizon.surface):
         there = _Operator.of(replace(horizon, surface=moved), operator.transform.harmonics.degree, n)

@@ -16,7 +16,7 @@ from isoembed.io.files import FileError
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
 from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface, embedded_report
-from isoembed.relativity.energies.report import unembedded_report
+from isoembed.relativity.energies.report import checked_report, unembedded_report
 from isoembed.relativity.horizons.conformal_multipoles import checked_order, conformal_multipoles
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon import HorizonFacts, horizon_data
@@ -124,10 +124,8 @@ class HorizonTask:
             try:
                 surface, mesh = self._embedded(data, before)
             except NotEmbedded as error:
-                report = unembedded_report(data, error, facts.curvature_check)
-                return self._result(data, facts, report, {})
-            found = surface.wang_yau if self.options.wang_yau else None
-            report = embedded_report(surface, found, facts.curvature_check)
+                return self._result(data, facts, unembedded_report(data, error), {})
+            report = embedded_report(surface, surface.wang_yau if self.options.wang_yau else None)
             tables = surface.mesh_on(*mesh)
             arrays = {name if name in MESH else FIELD + name: values for name, values in tables.items()}
             arrays |= {DIRECTIONS: mesh[0], **Start.of(surface.embedding).arrays}
@@ -166,8 +164,10 @@ class HorizonTask:
         # Where the file does not say when it is, the series may know.
         horizon |= {name: moment[name] for name in ("time", "iteration") if name in horizon}
         if self.options.multipoles is not None and data.marginal:
-            report["conformal_multipoles"] = conformal_multipoles(data, self.options.multipoles).report
-        return Result(self.label, report["status"], {**report, "horizon": horizon, "moment": moment}, arrays)
+            found = conformal_multipoles(data, self.options.multipoles)
+            report = {**report, "conformal_multipoles": found.report}
+        report = checked_report(report, facts.curvature_check) | {"horizon": horizon, "moment": moment}
+        return Result(self.label, report["status"], report, arrays)
 
     def _when(self, file: CoordinateShape | None) -> dict[str, Any]:
         """Which moment it is, where necessary as the file says."""

@@ -5,8 +5,8 @@ from typing import Literal
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.kerr import KerrNewmanErgosphere, KerrNewmanHorizon, KerrNewmanSphere
 from isoembed.relativity.spacetimes.kerr_de_sitter import KerrDeSitterSphere
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 

@@ -1,5 +1,6 @@
-"""Black holes in motion: Schwarzschild's in a slice of an observer whom it passes, and several superposed."""
+"""Slices of black holes without spin in closed form: one of Schwarzschild, several at rest, or in motion."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -11,8 +12,124 @@ from isoembed.relativity.spacetimes.checks import positive_number, refuse_points
 from isoembed.relativity.spacetimes.three_geometry import AnalyticGeometry, Numbers
 
 
+class _Holes(AnalyticGeometry):
+    """A slice that says where its black holes are."""
+
+    @property
+    @abstractmethod
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
+
+
 @dataclass(frozen=True)
-class BoostedSchwarzschild(AnalyticGeometry):
+class OneHole(_Holes):
+    """A slice with one black hole, of a mass M that is the unit of length."""
+
+    mass: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mass", positive_number("the mass", self.mass))
+
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
+        return ((self.mass, getattr(self, "position", (0.0, 0.0, 0.0))),)
+
+
+class _Punctures(_Holes):
+    """Holes of given masses at given positions, ``psi = 1 + sum_k m_k / (2 |x - x_k|)``."""
+
+    def conformal_factor(self, x: Numbers) -> Numbers:
+        """The factor psi (n,) at the points x (n, 3), which may be complex."""
+        psi = np.ones(len(x), dtype=x.dtype)
+        for mass, position in self.black_holes:
+            d = (x - np.array(position)) / mass
+            r2 = np.einsum("ni,ni->n", d, d)
+            refuse_points(r2.real <= 0.0, x, "is a puncture")
+            psi = psi + 0.5 / np.sqrt(r2)
+        return psi
+
+    def metric(self, x: Numbers) -> Numbers:
+        """See `ThreeGeometry`; x may be complex."""
+        return (self.conformal_factor(x) ** 4)[:, None, None] * np.eye(3)
+
+
+@dataclass(frozen=True)
+class IsotropicSchwarzschild(OneHole, _Punctures):
+    """Schwarzschild's black hole in isotropic coordinates, ``psi = 1 + M / (2 |x|)``.
+
+    Attributes
+    ----------
+    mass : float
+        M, the unit of length.  The horizon lies at M / 2 from the puncture.
+    """
+
+
+@dataclass(frozen=True)
+class BrillLindquist(_Punctures):
+    """Black holes at a moment of time symmetry, ``psi = 1 + sum_k m_k / (2 |x - x_k|)``.
+
+    Attributes
+    ----------
+    masses : sequence of float
+        m_k, lengths; the mass at infinity is their sum.
+    positions : sequence of three floats each
+        x_k.
+
+    References
+    ----------
+    Brill and Lindquist, Phys. Rev. 131 (1963) 471.
+    """
+
+    masses: Sequence[float]
+    positions: Sequence[Sequence[float]]
+
+    def __post_init__(self) -> None:
+        masses = tuple(positive_number(f"mass {k}", mass) for k, mass in enumerate(self.masses))
+        positions = tuple(vector(f"position {k}", position) for k, position in enumerate(self.positions))
+        if len(masses) != len(positions) or not masses:
+            raise InvalidParameter(
+                f"{len(masses)} masses at {len(positions)} positions: there must be one for each"
+            )
+        object.__setattr__(self, "masses", masses)
+        object.__setattr__(self, "positions", positions)
+
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each."""
+        return tuple(zip(self.masses, self.positions, strict=True))
+
+
+@dataclass(frozen=True)
+class PainleveGullstrand(OneHole):
+    """Schwarzschild's hole in flat slices, ``K_ij = sqrt(2 M / r^3) (delta_ij - 3/2 n_i n_j)``.
+
+    Regular to r = 0.  Lapse 1 and shift ``beta^i = sqrt(2 M / r) n^i``: the slices of observers that fall from rest at infinity.
+
+    Attributes
+    ----------
+    mass : float
+        M, the unit of length.
+    """
+
+    time_symmetric = False
+
+    def metric(self, x: Numbers) -> Numbers:
+        """See `ThreeGeometry`."""
+        return np.tile(np.eye(3), (len(x), 1, 1))
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        xi = x / self.mass
+        r = np.linalg.norm(xi, axis=1)
+        refuse_points(r == 0.0, x, "is the singularity")
+        n = xi / r[:, None]
+        rate = np.sqrt(2.0 / r**3) / self.mass
+        return rate[:, None, None] * (np.eye(3) - 1.5 * n[:, :, None] * n[:, None, :])
+
+
+@dataclass(frozen=True)
+class BoostedSchwarzschild(OneHole):
     """The slice t = 0 of Schwarzschild's spacetime in isotropic coordinates t', x' that move: a boosted hole.
 
     ``t' = W (t - v . x)`` and ``|x'|^2 = |x|^2 + W^2 (v . x)^2`` at t = 0, W Lorentz's factor, x from the
@@ -44,12 +161,11 @@ class BoostedSchwarzschild(AnalyticGeometry):
     Huq, Choptuik and Matzner, Phys. Rev. D 66 (2002) 084024, on boosted holes.
     """
 
-    mass: float
     velocity: Sequence[float]
     position: Sequence[float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mass", positive_number("the mass", self.mass))
+        super().__post_init__()
         object.__setattr__(self, "velocity", vector("the velocity", self.velocity))
         object.__setattr__(self, "position", vector("the position", self.position))
         speed = float(np.linalg.norm(self.velocity))
@@ -60,11 +176,6 @@ class BoostedSchwarzschild(AnalyticGeometry):
     def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
         return not any(self.velocity)
-
-    @property
-    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
-        """The mass and the position of each."""
-        return ((self.mass, self.position),)
 
     @property
     def lorentz_factor(self) -> float:
@@ -118,7 +229,7 @@ class BoostedSchwarzschild(AnalyticGeometry):
 
 
 @dataclass(frozen=True)
-class Superposed(AnalyticGeometry):
+class Superposed(_Holes):
     """Several slices added: ``gamma = delta + sum (gamma_k - delta)``, ``K = sum K_k``.  No solution.
 
     The constraints of Einstein's equations are violated by products of what the holes do to one another: of
