@@ -17,8 +17,8 @@ from scipy.integrate import solve_ivp
 from isoembed import NoHorizon
 from isoembed.relativity import BrillLindquist, StarSurface, find_horizon, find_horizons
 from isoembed.relativity.horizons.found_horizon import horizon_near
-from isoembed.relativity.horizons.radial_image import discretized, in_degree, recentered
 from isoembed.relativity.horizons.newton import NoConvergence, solve
+from isoembed.relativity.horizons.radial_image import discretized, in_degree, recentered
 
 RATIOS = (1.0, 1.5, 7.0 / 3.0, 4.0, 9.0, 20.0, 50.0, 100.0)
 PUBLISHED = {1.0: 0.76619743, 7.0 / 3.0: 0.7375, 4.0: 0.698, 9.0: 0.634}

@@ -39,8 +39,7 @@ from isoembed.io.title_line import WRITTEN
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.energies.embedded import conventions, embed_surface, embedded_report
-from isoembed.relativity.energies.mesh_energies import mesh_deviation
-from isoembed.relativity.energies.mesh_energies import mesh_energies
+from isoembed.relativity.energies.mesh_energies import mesh_deviation, mesh_energies
 from isoembed.relativity.energies.report import checked_report, energy_table, mesh_report, unembedded_report
 from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck

@@ -12,11 +12,14 @@ from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import input_ending
 from isoembed.relativity.series.slice_files import read_slice
-from isoembed.relativity.spacetimes.schwarzschild import BoostedSchwarzschild, Superposed
-from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist
-from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_slices import KerrSchild, horizon_radius
-from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild, horizon_radius
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BoostedSchwarzschild,
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+    Superposed,
+)
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.relativity.spacetimes.transformed import Translated
 

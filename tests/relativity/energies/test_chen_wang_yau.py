@@ -16,9 +16,9 @@ from isoembed.relativity import (
     SurfaceData,
     chen_wang_yau,
     embed_surface,
+    embedded_report,
     energy_table,
     wang_yau,
-    embedded_report,
 )
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.space import Hyperbolic, Space, Spherical

@@ -7,13 +7,13 @@ import pytest
 
 from isoembed.relativity import (
     BrillLindquist,
-    horizon_data,
     IsotropicSchwarzschild,
     KerrNewmanHorizon,
     embed_series,
     embed_surface,
     energy_table,
     find_horizon,
+    horizon_data,
     inner_horizon,
 )
 

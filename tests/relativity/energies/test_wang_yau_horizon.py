@@ -13,8 +13,8 @@ from isoembed.relativity import (
     StarSurface,
     SurfaceData,
     embed_surface,
-    wang_yau,
     embedded_report,
+    wang_yau,
 )
 from isoembed.smooth import PulledBack, embed_smooth
 from spacelike import round_sphere

@@ -11,13 +11,13 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity import (
     AnalyticCallable,
     CartesianGrid,
-    horizon_data,
     KerrNewmanSphere,
     KerrSchild,
     StarSurface,
     SurfaceData,
     embed_surface,
     expansion_test,
+    horizon_data,
     read_horizon,
 )
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
@@ -83,7 +83,7 @@ def test_a_grid_without_extrinsic_curvature_is_said_to_be_time_symmetric():
     ticks = np.arange(20) * 0.3 - 2.85
     x = np.stack(np.meshgrid(ticks, ticks, ticks, indexing="ij"), axis=-1)
     gamma = np.moveaxis(HOLE.metric(x.reshape(-1, 3)).reshape(*x.shape, 3), (3, 4), (0, 1))
-    data, facts = sphere(2.0, geometry=CartesianGrid(x[0, 0, 0].tolist(), 0.3, gamma))
+    data, _ = sphere(2.0, geometry=CartesianGrid(x[0, 0, 0].tolist(), 0.3, gamma))
     assert data.notes[0] == "the slice has no K_ij: it is taken to be time-symmetric"
     assert not data.marginal
 
@@ -189,7 +189,7 @@ def test_well_sampled_horizons_stay_exact(m):
     hole = KerrSchild(1.0, (0.0, 0.36, 0.48))
     u = scattered(m, seed=3)
     shape = CoordinateShape.star_shaped(hole.spheroid(hole.horizon)(u)[:, None] * u, "", np.zeros(3))
-    data, facts = horizon_data(shape, hole, axis=(0.0, 0.36, 0.48))
+    data, _ = horizon_data(shape, hole, axis=(0.0, 0.36, 0.48))
     assert data.marginal and not data.doubtful
     assert data.relative_error < {100: 1e-4, 300: 1e-9, 600: 1e-11}[m]
 

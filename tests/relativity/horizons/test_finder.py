@@ -8,10 +8,13 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons import finder
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
 from isoembed.relativity.horizons.newton import NoConvergence
-from isoembed.relativity.spacetimes.schwarzschild import BoostedSchwarzschild
-from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
-from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BoostedSchwarzschild,
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+)
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 
 

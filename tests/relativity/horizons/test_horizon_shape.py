@@ -11,7 +11,6 @@ from isoembed.errors import NotEmbedded
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity import (
     CoordinateShape,
-    horizon_data,
     HorizonShape,
     KerrNewmanHorizon,
     KerrNewmanSphere,
@@ -20,6 +19,7 @@ from isoembed.relativity import (
     SurfaceData,
     energy_table,
     find_spin,
+    horizon_data,
     unembedded_report,
 )
 from isoembed.relativity.horizons.circumferences import Circumferences

@@ -6,11 +6,14 @@ import pytest
 from isoembed.errors import NoHorizon
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, inner_horizon
-from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
-from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+)
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 
 

@@ -7,10 +7,8 @@ from gridded import sampled
 from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.relativity.horizons import radial_image
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon
-from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist
-from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
-from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild, PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry
 

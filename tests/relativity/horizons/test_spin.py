@@ -12,12 +12,14 @@ from isoembed.relativity.energies.quadrature import intrinsic_energies
 from isoembed.relativity.horizons.horizon import horizon_data
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.horizons.spin import find_spin, spin_report
-from isoembed.relativity.spacetimes.schwarzschild import BoostedSchwarzschild
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
-from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist
 from isoembed.relativity.spacetimes.kerr import KerrNewmanHorizon, KerrNewmanSphere
 from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
-from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BoostedSchwarzschild,
+    BrillLindquist,
+    PainleveGullstrand,
+)
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.grid_metric import GridMetric
@@ -276,5 +278,5 @@ def test_the_tilted_horizon_that_the_einstein_toolkit_found():
     data, _ = horizon_data(read_horizon(name), KerrSchild(1.0, tuple(0.6 * TILTED)))
     spin = find_spin(data)
     check(spin, 0.6, TILTED, 1e-5, 1e-3)
-    mass = intrinsic_energies(found.data, spin).christodoulou_mass
+    mass = intrinsic_energies(data, spin).christodoulou_mass
     assert mass.value == pytest.approx(0.998955, abs=1e-6)

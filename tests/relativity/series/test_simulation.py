@@ -13,8 +13,7 @@ from kuibit.simdir import SimDir  # noqa: E402
 from carpet_data import Level, cube, write_carpet  # noqa: E402
 from horizon_texts import diagnostics_text, shape_text  # noqa: E402
 from isoembed.io.files import FileError  # noqa: E402
-from isoembed.relativity.series.moments import moments  # noqa: E402
-from isoembed.relativity.series.moments import simulation  # noqa: E402
+from isoembed.relativity.series.moments import moments, simulation  # noqa: E402
 from isoembed.relativity.spacetimes.kerr_slices import KerrSchild  # noqa: E402
 from places import SHARED  # noqa: E402
 

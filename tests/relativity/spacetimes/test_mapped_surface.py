@@ -12,10 +12,13 @@ import mapped_shapes
 import zoo
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
-from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
-from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+)
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable
 from isoembed.smooth.harmonics import Harmonics

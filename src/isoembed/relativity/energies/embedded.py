@@ -112,8 +112,8 @@ class EmbeddedSurface:
     def wang_yau(self) -> WangYau | ChenWangYau | str:
         """The least Wang-Yau energy that is found, or why there is none.
 
-        In hyperbolic and spherical space, which are slices of anti-de Sitter and de Sitter space, it is that of
-        tau = 0 (`isoembed.relativity.chen_wang_yau`), whose surface is the embedded one.
+        In hyperbolic and spherical space, slices of anti-de Sitter and de Sitter space, it is that of tau = 0
+        (`isoembed.relativity.chen_wang_yau`), whose surface is the embedded one.
         """
         try:
             if self.space.is_euclidean:

@@ -1,4 +1,4 @@
-"""Reports of energies: of surfaces, embedded or not, of triangles and of horizons."""
+"""Reports of quasi-local energies as JSON and text: of surfaces, embedded or not, and of triangles."""
 
 from __future__ import annotations
 

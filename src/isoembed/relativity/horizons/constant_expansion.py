@@ -1,4 +1,4 @@
-"""Surface of constant expansion with a given mean radius, and its derivative in the mean radius."""
+"""Leaf of a foliation by constant expansion: a surface with a given mean radius, and its derivative."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Discretization of a family of surfaces in harmonics of one degree, and linear equations for their changes."""
+"""Discretization of a family of surfaces in harmonics of one degree, and its linearized equations."""
 
 from __future__ import annotations
 

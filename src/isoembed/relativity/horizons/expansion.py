@@ -1,4 +1,4 @@
-"""Horizon test: whether the expansion of outgoing light rays is zero, nearly zero, or not zero."""
+"""Horizon classification: whether the expansion of outgoing light rays is zero, nearly zero, or not."""
 
 from __future__ import annotations
 

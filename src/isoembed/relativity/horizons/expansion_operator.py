@@ -1,4 +1,4 @@
-"""The expansion of outgoing light rays on a surface, and how it changes with the surface.
+"""Expansion of outgoing light rays on a surface, linearized in displacements of the surface.
 
 At each point the expansion is a function of the point and of the first and second derivatives of the surface,
 linear in the second.  So its linearization is a differential operator of second order whose coefficients are

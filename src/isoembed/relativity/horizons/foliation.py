@@ -28,15 +28,15 @@ from isoembed.relativity.horizons.constant_expansion import (
     PRECISE_RESIDUAL,
     TRUNCATION,
     ConstantExpansionSurface,
-    hole_heights,
     constant_expansion_surface,
+    hole_heights,
 )
 from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.radial_image import about, in_degree, recentered
-from isoembed.relativity.spacetimes.transformed import ScaledCurvature
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.transformed import ScaledCurvature
 from isoembed.smooth.transforms import resized
 
 SHORTEST_STEP = 1e-4  # over the mean radius
@@ -168,7 +168,12 @@ def foliate(
 
 
 def crossing(
-    geometry: ThreeGeometry, outer: ConstantExpansionSurface, inner: ConstantExpansionSurface, *, symmetric: bool, closeness: float
+    geometry: ThreeGeometry,
+    outer: ConstantExpansionSurface,
+    inner: ConstantExpansionSurface,
+    *,
+    symmetric: bool,
+    closeness: float,
 ) -> tuple[ConstantExpansionSurface, ConstantExpansionSurface, StarSurface]:
     """Barriers closer to the horizon between two of them, and a prediction of the horizon.
 
@@ -195,7 +200,12 @@ def crossing(
 
 
 def least_expansion(
-    geometry: ThreeGeometry, outer: ConstantExpansionSurface, inner: ConstantExpansionSurface, *, symmetric: bool, settled: float
+    geometry: ThreeGeometry,
+    outer: ConstantExpansionSurface,
+    inner: ConstantExpansionSurface,
+    *,
+    symmetric: bool,
+    settled: float,
 ) -> tuple[ConstantExpansionSurface, float]:
     """The leaf of least expansion between two others, and the error of its expansion.
 
@@ -240,7 +250,9 @@ def inside(inner: Surface, outer: StarSurface) -> bool:
     return bool(np.all(distance <= outer.radius(away / distance[:, None]) + slack))
 
 
-def _minimum_error(before: ConstantExpansionSurface, lowest: ConstantExpansionSurface, after: ConstantExpansionSurface) -> float:
+def _minimum_error(
+    before: ConstantExpansionSurface, lowest: ConstantExpansionSurface, after: ConstantExpansionSurface
+) -> float:
     """Error of the expansion of a leaf whose c R / 2 is less than that of its neighbors.
 
     The variation of the expansion over the leaf, and as much as c R / 2 differs from that of a neighbor: a
@@ -277,7 +289,9 @@ class _Family:
         nearest = min(self.known, key=lambda leaf: abs(leaf.surface.coefficients[0] - mean))
         if nearest.surface.coefficients[0] != mean:
             guess = nearest.of_mean(mean)
-            nearest = constant_expansion_surface(self.geometry, guess, symmetric=self.symmetric, enough=PRECISE_RESIDUAL)
+            nearest = constant_expansion_surface(
+                self.geometry, guess, symmetric=self.symmetric, enough=PRECISE_RESIDUAL
+            )
             self.known.append(nearest)
         return nearest
 
@@ -287,7 +301,9 @@ def _family(
 ) -> tuple[_Family, float, float]:
     """The leaves between two others, and the coefficients of degree zero of these, the outer one first."""
     if inner.surface.center != outer.surface.center:
-        inner = constant_expansion_surface(geometry, about(inner.surface, outer.surface.center), symmetric=symmetric)
+        inner = constant_expansion_surface(
+            geometry, about(inner.surface, outer.surface.center), symmetric=symmetric
+        )
     family = _Family(geometry, symmetric, [outer, inner])
     return family, float(outer.surface.coefficients[0]), float(inner.surface.coefficients[0])
 
@@ -303,7 +319,9 @@ def _root(f: Callable[[float], float], a: float, b: float, xtol: float) -> float
     return float(brentq(f, a, b, xtol=xtol, rtol=1e-15))
 
 
-def _stationary(geometry: ThreeGeometry, leaf: ConstantExpansionSurface, symmetric: bool) -> ConstantExpansionSurface:
+def _stationary(
+    geometry: ThreeGeometry, leaf: ConstantExpansionSurface, symmetric: bool
+) -> ConstantExpansionSurface:
     """The leaf near a given one where the rate of the expansion is zero, in one degree."""
     family = _Family(geometry, symmetric, [leaf])
     mean = float(leaf.surface.coefficients[0])
@@ -326,7 +344,11 @@ def _enclosed(geometry: ThreeGeometry, surface: StarSurface) -> list[bool]:
 
 
 def _prediction_error(
-    geometry: ThreeGeometry, last: ConstantExpansionSurface, guess: StarSurface, leaf: ConstantExpansionSurface, step: float
+    geometry: ThreeGeometry,
+    last: ConstantExpansionSurface,
+    guess: StarSurface,
+    leaf: ConstantExpansionSurface,
+    step: float,
 ) -> float:
     """The difference of a leaf from its prediction, over the displacement from the leaf before.
 

@@ -1,4 +1,4 @@
-"""Surfaces of constant expansion that were found: what they are, how right, and how stable."""
+"""Horizons that were found: surfaces of constant expansion with residual, errors and stability."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Horizons, from files or found, as surfaces in their slice: a smooth surface through points, and its data."""
+"""Horizons, from files or found, in their slice: the smooth surface through points, data and facts."""
 
 from __future__ import annotations
 

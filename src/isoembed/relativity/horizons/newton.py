@@ -41,7 +41,9 @@ class Solution:
     noise: float
 
 
-def solve(discretization: Discretization, f: Floats, expansion: float | None, enough: float = 0.0) -> Solution:
+def solve(
+    discretization: Discretization, f: Floats, expansion: float | None, enough: float = 0.0
+) -> Solution:
     """Surface of constant expansion near a given one.
 
     Raises `NoConvergence`: the residual falls no more, or less than tenfold in ten steps; `InvalidMetric` or
@@ -62,7 +64,9 @@ def solve(discretization: Discretization, f: Floats, expansion: float | None, en
     if expansion is None:
         expansion = float(discretization.transform.weights @ at.local.expansion / (4.0 * np.pi))
     equations, sizes = _linearized(discretization, at, free), list[float]()
-    noise = float(np.linalg.norm(equations.projected(discretization.expansion_errors(at)[:, None]))) / at.radius
+    noise = (
+        float(np.linalg.norm(equations.projected(discretization.expansion_errors(at)[:, None]))) / at.radius
+    )
     enough = max(enough, 0.02 * noise, 1e-15)  # well below the error of the slice, or rounding
     while True:
         right, step = _residual(equations, at, expansion), len(sizes)
@@ -96,7 +100,12 @@ def _linearized(discretization: Discretization, at: Iterate, free: bool) -> Equa
 
 
 def _moved(
-    discretization: Discretization, at: Iterate, change: Floats, expansion: float, rate: float, equations: Equations
+    discretization: Discretization,
+    at: Iterate,
+    change: Floats,
+    expansion: float,
+    rate: float,
+    equations: Equations,
 ) -> tuple[float, Iterate, float]:
     """Part of a step that makes the residual smaller, the surface there and its residual over the radius."""
     radius = at.radius

@@ -1,4 +1,4 @@
-"""Images of the sphere of any shape, displaced along their normals, and foliations inwards by trapped ones."""
+"""Images of the sphere of any shape, displaced along normals; foliation of a horizon's interior."""
 
 from __future__ import annotations
 
@@ -98,9 +98,7 @@ class NormalImage(Image):
         deviations = [
             resized(self.displaced(f).coefficients - own, harmonics, deviating(harmonics)) for f in shifts
         ]
-        return MappedSurface(
-            harmonics, own, misfit=root_mean_square(shifts), deviations=np.stack(deviations)
-        )
+        return MappedSurface(harmonics, own, misfit=root_mean_square(shifts), deviations=np.stack(deviations))
 
     @property
     def displacements(self) -> Harmonics:

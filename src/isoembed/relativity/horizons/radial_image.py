@@ -197,4 +197,3 @@ def _discretized(geometry: ThreeGeometry, surface: StarSurface, n: int, around: 
 def _transform(harmonics: Harmonics, n: int, around: int) -> SphereTransform:
     """A transform with its tables, which one surface after the other needs."""
     return SphereTransform(harmonics, n, around)
-

@@ -63,7 +63,9 @@ class Image(ABC):
         """The same in the next degree, or the highest."""
 
     @abstractmethod
-    def solved(self, geometry: ThreeGeometry, expansion: float) -> tuple[Image, Discretization, Solution, int]:
+    def solved(
+        self, geometry: ThreeGeometry, expansion: float
+    ) -> tuple[Image, Discretization, Solution, int]:
         """The surface of constant expansion nearby in this degree, and the number of Newton's steps.
 
         Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
@@ -139,5 +141,3 @@ def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
         if image.degree >= image.highest:
             return replace(best, steps=steps, end=End.EXHAUSTED)
         image = image.finer()
-
-

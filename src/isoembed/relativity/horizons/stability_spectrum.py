@@ -196,7 +196,7 @@ class _Found:
 
 
 def _family(surface: StarSurface | MappedSurface, heights: int, around: int) -> SurfaceFamily:
-    """Displacements of a surface at the nodes of a rule: along the normals, or the radius of a star-shaped one."""
+    """Displacements of a surface at the nodes of a rule: along normals, or radial of a star-shaped one."""
     if isinstance(surface, MappedSurface):
         map = HarmonicMap(surface.harmonics, surface.coefficients)
         return SurfaceFamily(map.jet_at_nodes(heights), map.normals().jet_at_nodes(heights))

@@ -11,10 +11,10 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.horizons.radial_image import HIGHEST_DEGREES, is_symmetric
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
-from isoembed.relativity.spacetimes.transformed import RotatedFrame
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.transformed import RotatedFrame
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.scattered_fit import deviating
 from isoembed.smooth.sphere_transform import SphereTransform

@@ -29,8 +29,8 @@ from isoembed.io.files import FileError
 from isoembed.relativity.series.carpet import SAMPLED
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap, symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
-from isoembed.relativity.series.source import SliceSource
 from isoembed.relativity.series.refined_grid import Component, covering_grid
+from isoembed.relativity.series.source import SliceSource
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.slice_file import GAMMA, K
 

@@ -1,4 +1,4 @@
-"""The task of a moment: its horizon is read, embedded and reported; what is in the way is a result, too."""
+"""Task of a run: the horizon of a moment is read, embedded and reported; a refusal is a result, too."""
 
 from __future__ import annotations
 

@@ -70,7 +70,9 @@ def ordered(moments: Iterable[Moment]) -> list[Moment]:
 class _Slices:
     """Slices by their iterations and times."""
 
-    def __init__(self, slices: Sequence[ListedSlice[SliceSource]], of_series: Iterable[Sequence[float]]) -> None:
+    def __init__(
+        self, slices: Sequence[ListedSlice[SliceSource]], of_series: Iterable[Sequence[float]]
+    ) -> None:
         self.count = len(slices)
         self.by_iteration: dict[int, SliceSource] = {}
         self._dates: dict[int, float] = {}

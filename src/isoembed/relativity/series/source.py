@@ -1,4 +1,4 @@
-"""Sources: what can be read later, in another process, and the hash of its content.
+"""Sources of horizons and slices: readable in another process, with a hash of their content.
 
 A source is pickled to a worker: it holds paths and choices, never an open file.
 """

@@ -1,4 +1,4 @@
-"""Maps of the unit sphere into space with coordinates in spherical harmonics: displacement, reparametrization."""
+"""Maps of the unit sphere in spherical harmonics: displacement along normals, reparametrization."""
 
 from __future__ import annotations
 

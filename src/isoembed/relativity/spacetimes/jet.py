@@ -1,4 +1,4 @@
-"""Second-order jets of maps of the unit sphere into a slice, and families of maps that differ by a function."""
+"""Second-order jets of maps of the unit sphere, and families of maps that differ by a function."""
 
 from __future__ import annotations
 

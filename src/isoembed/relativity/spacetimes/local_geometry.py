@@ -121,15 +121,15 @@ class LocalGeometry:
 
     def normal_momentum(self) -> Floats:
         """``K(., n)`` as tangent vectors (n, 3) of the unit sphere: see `SurfaceData`."""
-        along = np.einsum("nai,ni->na", self.jet.first, self._K_n)
+        along = np.einsum("nai,ni->na", self.jet.first, self._curvature_along_normal)
         return np.einsum("na,nai->ni", along, np.stack(angle_frame(self.jet.u), axis=1))
 
     def torque(self, center: Floats) -> Floats:
         """``K(e x (X - center), n)`` (n, 3), e the unit vectors along x, y and z: see `SurfaceData`."""
-        return np.cross(self.jet.x - center, self._K_n)
+        return np.cross(self.jet.x - center, self._curvature_along_normal)
 
     @cached_property
-    def _K_n(self) -> Floats:
+    def _curvature_along_normal(self) -> Floats:
         """``K_ij n^j`` (n, 3)."""
         return np.einsum("nij,nj->ni", self.fields.K, self.normal[1])
 

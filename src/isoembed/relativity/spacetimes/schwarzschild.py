@@ -104,7 +104,8 @@ class BrillLindquist(_Punctures):
 class PainleveGullstrand(OneHole):
     """Schwarzschild's hole in flat slices, ``K_ij = sqrt(2 M / r^3) (delta_ij - 3/2 n_i n_j)``.
 
-    Regular to r = 0.  Lapse 1 and shift ``beta^i = sqrt(2 M / r) n^i``: the slices of observers that fall from rest at infinity.
+    Regular to r = 0.  Lapse 1 and shift ``beta^i = sqrt(2 M / r) n^i``: the slices of observers that fall
+    from rest at infinity.
 
     Attributes
     ----------

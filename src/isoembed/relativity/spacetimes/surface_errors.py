@@ -1,4 +1,4 @@
-"""Errors of a surface's metric, curvature and momentum, as it may lie elsewhere and its slice be another."""
+"""Error propagation from the position of a surface and from its slice to metric, curvature, momentum."""
 
 from __future__ import annotations
 
@@ -57,9 +57,7 @@ class SurfaceErrors:
         """
         unit, geometry = _area_unit(local), _geometry(local)
         base = _quantities(local, center, unit)
-        changes = [
-            _quantities(LocalGeometry.of(geometry, jet), center, unit) - base for jet in deviating
-        ]
+        changes = [_quantities(LocalGeometry.of(geometry, jet), center, unit) - base for jet in deviating]
         return cls._of(local, SURE * np.array(changes), weights, unit)
 
     @classmethod
