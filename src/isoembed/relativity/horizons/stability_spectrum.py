@@ -132,8 +132,8 @@ def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> Stabilit
     if not isinstance(horizon, FoundHorizon):
         raise InvalidParameter(f"the horizon is a {type(horizon).__name__}, not a FoundHorizon")
     n = checked_eigenvalues(n)
-    ladder: tuple[int, ...] = SYMMETRIC_DEGREES if _is_symmetric(horizon.surface) else DEGREES
-    degrees = tuple(degree for degree in ladder if (degree - 1) ** 2 >= 2 * n + MARGIN)
+    allowed: tuple[int, ...] = SYMMETRIC_DEGREES if _is_symmetric(horizon.surface) else DEGREES
+    degrees = tuple(degree for degree in allowed if (degree - 1) ** 2 >= 2 * n + MARGIN)
     operator = _Operator.of(horizon, degrees[0], n)
     found = operator.spectrum(n)
     known = _by_data(operator, found, horizon)
