@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.relativity.spacetimes.three_geometry import Numbers
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import angle_frame
 
@@ -23,15 +24,15 @@ class Jet:
     x : ndarray, shape (n, 3)
         Their images.
     first : ndarray, shape (n, 2, 3)
-        Derivatives along e_theta and e_phi, the vectors of `isoembed.smooth.two_metric.angle_frame`.
+        Derivatives, complex for derivatives by the complex step, along e_theta and e_phi, the vectors of `isoembed.smooth.two_metric.angle_frame`.
     second : ndarray, shape (n, 3, 3)
         Covariant second derivatives on the unit sphere: theta theta, theta phi, phi phi.
     """
 
     u: Floats
     x: Floats
-    first: Floats
-    second: Floats
+    first: Numbers
+    second: Numbers
 
     @classmethod
     def of_tensors(cls, u: Floats, x: Floats, differential: Floats, hessian: Floats) -> Jet:
