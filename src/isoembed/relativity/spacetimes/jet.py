@@ -24,8 +24,8 @@ class Jet:
     x : ndarray, shape (n, 3)
         Their images.
     first : ndarray, shape (n, 2, 3)
-        Derivatives along e_theta and e_phi, the vectors of `isoembed.smooth.two_metric.angle_frame`.  They may
-        be complex, for derivatives by the complex step.
+        Derivatives along e_theta and e_phi, the vectors of `isoembed.smooth.two_metric.angle_frame`.  They
+        may be complex, for derivatives by the complex step.
     second : ndarray, shape (n, 3, 3)
         Covariant second derivatives on the unit sphere: theta theta, theta phi, phi phi.
     """
