@@ -26,6 +26,7 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.nonlinear import FULL_STEPS, descend, settled
 from isoembed.progress.stages import StageRecorder
 
 WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
@@ -128,12 +129,14 @@ class Fits:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""
         lengths, unit = self._metric.lengths, self._metric.mean_length
         mu = weight * unit**2
-        x, value = vertices, self._energy.value(vertices, lengths, mu)
-        for _ in range(MAX_STEPS):
-            x = self._energy.relaxed(x, lengths, mu, 0.0, self._recorder)
-            before, value = value, self._energy.value(x, lengths, mu)
-            if not value < 0.99 * before:  # share of the energy that a step leaves at the minimum
-                break
+        x = descend(
+            vertices,
+            lambda x: lambda _: self._energy.relaxed(x, lengths, mu, 0.0, self._recorder),
+            FULL_STEPS,
+            value=lambda x: self._energy.value(x, lengths, mu),
+            converged=settled(0.01),
+            max_iterations=MAX_STEPS,
+        ).point
         r = self._energy.residuals(x, lengths)
         try:
             free = self._degrees_of_freedom(x, mu)

@@ -15,17 +15,19 @@ goes on from there.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from isoembed.aim.accuracy import REALIZED, SOFTER, STIFFER
+from isoembed.aim.accuracy import REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
+from isoembed.nonlinear import Curve, Damping, descend, settled
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSystem, edge_rows
 
@@ -213,25 +215,32 @@ class _SoftEquations:
 
     def _least(self, s: Floats) -> tuple[float, Floats]:
         """The least sum of squares that Levenberg-Marquardt steps lead to, and where it is."""
-        (f, J), damping = self._evaluated(s), 1e-3  # Levenberg-Marquardt
-        value = float(f @ f)
-        for _ in range(60):
+        trials = itertools.count()
+
+        def at(s: Floats) -> tuple[Floats, Floats, Floats]:
+            return s, *self._evaluated(s)
+
+        def step(point: tuple[Floats, Floats, Floats]) -> Curve[tuple[Floats, Floats, Floats]]:
+            s, f, J = point
             gram = J.T @ J
-            gram[np.diag_indices(len(s))] *= 1 + damping
-            try:
-                trial = s - np.linalg.solve(gram, J.T @ f)
-            except np.linalg.LinAlgError:
-                break
-            f_trial, slopes = self._evaluated(trial)
-            reached = float(f_trial @ f_trial)
-            if reached < value:
-                enough = value - reached < 1e-8 * value  # relative decrease of the squares that is rounding
-                s, f, J, value = trial, f_trial, slopes, reached
-                damping *= SOFTER
-                if enough:
-                    break
-            else:
-                damping *= STIFFER
-                if damping > 1e8:  # above it no step helps
-                    break
-        return value, s
+
+            def damped(damping: float) -> tuple[Floats, Floats, Floats] | None:
+                scaled = gram.copy()
+                scaled[np.diag_indices(len(s))] *= 1 + damping
+                try:
+                    return at(s - np.linalg.solve(scaled, J.T @ f))
+                except np.linalg.LinAlgError:
+                    return None
+
+            return damped
+
+        found = descend(
+            at(s),
+            step,
+            Damping(1e-3, largest=1e8),
+            value=lambda point: float(point[1] @ point[1]),
+            converged=settled(1e-8),  # rounding
+            max_iterations=60,
+            exhausted=lambda _: next(trials) >= 60,
+        )
+        return found.value, found.point[0]

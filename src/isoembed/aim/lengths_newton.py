@@ -6,10 +6,11 @@ import numpy as np
 
 from isoembed.aim.anneal import anneal
 from isoembed.arrays import Floats
-from isoembed.linalg import SingularMatrix
+from isoembed.nonlinear import below, contraction
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.convexity import umbrella_heights
-from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.surface.length_newton import length_newton
+from isoembed.surface.rigidity import LengthSystem
 
 LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
 
@@ -52,29 +53,32 @@ def newton_on_lengths(
     LengthsSolution or None
         None where Newton's method does not converge at once.
     """
-    triangulation, unit = system.triangulation, float(lengths.mean())
-    r = length_residuals(triangulation, start, lengths, system.space)
-    residual = float(np.abs(r).max()) / unit
-    if residual <= good:
-        return LengthsSolution(start, 0.0)
-    x, pointed, before = start, start, np.inf
-    while residual > 1e-4 or x is start:  # mean edge lengths: below it is decided where the iteration goes
-        recorder.iterations += 1
-        recorder.factorizations += 1
-        try:
-            x = x - system.step(x, lengths, r)
-        except SingularMatrix:
-            return None
-        if not np.isfinite(x).all():
-            return None
-        pointed = x if pointed is start else pointed
-        r = length_residuals(triangulation, x, lengths, system.space)
-        residual = float(np.abs(r).max()) / unit
-        recorder.show(residual=residual)
-        # Each step must halve the residual; from half a mean edge length on it is lost.
-        if not residual < 0.5 * before or residual > 0.5:
-            return None
-        before = residual
-    expected, heights = (umbrella_heights(triangulation, y) for y in (pointed, x))
+    unit = float(lengths.mean())
+    # Each step must halve the residual; from half a mean edge length on it is lost.
+    halving = contraction(0.5)
+    begun = length_newton(
+        system,
+        start,
+        lengths,
+        halving,
+        converged=below(good * unit),
+        max_iterations=1,
+        recorder=recorder,
+    )
+    if begun.iterations == 0:
+        return LengthsSolution(start, 0.0) if begun.converged else None
+    found = length_newton(
+        system,
+        begun.point.x,
+        lengths,
+        halving,
+        converged=below(1e-4 * unit),  # below it is decided where the iteration goes
+        stalled=lambda _, size, __: size > 0.5 * unit,
+        max_iterations=100,
+        recorder=recorder,
+    )
+    if not found.converged:
+        return None
+    expected, heights = (umbrella_heights(system.triangulation, p.x) for p in (begun.point, found.point))
     deviation = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
-    return LengthsSolution(anneal(system, x, lengths, recorder).vertices, deviation)
+    return LengthsSolution(anneal(system, found.point.x, lengths, recorder).vertices, deviation)

@@ -18,9 +18,11 @@ from isoembed.aim.split_newton import SplitNewton
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.nonlinear import Reason, below
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolation import CellRows, Stencils
+from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
 
@@ -115,20 +117,19 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
 
     Where that is not enough, the polish may do better.
     """
-    damping = 0.0
-    for _ in range(8):
-        r = length_residuals(system.triangulation, x, lengths)
-        if np.abs(r).max() < 1e-12 * lengths.mean():  # mean edge lengths
-            break
-        recorder.iterations += 1
-        recorder.factorizations += 1
-        try:
-            x = x - system.step(x, lengths, r, damping)
-        except SingularMatrix:
-            if damping > 0:
-                break
-            damping = HELD
-    return x
+    exact = below(1e-12 * lengths.mean())  # mean edge lengths
+    found = length_newton(system, x, lengths, converged=exact, max_iterations=8, recorder=recorder)
+    if found.reason is Reason.SINGULAR:
+        found = length_newton(
+            system,
+            found.point.x,
+            lengths,
+            converged=exact,
+            max_iterations=8 - found.iterations,
+            recorder=recorder,
+            damping=HELD,
+        )
+    return found.point.x
 
 
 def _counts(n: int) -> list[int]:

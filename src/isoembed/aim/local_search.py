@@ -26,9 +26,10 @@ from isoembed.aim.completion import completed
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.held_patch import HeldPatch
 from isoembed.aim.length_search import LengthSearch
-from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, STALLED, let_go
+from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.nonlinear import FULL_STEPS, descend, penalty_continuation
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import sums_at_ends
 from isoembed.surface.rigidity import LengthSystem
@@ -182,17 +183,22 @@ class _LocalSearch(LengthSearch):
 
     def released(self, energy: RegularizedEnergy, x: Floats, mu: float) -> Floats:
         """Where a surface ends as mu vanishes, with a measure of smoothness."""
-        before, slow = np.inf, 0
-        for _ in range(12):
+
+        def minimized(x: Floats, mu: float) -> Floats:
             x = descended(energy, x, self.lengths, mu, self.recorder, lambda _: self.exhausted)
             self.show(x)
-            residual = self.largest_residual(x)
-            slow = slow + 1 if residual > STALLED * before else 0
-            if slow == 2 or residual <= REALIZED or self.exhausted:
-                break
-            before = residual
-            mu *= FADE
-        return x
+            return x
+
+        return penalty_continuation(
+            x,
+            minimized,
+            self.largest_residual,
+            mu,
+            factor=FADE,
+            max_weights=12,
+            tolerance=REALIZED,
+            exhausted=lambda: self.exhausted,
+        )[0]
 
     def at(self, x: Floats, mu: float) -> Floats:
         """The least energy that is met with one mu."""
@@ -216,14 +222,17 @@ class _LocalSearch(LengthSearch):
 
     def settled(self, x: Floats, mu: float) -> Floats:
         """The local minimum of the energy, as far as Gauss-Newton steps lead."""
-        value = self.energy.value(x, self.lengths, mu)
-        for _ in range(20):
-            x = self.energy.relaxed(x, self.lengths, mu, 0.0, self.recorder)
-            before, value = value, self.energy.value(x, self.lengths, mu)
+        return descend(
+            x,
+            lambda x: lambda _: self.energy.relaxed(x, self.lengths, mu, 0.0, self.recorder),
+            FULL_STEPS,
+            value=lambda x: self.energy.value(x, self.lengths, mu),
             # Share of the energy that a step leaves at a minimum.
-            if self.exhausted or not value < 0.998 * before:
-                break
-        return x
+            converged=lambda _, value, before: (
+                not value < 0.998 * before or (before < np.inf and self.exhausted)
+            ),
+            max_iterations=20,
+        ).point
 
     def sweep(self, x: Floats, mu: float, stale: Mask) -> Floats:
         """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.aim.radii_newton import SETTLED, inverted_vertices, without_curvature
 from isoembed.alexandrov.doubly_covered import THIN
 from isoembed.alexandrov.homotopy import NEWTON_CURVATURE, Stalled, Waypoint, follow_path
@@ -21,6 +20,7 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
+from isoembed.nonlinear import extrapolated
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.surface.measures import outward

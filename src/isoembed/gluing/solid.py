@@ -5,13 +5,14 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.gluing.net import Net
-from isoembed.linalg import SingularMatrix
 from isoembed.method import TOLERANCE, solve
 from isoembed.methods import configured
 from isoembed.metric.convexity import deficit_rounding
+from isoembed.nonlinear import contraction, never
 from isoembed.progress.stages import Checkpoint, Listener, Log
 from isoembed.surface.embedding import Embedding
-from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.surface.length_newton import length_newton
+from isoembed.surface.rigidity import LengthSystem
 
 
 def embed_net(
@@ -88,23 +89,18 @@ def _folded(net: Net, tolerance: float, progress: Listener | None) -> Embedding 
     metric = net.simplicial()
     if net.folded is None or len(net.folded) != metric.triangulation.n_vertices:
         return None
-    unit = metric.normalized
-    vertices, lengths = net.folded / metric.unit, unit.lengths
     log = Log(progress)
     with log.stage("folding") as recorder:
-        system = LengthSystem(metric.triangulation)
-        residuals = length_residuals(metric.triangulation, vertices, lengths)
         # Angles are known to a few digits at least: Newton's method gains as many at each of a few steps.
-        for _ in range(10):
-            recorder.iterations += 1
-            try:
-                moved = vertices - system.step(vertices, lengths, residuals)
-            except SingularMatrix:
-                break
-            after = length_residuals(metric.triangulation, moved, lengths)
-            if not np.abs(after).max() < np.abs(residuals).max() / 2:
-                break
-            vertices, residuals = moved, after
+        vertices = length_newton(
+            LengthSystem(metric.triangulation),
+            net.folded / metric.unit,
+            metric.normalized.lengths,
+            contraction(0.5),
+            converged=never,
+            max_iterations=10,
+            recorder=recorder,
+        ).point.x
     embedding = Embedding(
         metric, metric.unit * vertices, method="folding", tolerance=tolerance, stages=log.stages
     )
