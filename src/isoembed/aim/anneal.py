@@ -6,7 +6,7 @@ from itertools import count
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.nonlinear import Curve, Damping, Point, descend, largest, newton, short_step
+from isoembed.nonlinear import Curve, Damping, Point, descend, largest, newton, short_step, stagnated
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
@@ -63,15 +63,15 @@ def anneal(
     Annealed
         The best vertices met.
     """
+    rounding, lost = stagnated(1e-9), 10.0  # mean edge lengths, from which no iteration returns
     found = length_newton(
         system,
         vertices,
         lengths,
-        converged=lambda p, size, _: size <= residual_tolerance or p.moved <= step_tolerance,
-        # Mean edge lengths: a residual of 1e-9 that grows is rounding, and from 10 no iteration returns.
-        stalled=lambda _, size, before: (before < 1e-9 and not size < before) or not size < 10.0,
-        max_iterations=max_iterations,
         recorder=recorder,
+        converged=lambda p, size, _: size <= residual_tolerance or p.moved <= step_tolerance,
+        stalled=lambda p, size, before: rounding(p, size, before) or not size < lost,
+        max_iterations=max_iterations,
     )
     return Annealed(found.best.x, found.least, found.converged)
 

@@ -26,7 +26,6 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.nonlinear import FULL_STEPS, descend, settled
 from isoembed.progress.stages import StageRecorder
 
 WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
@@ -129,14 +128,7 @@ class Fits:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""
         lengths, unit = self._metric.lengths, self._metric.mean_length
         mu = weight * unit**2
-        x = descend(
-            vertices,
-            lambda x: lambda _: self._energy.relaxed(x, lengths, mu, 0.0, self._recorder),
-            FULL_STEPS,
-            value=lambda x: self._energy.value(x, lengths, mu),
-            converged=settled(0.01),
-            max_iterations=MAX_STEPS,
-        ).point
+        x = self._energy.minimized(vertices, lengths, mu, 0.01, MAX_STEPS, self._recorder)
         r = self._energy.residuals(x, lengths)
         try:
             free = self._degrees_of_freedom(x, mu)

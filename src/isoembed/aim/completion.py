@@ -217,22 +217,13 @@ class _SoftEquations:
         """The least sum of squares that Levenberg-Marquardt steps lead to, and where it is."""
         trials = itertools.count()
 
-        def at(s: Floats) -> tuple[Floats, Floats, Floats]:
+        def at(s: Floats) -> tuple[Floats, ...]:
             return s, *self._evaluated(s)
 
-        def step(point: tuple[Floats, Floats, Floats]) -> Curve[tuple[Floats, Floats, Floats]]:
+        def step(point: tuple[Floats, ...]) -> Curve[tuple[Floats, ...]]:
             s, f, J = point
-            gram = J.T @ J
-
-            def damped(damping: float) -> tuple[Floats, Floats, Floats] | None:
-                scaled = gram.copy()
-                scaled[np.diag_indices(len(s))] *= 1 + damping
-                try:
-                    return at(s - np.linalg.solve(scaled, J.T @ f))
-                except np.linalg.LinAlgError:
-                    return None
-
-            return damped
+            gram, gradient, identity = J.T @ J, J.T @ f, np.eye(len(s))
+            return lambda damping: at(s - np.linalg.solve(gram * (1 + damping * identity), gradient))
 
         found = descend(
             at(s),

@@ -57,13 +57,7 @@ def newton_on_lengths(
     # Each step must halve the residual; from half a mean edge length on it is lost.
     halving = contraction(0.5)
     begun = length_newton(
-        system,
-        start,
-        lengths,
-        halving,
-        converged=below(good * unit),
-        max_iterations=1,
-        recorder=recorder,
+        system, start, lengths, halving, recorder=recorder, converged=below(good * unit), max_iterations=1
     )
     if begun.iterations == 0:
         return LengthsSolution(start, 0.0) if begun.converged else None

@@ -117,19 +117,15 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
 
     Where that is not enough, the polish may do better.
     """
-    exact = below(1e-12 * lengths.mean())  # mean edge lengths
-    found = length_newton(system, x, lengths, converged=exact, max_iterations=8, recorder=recorder)
-    if found.reason is Reason.SINGULAR:
+    exact, left = below(1e-12 * lengths.mean()), 8  # mean edge lengths, and steps
+    for damping in (0.0, HELD):
         found = length_newton(
-            system,
-            found.point.x,
-            lengths,
-            converged=exact,
-            max_iterations=8 - found.iterations,
-            recorder=recorder,
-            damping=HELD,
+            system, x, lengths, recorder=recorder, damping=damping, converged=exact, max_iterations=left
         )
-    return found.point.x
+        x, left = found.point.x, left - found.iterations
+        if found.reason is not Reason.SINGULAR:
+            break
+    return x
 
 
 def _counts(n: int) -> list[int]:

@@ -29,7 +29,7 @@ from isoembed.aim.length_search import LengthSearch
 from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.nonlinear import FULL_STEPS, descend, penalty_continuation
+from isoembed.nonlinear import penalty_continuation
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import sums_at_ends
 from isoembed.surface.rigidity import LengthSystem
@@ -190,14 +190,7 @@ class _LocalSearch(LengthSearch):
             return x
 
         return penalty_continuation(
-            x,
-            minimized,
-            self.largest_residual,
-            mu,
-            factor=FADE,
-            max_weights=12,
-            tolerance=REALIZED,
-            exhausted=lambda: self.exhausted,
+            x, minimized, self.largest_residual, mu, FADE, 12, REALIZED, lambda: self.exhausted
         )[0]
 
     def at(self, x: Floats, mu: float) -> Floats:
@@ -222,17 +215,7 @@ class _LocalSearch(LengthSearch):
 
     def settled(self, x: Floats, mu: float) -> Floats:
         """The local minimum of the energy, as far as Gauss-Newton steps lead."""
-        return descend(
-            x,
-            lambda x: lambda _: self.energy.relaxed(x, self.lengths, mu, 0.0, self.recorder),
-            FULL_STEPS,
-            value=lambda x: self.energy.value(x, self.lengths, mu),
-            # Share of the energy that a step leaves at a minimum.
-            converged=lambda _, value, before: (
-                not value < 0.998 * before or (before < np.inf and self.exhausted)
-            ),
-            max_iterations=20,
-        ).point
+        return self.energy.minimized(x, self.lengths, mu, 0.002, 20, self.recorder, lambda: self.exhausted)
 
     def sweep(self, x: Floats, mu: float, stale: Mask) -> Floats:
         """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""

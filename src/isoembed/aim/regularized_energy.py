@@ -25,6 +25,7 @@ from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.nonlinear import FULL_STEPS, descend, never, settled
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.measures import face_areas
@@ -275,3 +276,24 @@ class RegularizedEnergy:
             if downhill:
                 return trial
         return vertices
+
+    def minimized(
+        self,
+        vertices: Floats,
+        lengths: Floats,
+        mu: float,
+        share: float,
+        max_iterations: int,
+        recorder: StageRecorder,
+        exhausted: Callable[[], bool] = never,
+    ) -> Floats:
+        """The minimum nearby, as far as `relaxed` steps lead that lower the energy by more than a share."""
+        is_settled = settled(share)
+        return descend(
+            vertices,
+            lambda x: lambda _: self.relaxed(x, lengths, mu, 0.0, recorder),
+            FULL_STEPS,
+            value=lambda x: self.value(x, lengths, mu),
+            converged=lambda *at: is_settled(*at) or (at[2] < np.inf and exhausted()),
+            max_iterations=max_iterations,
+        ).point

@@ -205,14 +205,7 @@ def newton_uniformization(
         recorder.show(residual=state.deviation)
         du = _newton_step(metric, state, C, recorder)
         recorder.iterations += 1
-
-        def at(fraction: float) -> _State | None:
-            try:
-                return _State.at(metric, state.u + fraction * du, C)
-            except InvalidMetric:
-                return None
-
-        return at
+        return lambda fraction: _State.at(metric, state.u + fraction * du, C)
 
     found = descend(
         state,

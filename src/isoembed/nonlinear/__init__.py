@@ -7,29 +7,10 @@ An acceptance rule chooses the parameter, a stopping rule ends the loop, and a `
 
 from isoembed.nonlinear.acceptance import FULL_STEPS, Damping, LineSearch, contraction
 from isoembed.nonlinear.continuation import extrapolated, penalty_continuation
-from isoembed.nonlinear.damped_step import damped_step
 from isoembed.nonlinear.descent import Curve, Reason, Solution, descend
-from isoembed.nonlinear.newton import Point, largest, newton
-from isoembed.nonlinear.stopping import below, never, settled, short_step, stagnated
+from isoembed.nonlinear.newton import Point, damped_step, largest, newton
+from isoembed.nonlinear.stopping import Stop, below, never, settled, short_step, stagnated
 
-__all__ = [
-    "FULL_STEPS",
-    "Curve",
-    "Damping",
-    "LineSearch",
-    "Point",
-    "Reason",
-    "Solution",
-    "below",
-    "contraction",
-    "damped_step",
-    "descend",
-    "extrapolated",
-    "largest",
-    "never",
-    "newton",
-    "penalty_continuation",
-    "settled",
-    "short_step",
-    "stagnated",
-]
+__all__ = ["FULL_STEPS", "Curve", "Damping", "LineSearch", "Point", "Reason", "Solution", "Stop", "below"]
+__all__ += ["contraction", "damped_step", "descend", "extrapolated", "largest", "never", "newton"]
+__all__ += ["penalty_continuation", "settled", "short_step", "stagnated"]

@@ -1,7 +1,7 @@
 """Acceptance rules: sufficient decrease with a backtracking line search, and Levenberg-Marquardt damping.
 
-A rule tries parameters of a curve in turn and accepts the first whose value is small enough.  A value that is
-not a number is never accepted.
+A rule tries parameters of a curve in turn, and accepts the first whose value is small enough: never one that
+is not a number.  It says with which parameter the next step begins.
 
 References
 ----------
@@ -9,30 +9,11 @@ P. Deuflhard, Newton Methods for Nonlinear Problems (2004), sections 2.1 and 3.1
 J. Nocedal and S. J. Wright, Numerical Optimization, 2nd ed. (2006), sections 3.1 and 10.3.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from itertools import islice, takewhile
 
 import numpy as np
-
-
-class Acceptance(Protocol):
-    """A rule for the parameter of a step's curve."""
-
-    @property
-    def first(self) -> float:
-        """Parameter with which the first step begins."""
-
-    def parameters(self, first: float) -> Iterator[float]:
-        """Parameters in the order in which they are tried."""
-
-    def accepts(self, value: float, before: float, parameter: float) -> bool:
-        """Whether a value is small enough after one before."""
-
-    def following(self, value: float, before: float, parameter: float) -> float:
-        """Parameter with which the next step begins, after an accepted one."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +23,7 @@ class LineSearch:
     Attributes
     ----------
     decrease : float
-        c in ``value < (1 - c * fraction) * before``: a share of the decrease of the linear model; 0 for any
-        decrease.
+        c in ``value < (1 - c * fraction) * before``; 0 for any decrease.
     shortest : float
         Least fraction that is tried.
     """
@@ -54,16 +34,13 @@ class LineSearch:
 
     def parameters(self, first: float = 1.0) -> Iterator[float]:
         """Fractions from the first on, each half of the one before."""
-        fraction = first
-        while fraction >= self.shortest:
-            yield fraction
-            fraction /= 2
+        return takewhile(lambda fraction: fraction >= self.shortest, _powers(first, 0.5))
 
-    def accepts(self, value: float, before: float, parameter: float) -> bool:
-        """Sufficient decrease."""
-        return value < (1 - self.decrease * parameter) * before
+    def accepts(self, value: float, before: float, fraction: float) -> bool:
+        """Whether the decrease is sufficient."""
+        return value < (1 - self.decrease * fraction) * before
 
-    def following(self, value: float, before: float, parameter: float) -> float:
+    def following(self, value: float, before: float, fraction: float) -> float:
         """A whole step."""
         return 1.0
 
@@ -73,7 +50,7 @@ FULL_STEPS = LineSearch(-np.inf, 1.0)
 
 
 def contraction(share: float) -> LineSearch:
-    """Whole steps while each leaves less than this share of the value: the test of quadratic convergence."""
+    """Whole steps, as long as each leaves less than this share of the value."""
     return LineSearch(1 - share, 1.0)
 
 
@@ -89,9 +66,9 @@ class Damping:
     largest : float
         No step helps with more.
     tries : int
-        Dampings that are tried for one step.
+        Most dampings for one step.
     eased_below : float
-        Share of the value that a step leaves at most before the damping is lowered.
+        Share of the value below which a step must lead for the damping to be lowered.
     """
 
     first: float
@@ -103,17 +80,18 @@ class Damping:
 
     def parameters(self, first: float) -> Iterator[float]:
         """Dampings, each stiffer than the one before."""
-        damping = first
-        for _ in range(self.tries):
-            if damping > self.largest:
-                return
-            yield damping
-            damping *= self.stiffer
+        return islice(takewhile(lambda mu: mu <= self.largest, _powers(first, self.stiffer)), self.tries)
 
-    def accepts(self, value: float, before: float, parameter: float) -> bool:
-        """Any decrease."""
+    def accepts(self, value: float, before: float, damping: float) -> bool:
+        """Whether there is any decrease."""
         return value < before
 
-    def following(self, value: float, before: float, parameter: float) -> float:
+    def following(self, value: float, before: float, damping: float) -> float:
         """A softer damping after a decrease."""
-        return parameter * self.softer if value < self.eased_below * before else parameter
+        return damping * self.softer if value < self.eased_below * before else damping
+
+
+def _powers(first: float, factor: float) -> Iterator[float]:
+    while True:
+        yield first
+        first *= factor

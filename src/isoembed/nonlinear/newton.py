@@ -4,15 +4,14 @@ Newton's method solves ``J d = r`` for the step ``x - d``.  Where there are more
 the solution of least squares (Gauss and Newton); where there are fewer, that of least norm.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 
 from isoembed.arrays import Floats
-from isoembed.nonlinear.acceptance import FULL_STEPS, Acceptance
+from isoembed.nonlinear.acceptance import FULL_STEPS, LineSearch
 from isoembed.nonlinear.descent import Curve, Solution, descend
 from isoembed.nonlinear.stopping import Stop, never
 
@@ -27,14 +26,14 @@ class Point(NamedTuple):
 
 def largest(point: Point) -> float:
     """The largest absolute value in the residual."""
-    return float(np.abs(point.residual).max())
+    return float(np.abs(point.residual).max(initial=0.0))
 
 
 def newton(
     start: Floats,
     residual: Callable[[Floats], Floats],
     solve: Callable[[Floats, Floats], Floats],
-    acceptance: Acceptance = FULL_STEPS,
+    acceptance: LineSearch = FULL_STEPS,
     *,
     converged: Stop,
     max_iterations: int,
@@ -47,16 +46,13 @@ def newton(
     ----------
     start : ndarray
     residual : callable
-        Takes x; the residual has any shape.
+        Takes x.
     solve : callable
         Takes x and its residual, and returns the d of the step ``x - d``; may raise SingularMatrix.
-    acceptance : LineSearch
-        Whole steps by default.
-    converged, stalled : callable
-        Stopping rules.
-    max_iterations : int
+    acceptance, converged, stalled, max_iterations
+        As of `descend`.
     norm : callable
-        Of a point: by default its largest residual.
+        The value of a point.
     """
 
     def step(p: Point) -> Curve[Point]:
@@ -78,3 +74,11 @@ def newton(
         stalled=stalled,
         max_iterations=max_iterations,
     )
+
+
+def damped_step(hessian: Floats, gradient: Floats, damping: float) -> Floats:
+    """Levenberg-Marquardt step d of a dense problem, ``(H + damping I) d = g``; raises LinAlgError."""
+    matrix = hessian.copy()
+    matrix[np.diag_indices(len(matrix))] += damping
+    factor = cho_factor(matrix, overwrite_a=True, check_finite=False)
+    return np.asarray(cho_solve(factor, gradient, check_finite=False))

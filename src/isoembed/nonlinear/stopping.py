@@ -1,9 +1,7 @@
-"""Stopping rules: residual, relative decrease, stagnation at rounding.
+"""Stopping rules: a residual, a short step, a small decrease, stagnation at rounding.
 
-A rule takes a point, its value, and the least value before it, infinite at the start.
+A rule takes a point, its value, and the least value before it, which is infinite at the start.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
@@ -11,26 +9,26 @@ from typing import Any
 Stop = Callable[[Any, float, float], bool]
 
 
-def never(point: Any, value: float = 0.0, before: float = 0.0) -> bool:
+def never(*_: Any) -> bool:
     """No stop."""
     return False
 
 
 def below(tolerance: float) -> Stop:
-    """Stop when the value is at most a tolerance."""
-    return lambda point, value, before: value <= tolerance
+    """Stop where the value is at most a tolerance."""
+    return lambda _, value, before: value <= tolerance
 
 
 def short_step(tolerance: float) -> Stop:
-    """Stop when no unknown of a `Point` moved more than a tolerance in the last step."""
+    """Stop where no unknown of a `Point` moved more than a tolerance in the last step."""
     return lambda point, value, before: point.moved <= tolerance
 
 
 def settled(share: float) -> Stop:
-    """Stop when a step decreases the value by at most this share of it."""
-    return lambda point, value, before: not value < (1 - share) * before
+    """Stop where a step decreased the value by at most this share."""
+    return lambda _, value, before: not value < (1 - share) * before
 
 
 def stagnated(rounding: float) -> Stop:
-    """Stop when values below rounding cease to fall."""
-    return lambda point, value, before: before < rounding and not value < before
+    """Stop where values below rounding cease to fall."""
+    return lambda _, value, before: before < rounding and not value < before

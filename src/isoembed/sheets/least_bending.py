@@ -118,10 +118,10 @@ def balanced(
             break
         d, dy = _constrained_step(t, factor, rows, g, r, epsilon)
         longest = float(np.linalg.norm(d, axis=1).max())
-        before = np.linalg.norm(g) / size + np.linalg.norm(r)
+        before = float(np.linalg.norm(g) / size + np.linalg.norm(r))
         for part in SEARCH.parameters(min(1.0, 0.5 * unit / longest) if longest > 0 else 1.0):
             g, r = equations(x + part * d, y + part * dy)
-            if SEARCH.accepts(np.linalg.norm(g) / size + np.linalg.norm(r), before, part):
+            if SEARCH.accepts(float(np.linalg.norm(g) / size + np.linalg.norm(r)), before, part):
                 break
         else:
             break  # at rounding, or no minimum near

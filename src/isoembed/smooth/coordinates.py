@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.nonlinear import Curve, Damping, descend, settled
 from isoembed.smooth.harmonics import Harmonics
@@ -117,9 +116,10 @@ class _Vertices:
             # Alike for x, y and z.
             scale = np.repeat(np.diag(normal).reshape(-1, 3).max(axis=1), 3)
 
-            def damped(damping: float) -> _Smoothed | None:
+            def damped(damping: float) -> _Smoothed:
                 step = np.linalg.solve(normal + damping * np.diag(scale), -gradient).reshape(-1, 3)
-                return self._tried(harmonics, at.coordinates.coefficients + step)
+                # Maps that fold raise InvalidParameter.
+                return self.smoothed(SphereMap(harmonics, at.coordinates.coefficients + step))
 
             return damped
 
@@ -131,12 +131,6 @@ class _Vertices:
             converged=settled(0.01),
             max_iterations=25,
         ).point
-
-    def _tried(self, harmonics: Harmonics, coefficients: Floats) -> _Smoothed | None:
-        try:
-            return self.smoothed(SphereMap(harmonics, coefficients))
-        except InvalidParameter:  # it folds
-            return None
 
     def _jacobian(self, at: _Smoothed, harmonics: Harmonics) -> Floats:
         """Derivatives (3 size, 3 m) of the weighted coefficients by those of a map in m harmonics."""

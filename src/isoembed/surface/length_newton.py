@@ -1,12 +1,11 @@
 """Newton's method on the edge lengths of a surface: J d = r in least norm, or in least squares."""
 
-from __future__ import annotations
+from typing import Any
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.nonlinear import FULL_STEPS, LineSearch, Point, Solution, never, newton
-from isoembed.nonlinear.stopping import Stop
+from isoembed.nonlinear import FULL_STEPS, LineSearch, Point, Solution, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
@@ -17,11 +16,9 @@ def length_newton(
     lengths: Floats,
     acceptance: LineSearch = FULL_STEPS,
     *,
-    converged: Stop,
-    stalled: Stop = never,
-    max_iterations: int,
     recorder: StageRecorder | None = None,
     damping: float = 0.0,
+    **stops: Any,
 ) -> Solution[Point]:
     """Bring the edges of a surface to given lengths.
 
@@ -30,12 +27,14 @@ def length_newton(
     system : LengthSystem
     start : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
-    acceptance, converged, stalled, max_iterations
-        As of `isoembed.nonlinear.newton`; values are the largest `length_residuals`.
+    acceptance : LineSearch
+        Of the largest of the `length_residuals`.
     recorder : StageRecorder, optional
-        Counts steps and factorizations, and shows the residuals.
+        Counts steps and factorizations, and shows residuals.
     damping : float
         The mu of `LengthSystem.step`.
+    **stops
+        Of `isoembed.nonlinear.newton`.
     """
 
     def residual(x: Floats) -> Floats:
@@ -51,12 +50,4 @@ def length_newton(
             recorder.factorizations += 1
         return step
 
-    return newton(
-        start,
-        residual,
-        solve,
-        acceptance,
-        converged=converged,
-        stalled=stalled,
-        max_iterations=max_iterations,
-    )
+    return newton(start, residual, solve, acceptance, **stops)
