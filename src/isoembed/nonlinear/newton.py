@@ -77,7 +77,7 @@ def newton(
 
 
 def damped_step(hessian: Floats, gradient: Floats, damping: float) -> Floats:
-    """Levenberg-Marquardt step d of a dense problem, ``(H + damping I) d = g``; raises LinAlgError."""
+    """Levenberg-Marquardt step d, ``(H + damping I) d = g``; raises LinAlgError."""
     matrix = hessian.copy()
     matrix[np.diag_indices(len(matrix))] += damping
     factor = cho_factor(matrix, overwrite_a=True, check_finite=False)
