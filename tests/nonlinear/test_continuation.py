@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from isoembed.nonlinear import extrapolated, penalty_continuation
+from isoembed.nonlinear.continuation import extrapolated, penalty_continuation
 
 A, B, C = np.random.default_rng(0).normal(size=(3, 5, 3))
 

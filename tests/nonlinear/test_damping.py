@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from isoembed.linalg import SingularMatrix
-from isoembed.nonlinear import Damping, Reason, damped_step, descend, never, settled
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Reason, descend
+from isoembed.nonlinear.newton import damped_step
+from isoembed.nonlinear.stopping import never, settled
 
 
 def rosenbrock(x):

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from isoembed.nonlinear import FULL_STEPS, LineSearch, Reason, contraction, descend, never
+from isoembed.nonlinear.acceptance import FULL_STEPS, LineSearch, contraction
+from isoembed.nonlinear.descent import Reason, descend
+from isoembed.nonlinear.stopping import never
 
 
 def test_fractions_are_halved_down_to_the_shortest():

@@ -6,16 +6,10 @@ import numpy as np
 import pytest
 
 from isoembed.linalg import SingularMatrix
-from isoembed.nonlinear import (
-    LineSearch,
-    Reason,
-    below,
-    contraction,
-    never,
-    newton,
-    short_step,
-    stagnated,
-)
+from isoembed.nonlinear.acceptance import LineSearch, contraction
+from isoembed.nonlinear.descent import Reason
+from isoembed.nonlinear.newton import newton
+from isoembed.nonlinear.stopping import below, never, short_step, stagnated
 
 
 def circle_and_line(x):

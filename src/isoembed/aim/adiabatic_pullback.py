@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from isoembed.aim.anneal import Annealed
 from isoembed.arrays import Floats
-from isoembed.nonlinear import extrapolated
+from isoembed.nonlinear.continuation import extrapolated
 
 
 def pull_back(

@@ -6,7 +6,10 @@ from itertools import count
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.nonlinear import Curve, Damping, Point, descend, largest, newton, short_step, stagnated
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.newton import Point, largest, newton
+from isoembed.nonlinear.stopping import short_step, stagnated
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals

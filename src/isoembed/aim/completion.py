@@ -27,7 +27,9 @@ from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
-from isoembed.nonlinear import Curve, Damping, descend, settled
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.stopping import settled
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSystem, edge_rows
 

@@ -21,7 +21,9 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix, SymmetricFactor
-from isoembed.nonlinear import Curve, Damping, damped_step, descend
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.newton import damped_step
 from isoembed.surface.rigidity import HeldTriangle, edge_rows
 
 COLUMNS = 96  # of the inverse that are solved for at once

@@ -25,7 +25,7 @@ from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian, deficit_laplacian
-from isoembed.nonlinear import LineSearch
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 SHARE = "deficit of a vertex's area on a sphere"
@@ -117,10 +117,6 @@ class Convexification:
             return None
         goal, step = diffused
         least = 0.5 * margin * reached.shares  # the conformal change may end with half of the margin
-
-        def off(triangles: _Delaunay) -> float:
-            return float(np.linalg.norm(goal - triangles.metric.deficits))
-
         for count in range(100):
             missing = goal - reached.metric.deficits
             recorder.show(residual=float(np.abs(missing).max()))
@@ -130,9 +126,10 @@ class Convexification:
                 step = reached.solved(missing)
                 recorder.factorizations += 1
             recorder.iterations += 1
+            off = float(np.linalg.norm(missing))
             for s in SEARCH.parameters():
                 trial = reached.changed(s * step)
-                if trial is not None and SEARCH.accepts(off(trial), off(reached), s):
+                if trial and SEARCH.accepts(float(np.linalg.norm(goal - trial.metric.deficits)), off, s):
                     break
             else:
                 return None

@@ -12,7 +12,9 @@ from collections.abc import Callable
 
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
-from isoembed.nonlinear import Curve, Damping, descend, settled
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.stopping import settled
 from isoembed.progress.stages import StageRecorder
 
 

@@ -14,7 +14,10 @@ from scipy.sparse import csr_array
 
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
-from isoembed.nonlinear import Curve, Damping, damped_step, descend, settled
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.newton import damped_step
+from isoembed.nonlinear.stopping import settled
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,8 @@ import numpy as np
 
 from isoembed.aim.anneal import anneal
 from isoembed.arrays import Floats
-from isoembed.nonlinear import below, contraction
+from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.length_newton import length_newton
@@ -16,17 +17,17 @@ LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviati
 
 
 @dataclass(frozen=True, eq=False)
-class LengthsSolution:
-    """Where Newton's method on the lengths ends.
+class BranchSolution:
+    """Where Newton's method on the lengths, or on the radii (`isoembed.aim.radii_leap`), ends.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
     branch_deviation : float
         The most that the height of a vertex above its neighbors differs from where the first step pointed,
-        over the root mean square of such heights.  Newton's method can cross over to a neighboring
-        realization, with some vertices turned inside out, that has the same lengths; then a height changes
-        by more than the first step's error explains.
+        over the root mean square of such heights, or over what they are on a sphere where radii are led.
+        Newton's method can cross over to a neighboring realization, with some vertices turned inside out,
+        that has the same lengths; then a height changes by more than the first step's error explains.
     """
 
     vertices: Floats
@@ -35,7 +36,7 @@ class LengthsSolution:
 
 def newton_on_lengths(
     system: LengthSystem, start: Floats, lengths: Floats, good: float, recorder: StageRecorder
-) -> LengthsSolution | None:
+) -> BranchSolution | None:
     """Realize lengths that are near those of a surface.
 
     Parameters
@@ -50,7 +51,7 @@ def newton_on_lengths(
 
     Returns
     -------
-    LengthsSolution or None
+    BranchSolution or None
         None where Newton's method does not converge at once.
     """
     unit = float(lengths.mean())
@@ -60,7 +61,7 @@ def newton_on_lengths(
         system, start, lengths, halving, recorder=recorder, converged=below(good * unit), max_iterations=1
     )
     if begun.iterations == 0:
-        return LengthsSolution(start, 0.0) if begun.converged else None
+        return BranchSolution(start, 0.0) if begun.converged else None
     found = length_newton(
         system,
         begun.point.x,
@@ -75,4 +76,4 @@ def newton_on_lengths(
         return None
     expected, heights = (umbrella_heights(system.triangulation, p.x) for p in (begun.point, found.point))
     deviation = float(np.abs(heights - expected).max() / np.sqrt(np.mean(heights**2)))
-    return LengthsSolution(anneal(system, found.point.x, lengths, recorder).vertices, deviation)
+    return BranchSolution(anneal(system, found.point.x, lengths, recorder).vertices, deviation)

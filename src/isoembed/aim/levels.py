@@ -18,7 +18,8 @@ from isoembed.aim.split_newton import SplitNewton
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.nonlinear import Reason, below
+from isoembed.nonlinear.descent import Reason
+from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolation import CellRows, Stencils

@@ -29,7 +29,7 @@ from isoembed.aim.length_search import LengthSearch
 from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.nonlinear import penalty_continuation
+from isoembed.nonlinear.continuation import penalty_continuation
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import sums_at_ends
 from isoembed.surface.rigidity import LengthSystem

@@ -5,10 +5,11 @@ to it follows `isoembed.alexandrov`, with flips; from there one leap, or a few, 
 triangles.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from isoembed.aim.lengths_newton import BranchSolution
 from isoembed.aim.radii_newton import SETTLED, inverted_vertices, without_curvature
 from isoembed.alexandrov.doubly_covered import THIN
 from isoembed.alexandrov.homotopy import NEWTON_CURVATURE, Stalled, Waypoint, follow_path
@@ -20,29 +21,12 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
-from isoembed.nonlinear import extrapolated
+from isoembed.nonlinear.continuation import extrapolated
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.surface.measures import outward
 
 RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
-
-
-@dataclass(frozen=True, eq=False)
-class RadiiSolution:
-    """Where Newton's method on the radii ends.
-
-    Attributes
-    ----------
-    vertices : ndarray, shape (V, 3)
-    branch_deviation : float
-        The most that the height of a vertex above its neighbors, measured in radii, differed from what was
-        expected, over what such heights are on a sphere.  Newton's method can cross over to a neighboring
-        realization, with some vertices turned inside out, that has the same lengths.
-    """
-
-    vertices: Floats
-    branch_deviation: float
 
 
 def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
@@ -102,7 +86,7 @@ def newton_on_radii(
     analyses: Analyses,
     log: Log,
     numbers: Indices | None = None,
-) -> RadiiSolution | None:
+) -> BranchSolution | None:
     """Realize a metric that is convex or nearly so.
 
     Parameters
@@ -119,7 +103,7 @@ def newton_on_radii(
 
     Returns
     -------
-    RadiiSolution or None
+    BranchSolution or None
         None where Newton's method does not converge at once.
 
     Notes
@@ -142,7 +126,7 @@ def newton_on_radii(
         if numbers is not None:
             vertices = vertices[np.argsort(numbers)]
         recorder.show(vertices=vertices)
-    return RadiiSolution(vertices, branch_deviation)
+    return BranchSolution(vertices, branch_deviation)
 
 
 def _followed(

@@ -15,7 +15,7 @@ from isoembed.aim.accuracy import NEWTON_BASIN
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.nonlinear import extrapolated, penalty_continuation
+from isoembed.nonlinear.continuation import extrapolated, penalty_continuation
 from isoembed.progress.stages import StageRecorder
 
 BENDING = 3.0  # w on the way

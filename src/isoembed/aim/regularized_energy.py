@@ -25,7 +25,6 @@ from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.nonlinear import FULL_STEPS, descend, never, settled
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.measures import face_areas
@@ -285,15 +284,13 @@ class RegularizedEnergy:
         share: float,
         max_iterations: int,
         recorder: StageRecorder,
-        exhausted: Callable[[], bool] = never,
+        exhausted: Callable[[], bool] = lambda: False,
     ) -> Floats:
         """The minimum nearby, as far as `relaxed` steps lead that lower the energy by more than a share."""
-        is_settled = settled(share)
-        return descend(
-            vertices,
-            lambda x: lambda _: self.relaxed(x, lengths, mu, 0.0, recorder),
-            FULL_STEPS,
-            value=lambda x: self.value(x, lengths, mu),
-            converged=lambda *at: is_settled(*at) or (at[2] < np.inf and exhausted()),
-            max_iterations=max_iterations,
-        ).point
+        value = self.value(vertices, lengths, mu)
+        for _ in range(max_iterations):
+            vertices = self.relaxed(vertices, lengths, mu, 0.0, recorder)
+            before, value = value, self.value(vertices, lengths, mu)
+            if exhausted() or not value < (1 - share) * before:
+                break
+        return vertices

@@ -24,7 +24,8 @@ from isoembed.metric.variation import (
     dual_area_derivative,
     length_derivative,
 )
-from isoembed.nonlinear import Curve, LineSearch, descend
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.descent import Curve, descend
 from isoembed.progress.stages import StageRecorder
 
 MAX_STEPS = 30  # of Newton's method

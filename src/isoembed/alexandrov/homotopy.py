@@ -27,7 +27,7 @@ from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import Factor, SingularMatrix, SymmetricFactor
 from isoembed.linalg.krylov import gmres
-from isoembed.nonlinear import LineSearch
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 START_RADII = (2.0, 16.0, 64.0, 256.0)

@@ -17,7 +17,7 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.linalg import Dissection, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import gmres
-from isoembed.nonlinear import LineSearch
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 STALE = 10  # GMRES iterations: more cost as much as a fresh factorization

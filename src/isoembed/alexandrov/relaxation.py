@@ -22,7 +22,7 @@ from isoembed.intrinsic.loops import flip
 from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.nonlinear import Point, newton
+from isoembed.nonlinear.newton import Point, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.space import Space
 from isoembed.surface.convexity import dent_depths

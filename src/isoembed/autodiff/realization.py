@@ -11,7 +11,8 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.method import solve
 from isoembed.methods import configured
-from isoembed.nonlinear import below, contraction
+from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.stopping import below
 from isoembed.surface.alignment import aligned
 from isoembed.surface.checked import checked
 from isoembed.surface.derivatives import LengthDerivatives

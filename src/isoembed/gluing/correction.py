@@ -18,7 +18,6 @@ from isoembed.gluing.polygon import Polygon
 from isoembed.gluing.runs import Run, cut, slack
 from isoembed.gluing.thresholds import GLUING
 from isoembed.gluing.tolerance import Tolerance
-from isoembed.nonlinear import Curve, Point, contraction, descend, never
 
 Term = tuple[int, int, float]
 """A side of a polygon, and the part of it that counts, negative where it is subtracted."""
@@ -257,12 +256,14 @@ def _flat_vertices(
 def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
     """The points nearest to these at which both vanish."""
     shape = sides.n + len(flat.straight), 2 * len(start)
-
-    def at(points: Floats) -> Point:
-        return Point(points, np.concatenate([sides.values(points), flat.values(points)]))
-
-    def step(p: Point) -> Curve[Point]:
-        some, others = sides.gradients(p.x), flat.gradients(p.x)
+    points, least, best = start, np.inf, start
+    for _ in range(50):  # Newton steps; five are usual
+        values = np.concatenate([sides.values(points), flat.values(points)])
+        error = float(np.abs(values).max(initial=0.0))
+        if error >= least / 2:
+            break
+        least, best = error, points
+        some, others = sides.gradients(points), flat.gradients(points)
         rows = np.concatenate([some[0], sides.n + others[0]])
         columns = 2 * np.concatenate([some[1], others[1]])
         entries = np.concatenate([some[2], others[2]])
@@ -273,24 +274,15 @@ def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
             ),
             shape=shape,
         )
-        wanted = jacobian @ (p.x - start).ravel() - p.residual
-        moved = lsqr(jacobian, wanted, atol=1e-15, btol=1e-15, iter_lim=8 * max(shape))[0]
-        return lambda _: at(start + moved.reshape(-1, 2))
-
-    found = descend(
-        at(start),
-        step,
-        contraction(0.5),
-        value=lambda p: float(np.abs(p.residual).max(initial=0.0)),
-        converged=never,
-        max_iterations=50,  # five are usual
-    )
-    if found.value > 1e-13:  # sizes of the largest sheet: rounding
+        wanted = jacobian @ (points - start).ravel() - values
+        step = lsqr(jacobian, wanted, atol=1e-15, btol=1e-15, iter_lim=8 * max(shape))[0]
+        points = start + step.reshape(-1, 2)
+    if least > 1e-13:  # sizes of the largest sheet: rounding
         raise InvalidMetric(
             "no small change of the polygons makes all sides that are glued equal: a difference of "
-            f"{found.value:.2g} of the size of the largest remains"
+            f"{least:.2g} of the size of the largest remains"
         )
-    return found.point.x
+    return best
 
 
 def _angles(points: Floats, before: Indices, corners: Indices, after: Indices) -> Floats:

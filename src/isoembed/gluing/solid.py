@@ -8,7 +8,8 @@ from isoembed.gluing.net import Net
 from isoembed.method import TOLERANCE, solve
 from isoembed.methods import configured
 from isoembed.metric.convexity import deficit_rounding
-from isoembed.nonlinear import contraction, never
+from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.stopping import never
 from isoembed.progress.stages import Checkpoint, Listener, Log
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.length_newton import length_newton

@@ -28,10 +28,7 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import Triangles, face_areas
 from isoembed.metric.delaunay import ideal_delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.nonlinear import LineSearch
 from isoembed.progress.stages import StageRecorder
-
-FRACTIONS = LineSearch(decrease=0.0, shortest=1e-6)  # of Newton steps
 
 
 @dataclass(frozen=True)
@@ -271,14 +268,14 @@ def _flattened(plane: _Plane, u: Floats, recorder: StageRecorder) -> tuple[_Plan
             return plane, u, False
         recorder.iterations += 1
         # a Newton step changes no factor by more than e^2
-        slope = step @ g
-        for s in FRACTIONS.parameters(min(1.0, 2.0 / np.abs(step).max())):
+        slope, s = step @ g, min(1.0, 2.0 / np.abs(step).max())
+        while True:  # a convex function has decreased where its slope has not turned around
             trial, (sums, weights, _, broken) = plane.whole(u + s * step)
-            # A convex function has decreased where its slope has not turned around.
             if step[inner] @ (2 * np.pi - sums[inner]) <= 0.9 * abs(slope):
                 break
-        else:
-            return plane, u, False
+            s /= 2
+            if s < 1e-6:
+                return plane, u, False
         plane, u = trial, u + s * step
     return plane, u, False
 

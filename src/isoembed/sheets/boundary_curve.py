@@ -15,7 +15,9 @@ from scipy.sparse import csr_array, diags_array, kron
 from isoembed.arrays import Floats, Mask
 from isoembed.linalg import factor_general
 from isoembed.metric.curvature import face_areas
-from isoembed.nonlinear import LineSearch, newton, short_step
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.newton import newton
+from isoembed.nonlinear.stopping import short_step
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints

@@ -23,7 +23,8 @@ from isoembed.linalg import factor_general
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
-from isoembed.nonlinear import LineSearch, largest, newton
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.newton import largest, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
 

@@ -16,7 +16,9 @@ from scipy.sparse.linalg import LinearOperator, cg
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.nonlinear import LineSearch, Point, newton, short_step
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.newton import Point, newton
+from isoembed.nonlinear.stopping import short_step
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints

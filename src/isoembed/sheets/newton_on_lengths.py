@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.nonlinear import below, contraction, newton
+from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.newton import newton
+from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import HeldTriangle, LengthSystem, VertexSystem, edge_rows

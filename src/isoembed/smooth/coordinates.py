@@ -12,7 +12,9 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.nonlinear import Curve, Damping, descend, settled
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.stopping import settled
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import OVERSAMPLING
 from isoembed.smooth.sphere_map import SphereMap

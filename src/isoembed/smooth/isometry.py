@@ -21,7 +21,7 @@ from scipy.linalg import cho_factor, cho_solve
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.nonlinear import LineSearch
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 from isoembed.space import EUCLIDEAN, Space

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.nonlinear import LineSearch
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.smooth.isometry import MetricSamples, Tangents, check_start, flat_tangents, tangents_in
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import angle_frame

@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.nonlinear import FULL_STEPS, LineSearch, Point, Solution, newton
+from isoembed.nonlinear.acceptance import FULL_STEPS, LineSearch
+from isoembed.nonlinear.descent import Solution
+from isoembed.nonlinear.newton import Point, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
@@ -20,21 +22,10 @@ def length_newton(
     damping: float = 0.0,
     **stops: Any,
 ) -> Solution[Point]:
-    """Bring the edges of a surface to given lengths.
+    """Bring the edges of a surface from given vertices, (V, 3), to given lengths, (E,).
 
-    Parameters
-    ----------
-    system : LengthSystem
-    start : ndarray, shape (V, 3)
-    lengths : ndarray, shape (E,)
-    acceptance : LineSearch
-        Of the largest of the `length_residuals`.
-    recorder : StageRecorder, optional
-        Counts steps and factorizations, and shows residuals.
-    damping : float
-        The mu of `LengthSystem.step`.
-    **stops
-        Of `isoembed.nonlinear.newton`.
+    The value of a point is the largest of the `length_residuals`; `damping` is the mu of `LengthSystem.step`,
+    and the rest is as of `isoembed.nonlinear.newton.newton`.  A recorder counts steps and factorizations.
     """
 
     def residual(x: Floats) -> Floats:
