@@ -55,10 +55,8 @@ def newton_on_lengths(
         None where Newton's method does not converge at once.
     """
     unit = float(lengths.mean())
-    # Each step must halve the residual; from half a mean edge length on it is lost.
-    halving = contraction(0.5)
     begun = length_newton(
-        system, start, lengths, halving, recorder=recorder, converged=below(good * unit), max_iterations=1
+        system, start, lengths, recorder=recorder, converged=below(good * unit), max_iterations=1
     )
     if begun.iterations == 0:
         return BranchSolution(start, 0.0) if begun.converged else None
@@ -66,9 +64,9 @@ def newton_on_lengths(
         system,
         begun.point.x,
         lengths,
-        halving,
+        contraction(0.5),
         converged=below(1e-4 * unit),  # below it is decided where the iteration goes
-        stalled=lambda _, size, __: size > 0.5 * unit,
+        stalled=lambda _, size, __: size > 0.5 * unit,  # lost
         max_iterations=100,
         recorder=recorder,
     )
