@@ -92,6 +92,19 @@ def test_whole_steps_go_astray_where_a_line_search_arrives():
     assert found.best is found.point
 
 
+def test_rules_compare_with_the_least_value_before():
+    seen = []
+
+    def noted(point, value, before):
+        seen.append((value, before))
+        return False
+
+    newton(np.array([3.0]), arctangent, step_on_arctangent, converged=noted, max_iterations=3)
+    values = [value for value, _ in seen]
+    assert values == sorted(values)
+    assert [before for _, before in seen] == [np.inf, *[values[0]] * 3]
+
+
 def test_contraction_ends_where_the_residual_is_not_halved():
     # Newton's steps to a double root leave a quarter of x^2 each.
     def solve(x, r):
