@@ -123,9 +123,11 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
         found = length_newton(
             system, x, lengths, recorder=recorder, damping=damping, converged=exact, max_iterations=left
         )
-        x, left = found.point.x, left - found.iterations
+        x, left = found.point.x, left - found.iterations - 1
         if found.reason is not Reason.SINGULAR:
             break
+        recorder.iterations += 1
+        recorder.factorizations += 1
     return x
 
 
