@@ -113,7 +113,7 @@ def solve(
             mesh.check_sphere()
         except InvalidMetric as error:
             raise InvalidMetric(
-                f"{error}; boundary='free' is for such surfaces, and 'plane' for convex caps"
+                f"{error}; boundary='free' is for such surfaces, boundary='plane' for convex caps"
             ) from None
     if metric.curvature and not method.takes_curved:
         raise InvalidParameter(

@@ -121,7 +121,7 @@ class Alexandrov(Method):
         level = repair_level(given.deficits, least)
         if level is None or self.repair:
             return ""
-        said = f"--repair {level:.1e} (Alexandrov(repair={level:.1e}))"
+        said = f"method=Alexandrov(repair={level:.1e})"
         try:
             found = convex_polyhedron(metric, tolerance, log, level)
         except (InvalidMetric, NotEmbedded):

@@ -44,9 +44,7 @@ MAX_FRAMES = 40  # of a film in a page: more are not seen
 MAX_BYTES = 6_000_000  # of all frames of a page but the last; as text a third more
 
 
-LEAPT = (
-    "The method leaped to this surface: there is none on the way to it. With --method paper there are some."
-)
+LEAPT = "The method leaped to this surface: there is none on the way to it. The method 'paper' has some."
 ALONE = "This method has no surface before the answer."
 PAUSE = 140  # milliseconds from one frame to the next
 COLORS = 65  # the browser interpolates between them

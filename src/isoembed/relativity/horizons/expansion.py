@@ -128,8 +128,8 @@ def classify_horizon(
             return replace(data, marginal=marginal)
         return _noted(
             data,
-            "not treated as a horizon, because k is unknown: if it is one, --marginal (marginal=True) gives "
-            "its Hawking and its Kijowski-Liu-Yau energy",
+            "not treated as a horizon, because k is unknown: if it is one, marginal=True gives its "
+            " Hawking and its Kijowski-Liu-Yau energy",
         )
     test = test or expansion_test(data)
     expansion = f"the expansion is {test.largest_expansion:.2g} +- {test.expansion_error:.1g}"
@@ -154,8 +154,7 @@ def classify_horizon(
         _noted(
             data,
             f"treated as a horizon that was located inexactly: {expansion}, and {away}; the errors include "
-            "the possibility that it is not a horizon; --marginal and --not-marginal (marginal=True, False) "
-            "decide",
+            "the possibility that it is not a horizon; marginal=True or marginal=False decides",
         ),
         doubtful=True,
     )
@@ -171,7 +170,7 @@ def classify_surface(data: SurfaceData) -> SurfaceData:
     return _noted(
         data,
         f"this may be a horizon, as the expansion is {test.largest_expansion:.2g} +- "
-        f"{test.expansion_error:.1g}: if it is one, --marginal (marginal=True) gives its energies",
+        f"{test.expansion_error:.1g}: if it is one, marginal=True gives its energies",
     )
 
 

@@ -155,7 +155,7 @@ def _refuse_coordinates(shapes: list[Moment]) -> None:
         if not isinstance(found, CoordinateShape):
             return
         contents.append(found.contents)
-    raise FileError(f"{contents[-1]}: name it with --geometry")
+    raise FileError(f"{contents[-1]}: name it with geometry=")
 
 
 def simulation(folder: Any) -> tuple[list[Moment], list[ListedSlice[SliceSource]]]:

@@ -127,7 +127,7 @@ def _listed(path: str) -> list[Moment]:
     if input_ending(path) in ARRAY_ENDINGS:
         with contextlib.suppress(FileError):
             if holds_slices(path):
-                raise InvalidParameter(f"{path} holds slices, not horizons: it goes with --geometry")
+                raise InvalidParameter(f"{path} holds slices, not horizons: it goes with geometry=")
             with InputFile(path) as file:
                 there = file.some(INSTANT)
             there = {name: values for name, values in there.items() if _is_number(values)}
