@@ -15,9 +15,9 @@ import numpy as np
 
 from certificates import BODIES
 from isoembed import PolyhedralMetric, embed
+from isoembed.embedding.comparison import differences
 from isoembed.gallery import triangulate
 from isoembed.surface.changes import INTEGRALS, LOCAL
-from isoembed.surface.comparison import differences
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
 QUANTITIES = (*LOCAL, *INTEGRALS)

@@ -14,9 +14,9 @@ import isoembed
 from convex_cases import relabeled
 from convex_sweep import judged, metric_of
 from isoembed import Alexandrov
-from isoembed.alexandrov.certificate import certify as certify_convex
 from isoembed.alexandrov.polyhedron import metric_on
-from isoembed.surface.certificate import certify
+from isoembed.proof.certificate import certify
+from isoembed.proof.convex import certify as certify_convex
 
 KINDS = ("found", "another", "refused", "lost", "FALSE", "differ", "exception", "warning", "hang", "crash")
 KEPT = KINDS[4:]

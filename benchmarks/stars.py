@@ -24,7 +24,7 @@ from alexandrov import outward_hull
 from convex_bodies import log_uniform, sphere
 from isoembed import InvalidMetric, NotEmbedded, PolyhedralMetric, embed
 from isoembed.aim.adaptive import Aim
-from isoembed.surface.embedding import Embedding
+from isoembed.embedding.embedding import Embedding
 from stages import aligned
 
 RESOLVED = 0.05  # of an edge

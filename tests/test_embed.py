@@ -14,13 +14,13 @@ import zoo
 from isoembed import InvalidParameter, embed
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.paper import Paper
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import NotEmbedded
 from isoembed.io import FileError
 from isoembed.methods import configured, method_names
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import distance
-from isoembed.surface.embedding import Embedding
 
 METHODS = {"aim": Aim(), "paper": Paper(Tsteps=2, max_iterations=10)}
 

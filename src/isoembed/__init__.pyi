@@ -13,6 +13,9 @@ from .alexandrov.polyhedron import ConvexPolyhedron as ConvexPolyhedron
 from .api import embed as embed
 from .api import glue as glue
 from .api import unfold as unfold
+from .embedding.embedding import Embedding as Embedding
+from .embedding.fitted import FittedSurface as FittedSurface
+from .embedding.measured import MeasuredSurface as MeasuredSurface
 from .errors import Interrupted as Interrupted
 from .errors import InvalidMetric as InvalidMetric
 from .errors import InvalidParameter as InvalidParameter
@@ -33,8 +36,5 @@ from .space import Euclidean as Euclidean
 from .space import Hyperbolic as Hyperbolic
 from .space import Space as Space
 from .space import Spherical as Spherical
-from .surface.embedding import Embedding as Embedding
-from .surface.fitted import FittedSurface as FittedSurface
-from .surface.measured import MeasuredSurface as MeasuredSurface
 
 __version__: str

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import TOLERANCE, Method, solve
 from isoembed.methods import configuration, configured
@@ -16,7 +17,6 @@ from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Checkpoint, Listener
 from isoembed.space.models import Model
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from isoembed.gluing import Net, Unfolding

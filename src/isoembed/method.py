@@ -10,12 +10,12 @@ from typing import Any, ClassVar, Self
 
 from numpy.typing import ArrayLike
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Checkpoint, Listener, Log
-from isoembed.surface.embedding import Embedding
 
 TOLERANCE = 1e-10
 """Largest residual that counts as converged, unless another is given."""

@@ -10,10 +10,10 @@ from isoembed.aim import best_fit as module
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.rigidity import edge_rows
 

@@ -7,11 +7,11 @@ import curved_bodies
 import isoembed
 import zoo
 from isoembed.aim.adaptive import Aim
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import BentTube, CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
-from isoembed.surface.fitted import FittedSurface
 
 SIZES = [(-1.0, 0.1), (-1.0, 1.0), (-1.0, 3.0), (1.0, 0.1), (1.0, 1.0), (1.0, 1.3)]
 

@@ -11,11 +11,11 @@ import zoo
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.fitted import FittedSurface
 
 
 def of_body(vertices, faces):

@@ -14,13 +14,13 @@ from isoembed.aim.nearby_motions import MOST_MOTIONS, SMOOTHER_MOTIONS, Motions,
 from isoembed.aim.nearby_realizations import softest_motions
 from isoembed.aim.realization_leads import leads
 from isoembed.aim.realization_search import RealizationSearch
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.space import Space
 from isoembed.surface.alignment import aligned, distance
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, edge_rows
 from isoembed.surface.smoothness import QuinticResiduals
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
+from isoembed.embedding.comparison import stated
 from isoembed.io import read_surface, write_metric, write_surface
-from isoembed.surface.comparison import stated
 from strict_json import strict
 from two_realizations import cap_outside_and_inside
 

@@ -5,6 +5,7 @@ import pytest
 
 import zoo
 from isoembed import Embedding, PolyhedralMetric, Space
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.plot import Film, animation, figure, quantity, write_animation
 from isoembed.plot.drawn import MAX_BEND, MAX_PIECES, Drawn
 from isoembed.plot.film import shape
@@ -12,7 +13,6 @@ from isoembed.plot.infinity import ball
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.view import Pose, View
 from isoembed.progress.stages import Progress
-from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.segments import Segments
 from regular_in_space import regular_solid
 

@@ -21,8 +21,8 @@ from isoembed import (
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.dents import dents
 from isoembed.metric.least_space import least_convex_space
+from isoembed.proof.certificate import certify
 from isoembed.surface.alignment import distance
-from isoembed.surface.certificate import certify
 
 CAP = 2 * np.pi * (1 - np.cos(1))  # int H^2 of a round cap
 

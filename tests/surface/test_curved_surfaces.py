@@ -6,10 +6,10 @@ import pytest
 import curved
 import zoo
 from isoembed import Hyperbolic, InvalidParameter, PolyhedralMetric, Space, Spherical
+from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space.models import from_model, to_model
 from isoembed.surface import alignment, convexity, curvature, measures
-from isoembed.surface.embedding import Embedding
 
 SPACES = [Hyperbolic(1.0), Hyperbolic(0.2), Spherical(0.4), Hyperbolic(1e-14), Spherical(1e-300)]
 

@@ -6,11 +6,11 @@ import pytest
 import isoembed
 import solids
 import zoo
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import CassiniPeanut, Ellipsoid, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.surface import deviation
-from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.rigidity import LengthSystem
 from noisy import ARRAYS, SCALARS, differences, realized, surface
 

@@ -6,10 +6,10 @@ from scipy.spatial.transform import Rotation
 
 import isoembed
 import solids
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.gluing import unfold
 from isoembed.metric.precision import Precision
 from isoembed.surface.curvature import bend_errors, dihedral_angles
-from isoembed.surface.polyhedron import Polyhedron
 
 
 def rounded(points, decimals, seed=0):

@@ -12,11 +12,11 @@ import smooth_bodies
 import zoo
 from isoembed.aim.anneal import anneal
 from isoembed.cli.summary import summary
+from isoembed.embedding.embedding import Embedding
 from isoembed.gallery import Ergosphere, triangulate
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.curvature import bending_energy
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
 from isoembed.surface.rigidity import LengthSystem, edge_rows
 from isoembed.surface.smoothness import (
@@ -299,7 +299,7 @@ def test_a_doubly_covered_polygon_is_smooth_and_flexible():
 
 def test_reports_of_large_surfaces_do_without_a_factorization(monkeypatch):
     surface = realization(*zoo.icosphere(2))
-    monkeypatch.setattr("isoembed.surface.report.MAX_REPORTED_ENTRIES", 1000)
+    monkeypatch.setattr("isoembed.embedding.report.MAX_REPORTED_ENTRIES", 1000)
     assert surface.report["smoothness"]["smallest_singular_value"] is None
     assert surface.smallest_singular_value > 0
     assert "smallest singular value not computed" in summary(surface)

@@ -7,7 +7,7 @@ radius, and that any other is farther than the isolation; moved by a millionth, 
 import isoembed
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.plot import write_picture
-from isoembed.surface.certificate import certify
+from isoembed.proof.certificate import certify
 
 surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(CassiniPeanut(), 300)))
 proof = surface.certificate

@@ -20,11 +20,11 @@ from numpy.typing import ArrayLike
 
 from isoembed.aim.search import Search
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import Method
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.surface.embedding import Embedding
 
 
 @dataclass(frozen=True)

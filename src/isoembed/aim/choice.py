@@ -13,12 +13,12 @@ from isoembed.aim.anneal import anneal
 from isoembed.aim.nearby_realizations import sought
 from isoembed.aim.realization_search import RealizationSearch
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.curvature import deficits as vertex_deficits
 from isoembed.progress.stages import Log
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
 
 MOTIONS = 4  # softest motions, along which others are sought

@@ -4,13 +4,13 @@ import numpy as np
 
 from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Mask
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.fitted import FittedSurface
 from isoembed.thresholds import rounded_up
 
 UNLIKE = 0.05  # mean edge lengths: larger errors are not those of a measured surface

@@ -26,10 +26,10 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.search import Search
 from isoembed.aim.strategies import Strategies
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.measured import MeasuredSurface
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.measured import MeasuredSurface
 
 if TYPE_CHECKING:
     from isoembed.aim.adaptive import Aim

@@ -10,13 +10,13 @@ import numpy as np
 
 from isoembed.aim.realization_search import RealizationSearch
 from isoembed.arrays import Floats, Mask
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.evidence import Evidence
 from isoembed.mesh.triangulation import frozen
 from isoembed.progress.stages import Log
 from isoembed.reprs import short_repr
 from isoembed.strict_json import plain
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
 
 FEWEST, MOST = 2, 8  # motions together: 2^8 roots

@@ -7,10 +7,10 @@ from isoembed.aim.convexification import Convexification
 from isoembed.aim.radii_newton import newton_on_radii_at_once
 from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.surface.embedding import Embedding
 
 PLACED = 1e-10  # mean edge lengths: residual asked of the convex polyhedron
 NEARLY = 1e-6  # mean edge lengths: the largest residual between two realizations

@@ -25,6 +25,8 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.search import AT_ONCE, FIT, NEARLY, PATCH_EFFORT, PLACED, Search
 from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.linalg import SingularMatrix
@@ -34,8 +36,6 @@ from isoembed.metric.delaunay import delaunay
 from isoembed.metric.dents import dents
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem
 

@@ -26,12 +26,12 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import SuperLU
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.errors import InvalidParameter
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.path_derivatives import path_derivatives
 from isoembed.linalg.superlu import checked_lu
 from isoembed.metric.variation import deficit_derivative
-from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows
 

@@ -7,9 +7,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.alexandrov.certificate import ConvexCertificate, certify
 from isoembed.alexandrov.derivatives import GivenLengthDerivatives
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.halfedges import HalfEdges
@@ -17,12 +18,11 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
+from isoembed.proof.convex import ConvexCertificate, certify
 from isoembed.space import Space
 from isoembed.strict_json import plain
 from isoembed.surface.checked import checked
 from isoembed.surface.convexity import dent_depths
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.segments import Segments
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import solve
 from isoembed.methods import configured
@@ -16,7 +17,6 @@ from isoembed.nonlinear.stopping import below
 from isoembed.surface.alignment import aligned
 from isoembed.surface.checked import checked
 from isoembed.surface.derivatives import LengthDerivatives
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
 

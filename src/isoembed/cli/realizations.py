@@ -9,10 +9,10 @@ from isoembed.cli.outputs import print_written
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.embedding.embedding import Embedding
 from isoembed.io import MESH_ENDINGS, read_metric, read_surface, write_atomically
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import surface_writer
-from isoembed.surface.embedding import Embedding
 
 EXAMPLES = (
     "isoembed realizations surface.ply metric.npz -o others",

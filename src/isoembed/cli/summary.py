@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from isoembed.surface.embedding import Embedding
+from isoembed.embedding.embedding import Embedding
 
 
 def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False) -> str:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.gluing.net import Net
 from isoembed.method import TOLERANCE, solve
@@ -11,7 +12,6 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.nonlinear.acceptance import contraction
 from isoembed.nonlinear.stopping import never
 from isoembed.progress.stages import Checkpoint, Listener, Log
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
 

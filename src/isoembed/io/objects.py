@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.io.format import at_vertices, by_size, of_the_whole
 from isoembed.io.surface import polygon_faces, surface_data
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     import pyvista

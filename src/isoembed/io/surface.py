@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.io.files import FileError, Tables, Writer, ending, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.metric import facts, metric_of, read_tables
@@ -18,9 +20,7 @@ from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.space.models import to_model
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import volume
-from isoembed.surface.polyhedron import Polyhedron
 
 PLANE = 1e-12  # sizes of a polygon, that rounding puts its corners off a plane
 

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons, flattened
 from isoembed.io.surface import vertex_residuals
 from isoembed.metric.curvature import area
 from isoembed.progress.stages import Log
 from isoembed.similar_names import did_you_mean
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
+    from isoembed.embedding.comparison import Comparison
     from isoembed.surface.changes import Changes
-    from isoembed.surface.comparison import Comparison
 
 
 SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: a residual of zero is shown as this

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons
 from isoembed.io.title_line import WRITTEN
@@ -18,7 +19,6 @@ from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.pieces import Pieces, middles
 from isoembed.space import Space
 from isoembed.space.models import radius_of, to_model
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.segments import Segments
 
 MAX_BEND = 1e-3  # half diameters by which a straight piece of an edge may miss the arc

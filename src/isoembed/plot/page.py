@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, write_atomically
 from isoembed.io.format import Polygons
@@ -38,7 +39,6 @@ from isoembed.plot.view import Pose, camera
 from isoembed.space import Space
 from isoembed.space.models import MODELS, NAMES
 from isoembed.strict_json import plain
-from isoembed.surface.embedding import Embedding
 
 MAX_FRAMES = 40  # of a film in a page: more are not seen
 MAX_BYTES = 6_000_000  # of all frames of a page but the last; as text a third more

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, NotEmbedded
 from isoembed.io.digest import file_digest, unchanged
 from isoembed.io.files import FileError
@@ -18,7 +19,6 @@ from isoembed.method import Method, solve
 from isoembed.progress.fingerprint import described
 from isoembed.runs.result import REFUSED, Result
 from isoembed.space import Space
-from isoembed.surface.embedding import Embedding
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.strict_json import plain
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals
 
 

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.metric.precision import shared_errors
 from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
 from isoembed.surface.checked import checked_errors
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths, SmoothIntegrals
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import NotEmbedded
 from isoembed.relativity.energies.embedded import CONVENTIONS, conventions, intrinsic_entries, space_report
 from isoembed.relativity.energies.energies import Energies
@@ -15,7 +16,6 @@ from isoembed.relativity.horizons.horizon_shape import shape_lines
 from isoembed.relativity.horizons.spin import find_spin
 from isoembed.relativity.horizons.stability_spectrum import spectrum_lines
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths
 
