@@ -85,7 +85,7 @@ class Aim(Method):
             from isoembed.aim.choice import with_neighbors
 
             embedding = with_neighbors(embedding, log)
-        doubtful = embedding.rough_edges.any() if embedding.converged else not self.best_fit
+        doubtful = embedding.surface.rough_edges.any() if embedding.converged else not self.best_fit
         if doubtful and metric.rounding is not None:
             from isoembed.aim.measured_lengths import within_digits
 
@@ -114,7 +114,7 @@ def _may_have_neighbors(surface: Embedding) -> bool:
     A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors
     apart, and the search would cost more than all else.
     """
-    return surface.triangulation.n_vertices <= 150 and bool(surface.concave_edges.any())
+    return surface.triangulation.n_vertices <= 150 and bool(surface.surface.concave_edges.any())
 
 
 def _points(which: ArrayLike) -> tuple[tuple[float, ...], ...]:

@@ -64,9 +64,9 @@ def chosen(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log
     """
     found = [embedding, *embedding.others]
     if which == "smoothest":
-        best = min(found, key=lambda surface: surface.fine_roughness)
+        best = min(found, key=lambda surface: surface.surface.fine_roughness)
     elif which == "convex":
-        convex = [surface for surface in found if not surface.concave_edges.any()]
+        convex = [surface for surface in found if not surface.surface.concave_edges.any()]
         if not convex:
             raise _no_convex(embedding)
         best = convex[0]

@@ -77,7 +77,7 @@ def embed_within_errors(
     found = _fitted(metric, errors, start, method.name, tolerance, log)
     if not found.converged or errors.max() < SMALL * metric.mean_length:
         exact = method.run(metric.with_length_errors(0.0), tolerance, log)
-        smoother = exact.converged and exact.fine_roughness < found.fine_roughness
+        smoother = exact.converged and exact.surface.fine_roughness < found.surface.fine_roughness
         if smoother or (not found.converged and exact.residual < found.residual):
             found = replace(found, vertices=exact.vertices, weight=0.0, message="")
     return found._with_stages(log.stages)
@@ -111,7 +111,9 @@ def within_digits(
     if start is None:
         start = _convex_start(measured, exact.method, exact.tolerance, log)
     found = _fitted(measured, errors, start, exact.method, exact.tolerance, log)
-    if not found.converged or (exact.converged and exact.fine_roughness <= found.fine_roughness):
+    if not found.converged or (
+        exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness
+    ):
         return exact
     said = (
         f"{found.message}; the errors are those of the last digit of the lengths, {rounding:.1e} of "

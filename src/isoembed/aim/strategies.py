@@ -170,7 +170,7 @@ class Strategies:
         if REALIZED < found.residual < NEARLY:
             with self.log.stage("polish") as recorder:
                 polished = self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
-            if not polished.concave_edges.any():
+            if not polished.surface.concave_edges.any():
                 found = polished
         return found if self.is_exact(found) else None
 
@@ -268,7 +268,7 @@ class Strategies:
         self.surfaces += found
         realized = [surface for surface in found if self.is_exact(surface)]
         if realized:
-            self.search_nearby(min(realized, key=lambda surface: surface.fine_roughness))
+            self.search_nearby(min(realized, key=lambda surface: surface.surface.fine_roughness))
         return bool(realized)
 
     def turn_patches(self, most: float) -> None:
@@ -352,7 +352,7 @@ class Strategies:
             return min(self.surfaces, key=lambda surface: surface.residual)
         if len(different) > 1:
             convex = self.search.convexification.is_convex
-            different.sort(key=lambda s: (convex and s.concave_edges.any(), s.fine_roughness))
+            different.sort(key=lambda s: (convex and s.surface.concave_edges.any(), s.surface.fine_roughness))
         if not self.sought:
             return different[0]._with_others(different[1:])
         said = sought(SOFTEST, NEAR)

@@ -10,7 +10,7 @@ from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.embedding.comparison import Comparison, stated
+from isoembed.embedding.comparison import Comparison, compare, stated
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import (
     MESH_ENDINGS,
@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
         Embedding(metric, each.vertices, method=each.method, tolerance=each.tolerance)
         for each in (first, second)
     )
-    found = one.comparison(other)
+    found = compare(one, other)
     if output:
         write_atomically({output: _writer(output, one, found)})
     if options.json:

@@ -11,6 +11,7 @@ from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import Writer, ending
 from isoembed.io.registry import METRIC_ENDINGS
@@ -56,8 +57,9 @@ def run(options: argparse.Namespace) -> int:
     errors = length_errors(options)
     assert errors is not None
     surface = read_surface(options.surface, merge=options.merge)
+    sensitivity = Sensitivity(surface)
     try:
-        found = surface.deviation_bound(errors) if options.bound else surface.deviation(errors)
+        found = sensitivity.deviation_bound(errors) if options.bound else sensitivity.deviation(errors)
     except SingularMatrix:
         raise not_rigid(options.surface) from None
     obstacle = found.report.get("reason")

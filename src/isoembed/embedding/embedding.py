@@ -1,42 +1,60 @@
-"""Embeddings: vertices in space, the metric that they realize, and how they were found.
+"""Embeddings: surfaces in space, the metrics that they realize, and how they were found.
 
 What is costly to compute, or slow to import, is computed and imported when it is asked for.
 """
 
+from __future__ import annotations
+
 import copy
-from collections.abc import Sequence
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats, Indices, Mask
-from isoembed.embedding.sensitivity import Sensitivity
-from isoembed.embedding.sentence import sentence
-from isoembed.embedding.views import Views
-from isoembed.errors import InvalidParameter
+from isoembed.arrays import Floats, Indices
+from isoembed.embedding.mirrored import mirrored_dents
+from isoembed.embedding.moved import moved
 from isoembed.evidence import Evidence
-from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import dual_areas, gaussian_curvature
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
 from isoembed.space import Space
-from isoembed.space.models import from_model, to_model
-from isoembed.surface import alignment, convexity, curvature, measures, smoothness
+from isoembed.space.models import from_model
+from isoembed.surface import alignment, measures
 from isoembed.surface.checked import checked_errors
-from isoembed.surface.segments import Segments
+from isoembed.surface.surface import Surface, vertex_array
 
 if TYPE_CHECKING:
-    from isoembed.embedding.comparison import Comparison
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from isoembed.plot.coloring import Quantity
     from isoembed.proof.certificate import Certificate
 
 
+class _Message:
+    """The field `Embedding.message`: by default a sentence on the surface, made when it is read."""
+
+    def __get__(self, embedding: Embedding | None, kind: type) -> str:
+        if embedding is None:
+            return ""
+        known = embedding.__dict__
+        if not known["message"]:
+            known["message"] = embedding._sentence()
+        return str(known["message"])
+
+    def __set__(self, embedding: Embedding, message: str) -> None:
+        embedding.__dict__["message"] = message
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Embedding(Sensitivity, Views):
+class Embedding:
     """Realization of a polyhedral metric, exact or attempted: in R^3, or in the space of its curvature.
 
     Parameters
@@ -79,27 +97,17 @@ class Embedding(Sensitivity, Views):
     method: str
     tolerance: float
     stages: Sequence[Stage] = ()
-    message: str = ""
-    others: "Sequence[Embedding]" = ()
+    message: _Message = _Message()
+    others: Sequence[Embedding] = ()
     uniqueness: Evidence | None = None
     length_errors: Floats | None = None
 
-    # Cached properties that have a unit.
-    _DIMENSIONAL: ClassVar[tuple[str, ...]] = ("gaussian_curvature", "mean_curvature")
-
     def __post_init__(self) -> None:
-        points, metric = np.array(self.vertices, dtype=np.float64, order="C"), self.metric
-        if points.shape != (metric.triangulation.n_vertices, 3):
-            raise ValueError(
-                f"the vertices have shape {points.shape}, not ({metric.triangulation.n_vertices}, 3)"
-            )
-        _check_finite(points)
+        points, metric = vertex_array(self.metric.triangulation, self.vertices), self.metric
         # The sign is taken in the metric's own unit: the volume of tiny surfaces underflows.
         points = from_model(metric.space, points, "ambient") / metric.unit
         points = metric.unit * self._oriented(points)
         self._set(vertices=frozen(points), stages=tuple(self.stages), others=tuple(self.others))
-        if not self.message:
-            self._set(message=self._sentence())
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -109,15 +117,13 @@ class Embedding(Sensitivity, Views):
         """Normalized vertices or their mirror image: that with positive volume, if the surface is closed."""
         if not self.triangulation.is_closed:
             return points
-        return measures.outward(self.metric.faces, points, self._space)
+        return measures.outward(self.metric.faces, points, self.metric.normalized.space)
 
-    def _sentence(self) -> str:
-        return sentence(self)
-
-    def distance(self, other: "Embedding") -> float:
+    def distance(self, other: Embedding) -> float:
         """How far the vertices are from another realization's, rigid motions aside, in mean edge lengths."""
-        apart = alignment.distance(self._normalized, other.vertices / self.metric.unit, self._space)
-        return apart / self.metric.normalized.mean_length
+        normalized, unit = self.metric.normalized, self.metric.unit
+        apart = alignment.distance(self.vertices / unit, other.vertices / unit, normalized.space)
+        return apart / normalized.mean_length
 
     def _with_message(self, message: str) -> Self:
         """Return the same embedding with another message."""
@@ -127,10 +133,9 @@ class Embedding(Sensitivity, Views):
         """Return the same embedding with other stages."""
         return self._with(stages=tuple(stages))
 
-    def _with_others(self, others: "Sequence[Embedding]", uniqueness: Evidence | None = None) -> Self:
+    def _with_others(self, others: Sequence[Embedding], uniqueness: Evidence | None = None) -> Self:
         """Return the same embedding with other realizations beside it, which the message then names."""
-        both = self._with(others=tuple(others), uniqueness=uniqueness)
-        return both._with(message=both._sentence())
+        return self._with(others=tuple(others), uniqueness=uniqueness, message="")
 
     def with_length_errors(self, errors: ArrayLike) -> Self:
         """Return the same surface with errors of its lengths, of which the report makes error bars.
@@ -151,12 +156,11 @@ class Embedding(Sensitivity, Views):
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric.
 
-        What was measured is not measured again: but for `_DIMENSIONAL`, what is cached has no unit.  Where
-        floats cannot hold so small a surface, the unit moves its vertices, and all is measured anew.
+        What was measured is not measured again.  Where floats cannot hold so small a surface, the unit moves
+        its vertices, and all is measured anew.
         """
         own = isinstance(given, PolyhedralMetric) and self.metric is given.normalized
-        vertices = given.unit * self.vertices
-        _check_finite(vertices)
+        vertices = vertex_array(self.triangulation, given.unit * self.vertices)
         changes: dict[str, Any] = {
             "metric": given if own else self.metric.scaled(given.unit).in_space(given.space),
             "vertices": frozen(vertices),
@@ -167,8 +171,9 @@ class Embedding(Sensitivity, Views):
         if (vertices / given.unit != self.vertices).any():
             return replace(self, **changes, message="")
         changed = self._with(**changes)
-        for name in self._DIMENSIONAL:
-            changed.__dict__.pop(name, None)
+        changed.__dict__.pop("gaussian_curvature", None)
+        if "surface" in self.__dict__:
+            changed.__dict__["surface"] = changed._made_surface()._measured_as(self.surface)
         return changed
 
     def _with(self, **changes: Any) -> Self:
@@ -193,11 +198,6 @@ class Embedding(Sensitivity, Views):
         return self.metric.space
 
     @property
-    def _space(self) -> Space:
-        """The same in the normalized unit."""
-        return self.metric.normalized.space
-
-    @property
     def faces(self) -> Indices:
         """(F, 3): the triangles."""
         return self.metric.faces
@@ -207,69 +207,34 @@ class Embedding(Sensitivity, Views):
         """(E, 2): the ends of the edges."""
         return self.metric.edges
 
-    @property
-    def polygons(self) -> Indices | Sequence[Indices]:
-        """The faces: the vertices around each, counterclockwise seen from outside.
-
-        They are the triangles, unless the surface is a `ConvexPolyhedron`.
-        """
-        return self.faces
-
-    @property
-    def face_polygons(self) -> Indices:
-        """The face that each triangle is part of, shape (F,)."""
-        return np.arange(len(self.faces))
-
-    @property
-    def face_sides(self) -> Indices:
-        """How many sides each face has."""
-        return np.full(len(self.faces), 3)
-
-    @property
-    def polygon_edges(self) -> Mask:
-        """Edges between two faces, shape (E,): the others are diagonals, which might lie elsewhere."""
-        return np.ones(len(self.metric.edges), dtype=np.bool_)
-
-    @property
-    def seams(self) -> Segments:
-        """Where sides of paper were glued: nowhere, unless the surface is the `ConvexPolyhedron` of a net."""
-        return Segments.none()
-
     @cached_property
-    def _vertex_areas(self) -> Floats:
-        """The vertices' shares of the area, (V,), in the normalized unit."""
-        return frozen(curvature.vertex_areas(self.triangulation, self._normalized, self._space))
+    def surface(self) -> Surface:
+        """The surface with all that can be measured on it."""
+        return self._made_surface()
 
-    @cached_property
-    def _normalized(self) -> Floats:
-        """The vertices in the unit of the normalized metric, in which nothing under- or overflows."""
-        return frozen(self.vertices / self.metric.unit)
-
-    @cached_property
-    def _straight(self) -> Floats:
-        """The normalized vertices in projective coordinates, in which planes are planes."""
-        return frozen(to_model(self._space, self._normalized, "projective"))
-
-    @cached_property
-    def _conformal(self) -> Floats:
-        """The normalized vertices in conformal coordinates, in which small shapes are as they are."""
-        return frozen(to_model(self._space, self._normalized, "conformal"))
-
-    @cached_property
-    def _realized(self) -> Floats:
-        """Distances of the ends of the edges, (E,), in the normalized unit."""
-        return frozen(measures.edge_lengths(self.edges, self._normalized, self._space))
+    def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
+        """A new `Surface`, with more parameters of derived ones."""
+        metric, precision = self.metric, self.metric.precision
+        error = 0.0 if precision is None else precision.vertex_error * metric.normalized.mean_length
+        return kind(
+            metric.triangulation,
+            self.vertices,
+            metric.space,
+            unit=metric.unit,
+            vertex_error=error * metric.unit,
+            **more,
+        )
 
     @property
     def lengths(self) -> Floats:
         """Lengths of the edges on this surface, shape (E,): `metric` has those that were asked for."""
-        return frozen(self._realized * self.metric.unit)
+        return self.surface.lengths
 
     @cached_property
     def residuals(self) -> Floats:
         """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,): of distances in the space."""
         normalized = self.metric.normalized
-        return frozen(np.abs(self._realized - normalized.lengths) / normalized.mean_length)
+        return frozen(np.abs(self.surface._lengths - normalized.lengths) / normalized.mean_length)
 
     @property
     def residual(self) -> float:
@@ -287,20 +252,14 @@ class Embedding(Sensitivity, Views):
         return "converged" if self.converged else "not converged"
 
     @property
-    def _vertex_error(self) -> float:
-        """Error of the vertices from rounded coordinates, in the normalized unit; 0 if there were none."""
-        precision = self.metric.precision
-        return 0.0 if precision is None else precision.vertex_error * self.metric.normalized.mean_length
-
-    @cached_property
     def dihedral_angles(self) -> Floats:
         """Exterior dihedral angles in radians, shape (E,): 0 where flat, positive where convex.
 
         On a boundary they are 0.
         """
-        return frozen(curvature.dihedral_angles(self.triangulation, self._normalized, self._space))
+        return self.surface.dihedral_angles
 
-    @cached_property
+    @property
     def normals(self) -> Floats:
         """Unit normals of the triangles, shape (F, 3), outward if the surface is closed.
 
@@ -309,11 +268,7 @@ class Embedding(Sensitivity, Views):
         InvalidParameter
             The surface is in hyperbolic or spherical space, where directions at different points differ.
         """
-        if not self.space.is_euclidean:
-            raise InvalidParameter(f"normals are those of surfaces in R^3, not in {self.space!r}")
-        normals = measures.face_normals(self.faces, self._normalized)
-        with np.errstate(invalid="ignore"):  # a triangle without area has none: NaN
-            return frozen(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+        return self.surface.normals
 
     @cached_property
     def gaussian_curvature(self) -> Floats:
@@ -330,108 +285,90 @@ class Embedding(Sensitivity, Views):
         values[known] = curvature[known]
         return frozen(values)
 
-    @cached_property
-    def concave_edges(self) -> Mask:
-        """Edges with an exterior dihedral angle below -1e-7 radians, shape (E,).
-
-        Where the coordinates that the lengths come from were rounded, below minus what this explains.
-        """
-        return frozen(
-            convexity.concave_edges(
-                self.triangulation, self._normalized, self._space, self.dihedral_angles, self._vertex_error
-            )
-        )
-
-    @cached_property
-    def inverted_vertices(self) -> Mask:
-        """Vertices whose edges are all concave, shape (V,)."""
-        return frozen(convexity.inverted_vertices(self.triangulation, self.concave_edges))
-
-    @cached_property
-    def partially_inverted_vertices(self) -> Mask:
-        """Vertices with more than 70 % of their edges concave, but not all, shape (V,)."""
-        return frozen(convexity.partially_inverted_vertices(self.triangulation, self.concave_edges))
-
-    @cached_property
-    def self_intersections(self) -> Indices:
-        """Pairs of faces that intersect, shape (n, 2): none on an embedded surface."""
-        from isoembed.surface.intersection import self_intersections
-
-        return frozen(self_intersections(self.faces, self._straight))
-
-    @cached_property
+    @property
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,)."""
-        normalized = curvature.vertex_mean_curvature(
-            self.triangulation, self._normalized, self._vertex_areas, self._space, self.dihedral_angles
-        )
-        return frozen(normalized / self.metric.unit)
+        return self.surface.mean_curvature
 
-    @cached_property
-    def _ordered(self) -> smoothness.Ordered:
-        return smoothness.in_spatial_order(self.triangulation, self._conformal)
+    @property
+    def area(self) -> float:
+        """Area, in the unit of the lengths, squared."""
+        return self.surface.area
 
-    @cached_property
-    def _offsets(self) -> Floats:
-        """Distances of the vertices from fits to their neighbors, (V, 3), in conformal coordinates."""
-        return frozen(smoothness.offsets(self.triangulation, self._conformal, self._ordered))
+    @property
+    def volume(self) -> float:
+        """Enclosed volume, in the unit of the lengths, cubed; raises InvalidMetric if there is a boundary."""
+        return self.surface.volume
 
-    @cached_property
-    def roughness(self) -> float:
-        """Root mean square distance of the vertices from a cubic fitted to their neighbors, in edge lengths.
+    @property
+    def integrated_mean_curvature(self) -> float:
+        """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
+        return self.surface.integrated_mean_curvature
 
-        Realizations less than a thousandth of an edge apart are told apart by `fine_roughness`.  Both are
-        measured in conformal coordinates.
+    def save(self, path: str | os.PathLike[str], *, color: str | Quantity | None = None) -> None:
+        """Write the surface, by the ending of the file: as a mesh, a picture or a page for the browser.
+
+        Parameters
+        ----------
+        path : path
+            ``.ply``, ``.obj``, ``.stl``, ``.off``, ``.npz``, ``.json``, ``.fold``, ``.vtk``, ``.vtu``,
+            or ``.vtp`` for the surface, as `isoembed.io.write_surface` writes it;
+            ``.png``, ``.svg`` or ``.pdf`` for a picture; ``.html`` for a page.
+        color : str or Quantity, optional
+            Of a picture: what the colors show, one of `isoembed.plot.QUANTITIES`.
+
+        Raises
+        ------
+        FileError
+            The ending is not known, the file cannot be written, or for a picture matplotlib is not installed:
+            ``pip install 'isoembed[plot]'``.
+        InvalidParameter
+            There is no such quantity, or the file has no colors.
         """
-        return smoothness.roughness(self.triangulation, self._conformal, self._offsets)
+        from isoembed.plot.saving import save_surface
 
-    @cached_property
-    def fine_roughness(self) -> float:
-        """Robust mean of the residuals of quintics fitted to the neighbors, taken twice, in edge lengths.
+        save_surface(self, path, color=color)
 
-        Of two realizations of the same lengths that are near each other, the one with less is the smoother.
+    def plot(
+        self, *, color: str | Quantity = "mean curvature", caption: str = "", ax: Axes | None = None
+    ) -> Figure:
+        """Draw the surface; a notebook shows the picture, with pyplot and without.
+
+        Parameters
+        ----------
+        color : str or Quantity
+            What the colors show: ``"mean curvature"``, ``"Gaussian curvature"``, ``"residual"``,
+            ``"concave edges"``, ``"conformal factor"``, ``"sides"``, or a quantity of one's own.
+        caption : str
+            By default the number of vertices, int H dA and the residual.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw, with a color bar beside it and the caption, if there is one, as the title.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            That of `ax`, or a new one.  To save: ``surface.save("surface.pdf")``, or its ``savefig``.
+
+        Raises
+        ------
+        FileError
+            matplotlib is not installed: ``pip install 'isoembed[plot]'``.
+        InvalidParameter
+            There is no such quantity to color it by.
         """
-        return smoothness.fine_roughness(self.triangulation, self._conformal, self._ordered)
+        from isoembed.plot.picture import figure
+
+        return figure(self, color=color, caption=caption, ax=ax)
+
+    def _repr_html_(self) -> str | None:
+        """What notebooks show: see `isoembed.plot.notebook`."""
+        from isoembed.plot.notebook import notebook_html
+
+        return notebook_html(self)
 
     @cached_property
-    def rough_edges(self) -> Mask:
-        """Edges whose dihedral angle has another sign than their neighborhood gives them, shape (E,)."""
-        t, straight = self.triangulation, self._straight
-        if self.space.is_euclidean:
-            return frozen(smoothness.rough_edges(t, straight, self._offsets, self.dihedral_angles))
-        return frozen(smoothness.rough_edges(t, straight, smoothness.offsets(t, straight)))
-
-    @cached_property
-    def bending_energy(self) -> float:
-        """Integral of H^2 + k dA, k the curvature of space: 4 pi for a sphere, more for any other surface."""
-        return curvature.bending_energy(
-            self.triangulation, self._normalized, self._vertex_areas, self._space, self.dihedral_angles
-        )
-
-    @cached_property
-    def smallest_singular_value(self) -> float:
-        """Smallest singular value of the rigidity matrix J, rigid motions apart: 0 if the surface can flex.
-
-        To first order, the vertices need not move by more than its inverse times a change of the lengths,
-        both in the Euclidean norm.  It takes one factorization of J J^T, as a step of Newton's method does.
-        """
-        from isoembed.surface.rigidity import LengthSystem
-
-        self.triangulation.check_sphere()  # of others J is not square, rigid motions apart
-        system = LengthSystem(self.triangulation, space=self._space)
-        lengths = self.metric.normalized.lengths
-        try:
-            return float(system.smallest_singular_values(self._normalized, lengths, 1)[0][0])
-        except SingularMatrix:
-            return 0.0
-
-    @cached_property
-    def certificate(self) -> "Certificate":
-        """The proof that an exact realization of the lengths is near these vertices, or why there is none.
-
-        It says how near, how far away any other is at least, and whether the faces cross.  It takes two
-        factorizations of J J^T, and a search for self-intersections.
-        """
+    def _certificate(self) -> Certificate:
+        """What `isoembed.certify` returns."""
         from isoembed.proof.certificate import NO_SPHERE, Certificate, certify
 
         if not self.triangulation.is_sphere:
@@ -440,63 +377,49 @@ class Embedding(Sensitivity, Views):
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
 
-    def comparison(self, other: "Embedding") -> "Comparison":
-        """How another surface in R^3, of the same triangles, differs from this one.
-
-        If both have the same lengths and a `certificate`, it is the exact surfaces that are compared, with
-        proven errors.  That takes three factorizations more for each.
-
-        Parameters
-        ----------
-        other : Embedding
-            Of the same triangles, such as one of the `others`.
-
-        Raises
-        ------
-        InvalidParameter
-            The triangles are others, or space is curved.
-        """
-        from isoembed.embedding.comparison import compare
-
-        return compare(self, other)
-
     @property
-    def area(self) -> float:
-        """Area, in the unit of the lengths, squared."""
-        unit = self.metric.unit
-        return measures.area(self.faces, self._normalized, self._space) * unit * unit
+    def _reported(self) -> Mapping[str, Any]:
+        """What the report of a derived class has more, or in the place of what others have."""
+        return {}
 
-    @property
-    def volume(self) -> float:
-        """Enclosed volume, in the unit of the lengths, cubed; raises InvalidMetric if there is a boundary."""
-        self.triangulation.check_closed()
-        unit = self.metric.unit
-        return measures.volume(self.faces, self._normalized, self._space) * unit * unit * unit
+    def _given_derivatives(self) -> Any:
+        """What has `jvp` and `vjp` by the given lengths; None where these are those of the triangles."""
+        return None
 
-    @property
-    def integrated_mean_curvature(self) -> float:
-        """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
-        normalized = curvature.integrated_mean_curvature(
-            self.triangulation, self._normalized, self._space, self.dihedral_angles
+    def _sentence(self) -> str:
+        """Whether the lengths are met, whether the surface may be crumpled, and which others there are."""
+        e, surface = int(np.argmax(self.residuals)), self.surface
+        said = (
+            f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
+            f"the largest residual is {self.residual:.1e} of the mean edge length, "
+            f"at edge {e} {self.metric.edges[e].tolist()}"
         )
-        return normalized * self.metric.unit
+        inverted = int(surface.inverted_vertices.sum())
+        partially = int(surface.partially_inverted_vertices.sum())
+        if (inverted or partially) and surface.rough_edges.any():
+            said += (
+                f"; {inverted} inverted and {partially} partially inverted vertices: the surface may be "
+                "crumpled"
+            )
+        return said + "".join(self._beside(other) for other in self.others)
 
-    @property
-    def report(self) -> dict[str, Any]:
-        """Report of what was asked, done and reached: the JSON object that the command writes.
+    def _beside(self, other: Embedding) -> str:
+        """How another realization differs."""
+        first, second = self.surface, other.surface
+        if second.concave_edges.any() and not first.concave_edges.any():
+            kind = "not convex"
+        else:
+            kind = "smoother" if second.fine_roughness < first.fine_roughness else "rougher"
+        said = (
+            f"; these lengths have another realization too, {self.distance(other):.1g} mean edge lengths "
+            f"from this one and {kind}"
+        )
+        mirrored = mirrored_dents(self.metric, self.mean_curvature, other.mean_curvature)
+        if mirrored:
+            these = "one dent of one is a bump" if mirrored == 1 else f"{mirrored} dents of one are bumps"
+            said += f", a mirror choice: {these} of the other"
+        return said
 
-        A number that is infinite (the volume of a body 1e150 across) is None.  So is the smallest singular
-        value where J J^T is large, beyond 20,000 vertices or some 900 edges at one of them: it alone costs as
-        much as all else.  For the same reason there is no certificate beyond 30,000 vertices; the property
-        has it all the same.  With `length_errors` it has the `integral_deviation` under ``deviation``.
-        """
-        from isoembed.embedding.report import report
-
-        return report(self)
-
-
-def _check_finite(points: Floats) -> None:
-    finite = np.isfinite(points).all(axis=1)
-    if not finite.all():
-        v = int(np.argmin(finite))
-        raise ValueError(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
+    def __getattr__(self, name: str) -> Any:
+        """Old names, with a `DeprecationWarning` that says where they went."""
+        return moved(self, name)

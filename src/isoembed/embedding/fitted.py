@@ -1,5 +1,6 @@
 """Least-squares surfaces, for lengths with which no surface was found."""
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, Self
 
@@ -60,7 +61,7 @@ class FittedSurface(Embedding):
         return "best fit"
 
     @property
-    def report(self) -> dict[str, Any]:
-        """The report of an embedding, and under ``best_fit`` what is known of the fit."""
+    def _reported(self) -> Mapping[str, Any]:
+        """What is known of the fit, under ``best_fit``."""
         found = {"noise": self.noise, "residual_rms": self.residual_rms, "weight": self.weight}
-        return {**super().report, "best_fit": found}
+        return {"best_fit": found}

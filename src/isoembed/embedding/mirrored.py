@@ -5,6 +5,8 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.mesh.components import connected_parts
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.curvature import deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
 
 
 def mirrored_caps(
@@ -28,3 +30,8 @@ def mirrored_caps(
     opposite = (deficits > 0) & (np.sign(first) * np.sign(second) < 0)
     caps = connected_parts(triangulation.adjacency, opposite)
     return [cap for cap in caps if len(cap) >= 3]  # fewer are inverted vertices, not a patch
+
+
+def mirrored_dents(metric: PolyhedralMetric, first: Floats, second: Floats) -> int:
+    """How many dents of one realization of a metric are bumps of another, by their mean curvatures, (V,)."""
+    return len(mirrored_caps(metric.triangulation, deficits(metric.normalized), first, second))

@@ -47,7 +47,7 @@ def embed_net(
         No surface was found.
     """
     folded = None if net.folded is None else _folded(net, tolerance, progress)
-    if folded is not None and folded.concave_edges.any():
+    if folded is not None and folded.surface.concave_edges.any():
         return folded
     v = int(np.argmin(net.deficits))
     if net.deficits[v] >= -deficit_rounding(net.faces, net.face_lengths, net.curvature)[v]:
@@ -75,7 +75,7 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
         found = solve(net.simplicial(), configured("aim"), tolerance=tolerance, progress=progress)
     except NotEmbedded:
         return None
-    allowed = 1e-7 * found.metric.mean_length + 2 * found._vertex_error * found.metric.unit
+    allowed = 1e-7 * found.metric.mean_length + 2 * found.surface.vertex_error
 
     def is_flat(points: Floats) -> bool:
         across = np.linalg.svd(points - points.mean(axis=0))[2][2]

@@ -106,11 +106,13 @@ def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
     """The heading and the caption of a surface."""
     surface = frame.surface(embedding)
     place = "" if frame.t is None else f"     t = {frame.t:.2f}"
-    inverted = int(surface.inverted_vertices.sum() + surface.partially_inverted_vertices.sum())
+    inverted = int(
+        surface.surface.inverted_vertices.sum() + surface.surface.partially_inverted_vertices.sum()
+    )
     return (
         f"{frame.stage}{place}",
         f"{embedding.triangulation.n_vertices:,} vertices     "
-        f"{int(surface.concave_edges.sum()):,} concave edges     "
+        f"{int(surface.surface.concave_edges.sum()):,} concave edges     "
         f"{inverted:,} inverted or partially inverted vertices",
     )
 

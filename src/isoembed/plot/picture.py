@@ -346,7 +346,7 @@ def draw(
 
 def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
-    seams = "red: where the paper was glued" if len(embedding.seams.ends) else ""
+    seams = "red: where the paper was glued" if len(embedding.surface.seams.ends) else ""
     below = "     ".join(filter(None, (seams, said(embedding.space))))
     return (
         f"{t.n_vertices:,} vertices, {faces_counted(embedding)}     "
