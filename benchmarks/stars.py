@@ -76,16 +76,19 @@ def measured(seed, effort):
     same = aligned(found.vertices, vertices) <= SAME
     if not found.converged:
         print(
-            f"{seed:6d} {len(vertices):4d} vertices, roughness {true.roughness:.3f}: missed by {missed:.0e}"
+            f"{seed:6d} {len(vertices):4d} vertices, roughness {true.surface.roughness:.3f}: "
+            f"missed by {missed:.0e}"
         )
     return {
         "kind": kind,
-        "roughness": true.roughness,
-        "resolved": true.roughness < RESOLVED,
+        "roughness": true.surface.roughness,
+        "resolved": true.surface.roughness < RESOLVED,
         "exact": found.converged and missed <= 2 * TOLERANCE,
         "wrong": found.converged and missed > 2 * TOLERANCE,
         "same": same,
-        "smoother": found.converged and not same and found.fine_roughness < true.fine_roughness,
+        "smoother": found.converged
+        and not same
+        and found.surface.fine_roughness < true.surface.fine_roughness,
         "seconds": seconds,
     }
 

@@ -140,7 +140,7 @@ def test_where_there_is_no_surface_the_best_fit_is_the_answer_and_says_so():
     assert (surface.status, surface.converged) == ("best fit", False)
     assert "best fit" in [stage.name for stage in surface.stages]
     assert surface.residual > surface.residual_rms > 1e-3
-    report = surface.report
+    report = isoembed.report(surface)
     assert report["status"] == "best fit"
     assert report["residual"]["max"] == surface.residual
     assert report["best_fit"] == {
@@ -159,7 +159,7 @@ def test_where_there_is_a_surface_it_is_the_answer():
     surface = embedded(1e-5)
     assert surface.status == "converged"
     assert not isinstance(surface, FittedSurface)
-    assert "best_fit" not in surface.report
+    assert "best_fit" not in isoembed.report(surface)
 
 
 def test_a_tolerance_below_rounding_is_no_matter_for_a_fit():

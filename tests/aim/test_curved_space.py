@@ -29,7 +29,7 @@ def test_convex_hulls_come_back_from_their_lengths(curvature, size, n, seed):
     surface, error = recovered(space, *curved_bodies.hull(space, n, size, seed))
     assert surface.space == space
     assert error < 1e-12 * max(size, 1.0)
-    assert not surface.concave_edges.any()
+    assert not surface.surface.concave_edges.any()
     assert surface.stages[-1].name in (["radii"] if size <= 1 else ["radii", "leap"])
     assert sum(stage.factorizations for stage in surface.stages) <= 5  # two by a first try
 
@@ -38,7 +38,7 @@ def test_convex_hulls_come_back_from_their_lengths(curvature, size, n, seed):
 def test_bodies_with_less_curvature_than_space_come_back_too(curvature, size):
     space = Space(curvature)
     surface, error = recovered(space, *curved_bodies.smooth(space, CassiniPeanut(), 100, size))
-    assert surface.report["input"]["negative_deficits"] > 10
+    assert isoembed.report(surface)["input"]["negative_deficits"] > 10
     assert error < 1e-9
 
 

@@ -80,7 +80,7 @@ def test_what_smooths_in_several_places_is_done_at_once():
     start, end = (vertices / metric.unit for vertices, _ in (about, out))
     system = LengthSystem(metric.triangulation)
     found = leads(LengthExpansion(system, start, metric.normalized.lengths), 2, 0.1).leads
-    assert all(one.roughness <= other.roughness for one, other in itertools.pairwise(found))
+    assert all(one.surface.roughness <= other.surface.roughness for one, other in itertools.pairwise(found))
     assert distance(found[0].vertices, end) < 1e-3 * distance(start, end)
     assert all(distance(lead.vertices, end) > 0.1 * distance(start, end) for lead in found[1:])
 
@@ -121,13 +121,13 @@ def test_those_that_are_found_are_realizations_and_apart(saddle):
     assert len(saddle.surfaces) >= 3
     assert contains(saddle, saddle.about)
     assert saddle.searched.sum() == 2
-    assert (np.diff([each.fine_roughness for each in saddle.surfaces]) >= 0).all()
+    assert (np.diff([each.surface.fine_roughness for each in saddle.surfaces]) >= 0).all()
     isolation = []
     for surface, away in zip(saddle.surfaces, saddle.distances, strict=True):
         assert surface.residual < 1e-11
         assert away <= saddle.distance
-        assert surface.certificate.certified
-        isolation.append(surface.certificate.isolation)
+        assert isoembed.certify(surface).certified
+        isolation.append(isoembed.certify(surface).isolation)
     apart = saddle.apart + np.diag(np.full(len(isolation), np.inf))
     assert (apart >= np.array(isolation)[:, None]).all()
 

@@ -32,7 +32,7 @@ def test_the_faces_of_a_rounded_cube_cover_it(n, seed):
         area += np.linalg.norm(np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)) / 2
     assert area == pytest.approx(cube.area, rel=1e-6)
     assert len(cube.polygons) <= 12  # what was rounded may fold the sides along a diagonal
-    assert not cube.concave_edges.any()
+    assert not cube.surface.concave_edges.any()
     unfolding = unfold(cube)
     assert len(unfolding.sheets) == 1
     assert len(unfolding.sides) <= 30

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import curved
+import isoembed
 import zoo
 from isoembed import Embedding, PolyhedralMetric, Space, embed
 from isoembed.gallery import CassiniPeanut, Ergosphere, HarmonicSurface, triangulate
@@ -156,7 +157,7 @@ def test_equilateral_triangles_that_are_not_convex(n):
     assert found.certified and found.embedded
     assert found.radius < 1e-14 and found.isolation > 1e-4
     surface = embed(metric)
-    assert surface.certificate.certified
+    assert isoembed.certify(surface).certified
 
 
 def test_too_many_vertices(monkeypatch):
@@ -184,11 +185,11 @@ def embedding(vertices, faces, lengths_of):
 def test_an_embedding_has_its_certificate_in_the_report():
     vertices, faces = dented()
     surface = embedding(vertices, faces, vertices)
-    assert surface.certificate.certified
-    found = surface.report["certificate"]
-    assert json.loads(json.dumps(found, allow_nan=False)) == found == surface.certificate.as_json()
-    assert surface._in_unit_of(surface.metric.scaled(3.0)).certificate is surface.certificate
-    missed = embedding(vertices, faces, dented(0.2)[0]).report["certificate"]
+    assert isoembed.certify(surface).certified
+    found = isoembed.report(surface)["certificate"]
+    assert json.loads(json.dumps(found, allow_nan=False)) == found == isoembed.certify(surface).as_json()
+    assert isoembed.certify(surface._in_unit_of(surface.metric.scaled(3.0))) is isoembed.certify(surface)
+    missed = isoembed.report(embedding(vertices, faces, dented(0.2)[0]))["certificate"]
     assert missed["reason"] == "not certified, because the lengths miss the tolerance"
     assert missed["certified"] is False and missed["radius"] is None
     assert found["evidence"] == "proved" and "evidence" not in missed

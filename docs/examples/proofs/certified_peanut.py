@@ -10,7 +10,7 @@ from isoembed.plot import write_picture
 from isoembed.proof.certificate import certify
 
 surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(CassiniPeanut(), 300)))
-proof = surface.certificate
+proof = isoembed.certify(surface)
 print(proof.reason)
 assert proof.certified and proof.isolation > 1e4 * proof.radius
 moved = surface.vertices.copy()

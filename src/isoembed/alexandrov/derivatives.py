@@ -91,7 +91,7 @@ class GivenLengthDerivatives:
 
         x = body.vertices / body.metric.unit
         creased = np.zeros(len(x), dtype=np.bool_)
-        creased[t.edges[body.surface.polygons.edges]] = True
+        creased[t.edges[body.surface.flat_faces.edges]] = True
         inside = np.flatnonzero(flat & ~creased)
         planes, faces, broken = _planes(body, x, flat, inside)
         J = _matrix(t.edges, edge_rows(t, x, metric.lengths), len(x))
@@ -182,10 +182,10 @@ def _planes(
     """
     t = body.triangulation
     face_of = np.zeros(len(x), dtype=np.int64)
-    face_of[t.faces.ravel()] = np.repeat(body.surface.polygons.of_triangles, 3)
+    face_of[t.faces.ravel()] = np.repeat(body.surface.flat_faces.of_triangles, 3)
     heights, others, broken = [], [], []
     for v in inside:
-        outline = np.asarray(body.surface.polygons.corners[face_of[v]])
+        outline = np.asarray(body.polygons[face_of[v]])
         corners = outline[~flat[outline]]
         a, b, c = three = _spread(x[corners])
         normal = np.cross(x[corners[b]] - x[corners[a]], x[corners[c]] - x[corners[a]])

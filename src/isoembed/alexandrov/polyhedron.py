@@ -198,7 +198,7 @@ class ConvexPolyhedron(Polyhedron):
             "residual": {"paths": float(self.path_residuals.max())},
             "polyhedron": {
                 "vertices": self.triangulation.n_vertices - len(self.flat_vertices),
-                "faces": len(self.surface.polygons),
+                "faces": len(self.surface.flat_faces),
                 "flat_vertices": len(self.flat_vertices),
             },
             "repair": None if self.repair is None else self.repair.as_json(),

@@ -41,7 +41,7 @@ class Solid:
         """The solid of a polyhedron."""
         corner = np.ones(len(polyhedron.vertices), dtype=np.bool_)
         corner[polyhedron.flat_vertices] = False
-        loops = [[v for v in polygon if corner[v]] for polygon in polyhedron.surface.polygons.corners]
+        loops = [[v for v in polygon if corner[v]] for polygon in polyhedron.polygons]
         scaled, space = polyhedron.vertices / polyhedron.metric.unit, polyhedron.metric.normalized.space
         return cls(
             int(corner.sum()),

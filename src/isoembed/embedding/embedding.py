@@ -207,6 +207,14 @@ class Embedding:
         """(E, 2): the ends of the edges."""
         return self.metric.edges
 
+    @property
+    def polygons(self) -> Indices | Sequence[Indices]:
+        """The faces: the vertices around each, counterclockwise seen from outside.
+
+        They are the triangles, unless the surface is a `ConvexPolyhedron`.
+        """
+        return self.surface.flat_faces.polygons
+
     @cached_property
     def surface(self) -> Surface:
         """The surface with all that can be measured on it."""
@@ -420,6 +428,8 @@ class Embedding:
             said += f", a mirror choice: {these} of the other"
         return said
 
-    def __getattr__(self, name: str) -> Any:
-        """Old names, with a `DeprecationWarning` that says where they went."""
-        return moved(self, name)
+    if not TYPE_CHECKING:  # checkers refuse the old names
+
+        def __getattr__(self, name):
+            """Old names, with a `DeprecationWarning` that says where they went."""
+            return moved(self, name)

@@ -25,10 +25,9 @@ ON_SURFACE = {
             "self_intersections",
         )
     },
-    "polygons": "polygons.corners",
-    "face_polygons": "polygons.of_triangles",
-    "face_sides": "polygons.sides",
-    "polygon_edges": "polygons.edges",
+    "face_polygons": "flat_faces.of_triangles",
+    "face_sides": "flat_faces.sides",
+    "polygon_edges": "flat_faces.edges",
 }
 """Where on `Embedding.surface` they are."""
 

@@ -14,8 +14,7 @@ from isoembed.surface.surface import Surface
 class Polyhedron(Embedding):
     """A convex surface with its true faces; an `Embedding` otherwise.
 
-    The `Surface.polygons` of its `surface` are convex, each of one triangle or of several that lie in one
-    plane.
+    The `polygons` are convex, each of one triangle or of several that lie in one plane.
     """
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:

@@ -90,7 +90,7 @@ def surface_of(tables: Tables, name: str) -> Embedding:
     if surface.surface.concave_edges.any():
         return surface
     polyhedron = Polyhedron(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
-    return surface if polyhedron.surface.polygons.edges.all() else polyhedron
+    return surface if polyhedron.surface.flat_faces.edges.all() else polyhedron
 
 
 def mesh_writer(path: str | os.PathLike[str], vertices: ArrayLike, faces: Polygons, **data: Floats) -> Writer:
@@ -150,10 +150,10 @@ def polygon_faces(embedding: Embedding) -> Polygons:
     What is read again is the same surface: readers cut polygons, which are planar but for rounding, along
     diagonals of their choice.
     """
-    faces, found = embedding.faces, embedding.surface.polygons
+    faces, found = embedding.faces, embedding.surface.flat_faces
     if not isinstance(found, FlatFaces):
         return faces
-    polygons, owners = found.corners, found.of_triangles
+    polygons, owners = found.polygons, found.of_triangles
     triangles = np.split(faces[np.argsort(owners, kind="stable")], np.cumsum(np.bincount(owners))[:-1])
     normalized = embedding.vertices / embedding.metric.unit
     points = to_model(embedding.metric.normalized.space, normalized, "projective")

@@ -34,7 +34,7 @@ class Quantity:
     name : str
     label : str
         With its symbol, in TeX between dollar signs.
-    values : ndarray, shape (V,), or of the `Surface.polygons`
+    values : ndarray, shape (V,), or of the `Embedding.polygons`
         NaN where it has no meaning.
     scale : {"linear", "log"}
     at : {"vertices", "faces"}
@@ -129,9 +129,9 @@ def sides(embedding: Embedding) -> Quantity | None:
 
     What lies in one line is one side.
     """
-    if not isinstance(embedding.surface.polygons, FlatFaces):
+    if not isinstance(embedding.surface.flat_faces, FlatFaces):
         return None
-    counts = embedding.surface.polygons.sides.astype(np.float64)
+    counts = embedding.surface.flat_faces.sides.astype(np.float64)
     return Quantity(SIDES, "number of sides of a face", counts, at="faces")
 
 
@@ -164,7 +164,7 @@ QUANTITIES = {
 
 def usual(embedding: Embedding) -> str:
     """What colors show where nothing is asked for: H is no property of polyhedra, whose edges have it all."""
-    faces = embedding.surface.polygons
+    faces = embedding.surface.flat_faces
     return SIDES if isinstance(faces, FlatFaces) and len(faces) <= FEW_FACES else MEAN_CURVATURE
 
 
@@ -212,5 +212,5 @@ def face_means(values: Floats, faces: Polygons) -> Floats:
 
 def faces_counted(embedding: Embedding) -> str:
     """How many faces of which kind, as a caption says it."""
-    faces = embedding.surface.polygons
+    faces = embedding.surface.flat_faces
     return f"{len(faces):,} {'faces' if isinstance(faces, FlatFaces) else 'triangles'}"

@@ -67,7 +67,7 @@ class Drawn:
     @property
     def faces(self) -> Polygons:
         """What is drawn: the faces, or the pieces of their triangles."""
-        return self.pieces.faces if self.pieces.cuts else self.surface.surface.polygons.corners
+        return self.pieces.faces if self.pieces.cuts else self.surface.polygons
 
     def points(self, vertices: Floats) -> Floats:
         """Points of space at all vertices that are drawn, for those (V, 3) of a surface."""
@@ -81,8 +81,8 @@ class Drawn:
 
     def face_values(self, shown: Quantity) -> Floats:
         """Values of what is drawn: each face has one, that of its pieces."""
-        faces, pieces = self.surface.surface.polygons, self.pieces
-        values = shown.values if shown.at == "faces" else face_means(shown.values, faces.corners)
+        faces, pieces = self.surface.surface.flat_faces, self.pieces
+        values = shown.values if shown.at == "faces" else face_means(shown.values, faces.polygons)
         return np.repeat(values[faces.of_triangles], pieces.per_face) if pieces.cuts else values
 
     def spread(self, shown: Quantity) -> Quantity:
@@ -95,7 +95,7 @@ class Drawn:
         """The edges between faces as `put` has placed them; None where the outlines of faces are those."""
         if not self.pieces.cuts:
             return None
-        between = self.surface.surface.polygons.edges[self.pieces.owners]
+        between = self.surface.surface.flat_faces.edges[self.pieces.owners]
         return Segments(placed[self.pieces.edges[between]], self.pieces.beside()[between])
 
     def seams_in_space(self) -> Segments:
@@ -115,7 +115,7 @@ class Drawn:
         ends, beside = self.seams_in_space()
         placed = to_model(self.space, ends, WRITTEN)
         if not self.pieces.cuts:
-            return Segments(placed, self.surface.surface.polygons.of_triangles[beside])
+            return Segments(placed, self.surface.surface.flat_faces.of_triangles[beside])
         corners = self.put(self.surface.vertices)[self.pieces.faces].mean(axis=1)
         own = beside[..., None] * self.pieces.per_face + np.arange(self.pieces.per_face)
         apart = np.linalg.norm(corners[own] - placed.mean(axis=1)[:, None, None], axis=3)

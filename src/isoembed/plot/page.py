@@ -155,7 +155,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
             "mesh": 0,
             "concave": packed.add(_bits(edges, surface.surface.concave_edges)),
             "positions": add(pose.put(drawn.points(surface.vertices)).ravel()),
-            "values": {q.name: shades(drawn.spread(q), add, surface.surface.polygons.corners) for q in of},
+            "values": {q.name: shades(drawn.spread(q), add, surface.polygons) for q in of},
         }
 
     entries: list[dict[str, Any]] = []
@@ -189,7 +189,7 @@ def _bits(edges: Indices, mask: Mask) -> NDArray[np.uint8]:
 
 def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) -> dict[str, Any]:
     """The triangles that are drawn, and the faces that they are parts of."""
-    faces = embedding.surface.polygons
+    faces = embedding.surface.flat_faces
     faceted = pieces.cuts > 0 or isinstance(faces, FlatFaces)
     return {
         "faces": packed.add(pieces.faces.ravel()),

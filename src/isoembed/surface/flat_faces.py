@@ -30,7 +30,7 @@ class TriangleFaces:
     of_triangles: Indices
 
     @property
-    def corners(self) -> Indices | Sequence[Indices]:
+    def polygons(self) -> Indices | Sequence[Indices]:
         """The vertices around each face, counterclockwise seen from outside."""
         return self.triangulation.faces
 
@@ -45,7 +45,7 @@ class TriangleFaces:
         return np.ones(self.triangulation.n_edges, dtype=np.bool_)
 
     def __len__(self) -> int:
-        return len(self.corners)
+        return len(self.polygons)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,25 +88,25 @@ class FlatFaces(TriangleFaces):
         return cls(triangulation, faces, edge_lengths(triangulation.edges, vertices, space), flat)
 
     @cached_property
-    def corners(self) -> tuple[Indices, ...]:
+    def polygons(self) -> tuple[Indices, ...]:
         """The vertices around each face, counterclockwise seen from outside.
 
         Flat vertices on an edge of the polyhedron are in the outlines, those inside a face are not.
         """
         t = self.triangulation
         start, faces = t.faces.ravel(), self.of_triangles
-        corners: list[Indices] = [np.zeros(0, dtype=np.int64)] * (int(faces.max()) + 1)
+        polygons: list[Indices] = [np.zeros(0, dtype=np.int64)] * (int(faces.max()) + 1)
         lengths = self.lengths[t.face_edges.ravel()]
         ways = outlines(t, self.edges[t.face_edges.ravel()])
         for way in sorted(ways, key=lambda way: float(lengths[way].sum())):  # holes first
-            corners[faces[way[0] // 3]] = frozen(start[way])
-        return tuple(corners)
+            polygons[faces[way[0] // 3]] = frozen(start[way])
+        return tuple(polygons)
 
     @cached_property
     def sides(self) -> Indices:
         """How many sides each face has, flat vertices on its outline left aside."""
-        flat = self.flat[np.concatenate(self.corners)]
-        ends = np.cumsum([len(polygon) for polygon in self.corners])
+        flat = self.flat[np.concatenate(self.polygons)]
+        ends = np.cumsum([len(polygon) for polygon in self.polygons])
         return frozen(np.diff(np.cumsum(~flat)[ends - 1], prepend=0).astype(np.int64))
 
     @cached_property

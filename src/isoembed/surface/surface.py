@@ -79,7 +79,7 @@ class Surface:
         return self.triangulation.edges
 
     @cached_property
-    def polygons(self) -> TriangleFaces:
+    def flat_faces(self) -> TriangleFaces:
         """The faces: the triangles, or of a polyhedron with polygonal faces the polygons."""
         t = self.triangulation
         if self.flat_vertices is None:
@@ -123,8 +123,8 @@ class Surface:
     def _vertex_areas(self) -> Floats:
         """The vertices' shares of the area, (V,), in the normalized unit."""
         t, x, space = self.triangulation, self._normalized, self._space
-        if isinstance(self.polygons, FlatFaces):
-            return frozen(self.polygons.vertex_shares(measures.triangle_areas(t.faces, x, space)))
+        if isinstance(self.flat_faces, FlatFaces):
+            return frozen(self.flat_faces.vertex_shares(measures.triangle_areas(t.faces, x, space)))
         return frozen(curvature.vertex_areas(t, x, space))
 
     @property
