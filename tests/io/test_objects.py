@@ -109,7 +109,7 @@ def test_hyperbolic_space_is_kept(package, hyperbolic):
 def test_without_the_package(package, ball, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(ImportError, match=rf"to_{package} needs .*: pip install 'isoembed\[{package}\]'"):
-        getattr(ball, f"to_{package}")()
+        getattr(isoembed.io, f"to_{package}")(ball)
 
 
 def test_any_object_with_these_attributes_will_do():

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.errors import InvalidParameter
 from isoembed.metric.precision import shared_errors
 from isoembed.relativity.energies.energies import Energies, Integrals, norm_hindrance
@@ -100,7 +101,7 @@ def mesh_deviation(
     ----------
     embedding : Embedding
     errors : float or array_like, shape (E,)
-        As of `Embedding.deviation`.
+        As of `isoembed.Sensitivity.deviation`.
     mean_curvature, momentum, lengths
         As of `mesh_energies`.
 
@@ -112,9 +113,9 @@ def mesh_deviation(
     Raises
     ------
     InvalidParameter
-        As `Embedding.integral_deviation`, and `mesh_energies`.
+        As `isoembed.Sensitivity.integral_deviation`, and `mesh_energies`.
     SingularMatrix, OutOfMemory
-        As `Embedding.jvp`.
+        As `isoembed.Sensitivity.jvp`.
     """
     noisy = checked_errors(embedding.metric, errors)
     shared = shared_errors(embedding.metric.lengths, noisy)
@@ -124,7 +125,7 @@ def mesh_deviation(
     rng = np.random.default_rng(0)
     for _ in range(PROBES):
         changes = noisy * rng.choice([-1.0, 1.0], len(noisy))[shared]
-        motion = embedding.jvp(changes)
+        motion = Sensitivity(embedding).jvp(changes)
         farthest = float(np.linalg.norm(motion / embedding.metric.unit, axis=1).max())
         # The largest displacement of a vertex, in mean edge lengths.
         step = 1e-6 * embedding.metric.normalized.mean_length / (farthest or 1.0)
