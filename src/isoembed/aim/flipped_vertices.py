@@ -22,6 +22,7 @@ from isoembed.aim.side_changes import GAIN, PATCHES, SideChange, SideChanges
 from isoembed.arrays import Floats
 from isoembed.linalg import OutOfMemory, SingularMatrix
 from isoembed.progress.stages import StageRecorder
+from isoembed.progress.work import Budget
 from isoembed.surface.rigidity import LengthSystem
 
 
@@ -56,14 +57,14 @@ def with_flipped_vertices(
     ndarray, shape (V, 3)
         What misses the lengths least of all that was met.
     """
-    search = _Flips(energy, system, vertices, lengths, recorder, most)
+    search = _Flips(energy, system, vertices, lengths, recorder, Budget(recorder.work, most))
     search.follow(vertices, search.told(vertices))
     passed_over = 0
     while search.turn is not None and not (search.is_done or search.pass_over):
         passed_over += 1
         search.pass_over = passed_over
         search.follow(*search.turn)
-    recorder.factorizations += round(search.cost)
+    recorder.factorizations += round(search.budget.shares)
     return search.nearest
 
 
@@ -103,10 +104,10 @@ class _Flips(LengthSearch):
 
     def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
         """The minimum of the energy, with so many factorizations at most."""
-        begun = self.recorder.factorizations
+        descent = Budget(self.recorder.work, most)
 
         def is_enough(_: Floats) -> bool:
-            return self.recorder.factorizations - begun >= most or self.exhausted
+            return descent.exhausted or self.exhausted
 
         x = descended(self.energy, x, self.lengths, mu, self.recorder, is_enough)
         self.keep(x)
@@ -142,7 +143,7 @@ class _Flips(LengthSearch):
         Single vertices are reflected in patches of so many kinds; for None, all that there is.
         """
         try:
-            surface = Condensation(self.energy, x, self.lengths, mu, self.spend)
+            surface = Condensation(self.energy, x, self.lengths, mu, self.budget.spend)
         except (SingularMatrix, OutOfMemory):
             return None
         changes = SideChanges(surface, lambda: self.is_done)

@@ -11,8 +11,6 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
-LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
-
 
 @dataclass(frozen=True, eq=False)
 class LengthsSolution:

@@ -30,6 +30,7 @@ from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, STALLED, let
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.progress.stages import StageRecorder
+from isoembed.progress.work import Budget
 from isoembed.surface.local_fit import sums_at_ends
 from isoembed.surface.rigidity import LengthSystem
 
@@ -79,10 +80,11 @@ def local_search(
     -------
     Searched
     """
-    search = _LocalSearch(energy, system, vertices, lengths, recorder, most)
+    budget = Budget(recorder.work, most)
+    search = _LocalSearch(energy, system, vertices, lengths, recorder, budget)
     x = vertices
     # Share of the search that smoothness guides.
-    search.most = 0.5 * most if search.is_coarse else most - FADE_STEPS
+    budget.limit = 0.5 * most if search.is_coarse else most - FADE_STEPS
     for weight in WEIGHTS:
         mu = weight * energy.unit**2
         x = search.at(x, mu)
@@ -92,12 +94,12 @@ def local_search(
         known = weight <= 1e-4 and not search.is_coarse
         if known and search.ends_realized(x, mu):
             break
-    search.most = most
+    budget.limit = most
     if search.is_coarse:
         x = search.mirrored(x)
     elif search.realization is None:
-        x, _ = let_go(energy, x, lengths, mu, recorder, is_done=lambda: search.exhausted)
-    recorder.factorizations += round(search.cost)
+        x, _ = let_go(energy, x, lengths, mu, recorder, is_done=lambda: budget.exhausted)
+    recorder.factorizations += round(budget.shares)
     end = x if search.realization is None else search.realization
     search.keep(end)
     return Searched(end, search.nearest)
@@ -126,9 +128,9 @@ class _LocalSearch(LengthSearch):
         vertices: Floats,
         lengths: Floats,
         recorder: StageRecorder,
-        most: float,
+        budget: Budget,
     ) -> None:
-        super().__init__(energy, system, vertices, lengths, recorder, most)
+        super().__init__(energy, system, vertices, lengths, recorder, budget)
         self.realization: Floats | None = None
         self.asked: Floats | None = None  # the surface from which Newton's method was tried last
         n = energy.triangulation.n_vertices
@@ -149,7 +151,7 @@ class _LocalSearch(LengthSearch):
         """That of these vertices, what it costs being added up."""
 
         def spend(share: float) -> None:
-            self.spend(self.patch_cost * share)
+            self.budget.spend(self.patch_cost * share)
 
         return HeldPatch.of(self.energy, self.lengths, vertices, mu, spend)
 

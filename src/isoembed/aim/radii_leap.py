@@ -25,8 +25,6 @@ from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.surface.measures import outward
 
-RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
-
 
 @dataclass(frozen=True, eq=False)
 class RadiiSolution:
@@ -68,7 +66,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
     """
     if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths, convex.curvature)).any():
         return None
-    deficits, kept = convex.deficits, log.resumed_at("polytopes")
+    deficits, kept = convex.deficits, log.checkpoints.resume()
     # Deficits: with less curvature the height of a vertex is decided.
     close = np.minimum(NEWTON_CURVATURE * deficits.max(), 0.1 * deficits)
     with log.stage("polytopes") as recorder:
@@ -130,7 +128,6 @@ def newton_on_radii(
     """
     with log.stage("leap") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
-        recorder.keep(start=start)
         try:
             found = _followed(given.half_edges(directed=False), start, analyses, recorder)
         except SingularMatrix:

@@ -56,7 +56,7 @@ def newton_on_radii_at_once(
     near = np.full(deficits.size, NEWTON_CURVATURE * deficits.max())
     if (deficits > rounding).all():
         near = np.minimum(near, 0.3 * deficits)  # deficits: curvature of a vertex at which the path may end
-    kept = log.resumed_at("radii")
+    kept = log.checkpoints.resume()
     with log.stage("radii") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         try:

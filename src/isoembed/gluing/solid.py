@@ -9,7 +9,8 @@ from isoembed.linalg import SingularMatrix
 from isoembed.method import TOLERANCE, solve
 from isoembed.methods import configured
 from isoembed.metric.convexity import deficit_rounding
-from isoembed.progress.stages import Checkpoint, Listener, Log
+from isoembed.progress.checkpoints import Checkpoint
+from isoembed.progress.stages import Listener, Log
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
