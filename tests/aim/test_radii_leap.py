@@ -1,5 +1,7 @@
 """Newton's method on the radii from a polyhedron: convex and nearly convex metrics in few factorizations."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.surface.measures import vertex_normals
+from isoembed.surface.measures import outward, vertex_normals
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from sprinkled import box
 
@@ -27,7 +29,7 @@ def solved(metric):
         convex = Convexification(given).metric(NEAR_MARGIN, recorder)
     analyses = Analyses.of(given.half_edges())
     start = radii_start(given, convex, analyses, log)
-    return start, newton_on_radii(given, start, analyses, log), log
+    return start, newton_on_radii(given, start, analyses, log, partial(outward, given.faces)), log
 
 
 @pytest.mark.parametrize("name", CONVEX)
@@ -71,7 +73,8 @@ def test_it_deviates_to_second_order():
         convex = GluedMetric.of(metric.with_lengths(start.lengths))
         given = GluedMetric.of(metric)
         analyses, log = Analyses.of(given.half_edges()), Log()
-        solution = newton_on_radii(given, radii_start(given, convex, analyses, log), analyses, log)
+        start = radii_start(given, convex, analyses, log)
+        solution = newton_on_radii(given, start, analyses, log, partial(outward, given.faces))
         missed.append(solution.branch_deviation)
     assert 3 < missed[0] / missed[1] < 5
 

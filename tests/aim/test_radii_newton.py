@@ -1,5 +1,7 @@
 """Newton's method on the radii at once: convex and nearly convex metrics, or None."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,7 @@ from isoembed.gallery import HarmonicSurface, triangulate
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
+from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import length_residuals
 from sprinkled import box
 
@@ -24,7 +27,7 @@ def at_once(metric):
     """What the given triangles alone lead to, and the log."""
     given, log = GluedMetric.of(metric), Log()
     analyses = Analyses.of(given.half_edges())
-    return newton_on_radii_at_once(given, analyses, log, np.arange(given.n_vertices)), log
+    return newton_on_radii_at_once(given, analyses, log, partial(outward, given.faces)), log
 
 
 AT_ONCE = {**CONVEX, "drum": smooth_bodies.drum(), "fluted": triangulate(HarmonicSurface(3, 2, 0.12), 500)}

@@ -126,14 +126,14 @@ def test_from_checkpoints_in_curved_space_the_same_surface_comes(curvature, tmp_
 
 def noisy():
     """Lengths of no surface, for which all is tried."""
-    vertices, faces = smooth_bodies.ellipsoid(40)
+    vertices, faces = smooth_bodies.ellipsoid(80)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    errors = np.random.default_rng(3).normal(size=len(metric.lengths))
+    errors = np.random.default_rng(0).normal(size=len(metric.lengths))
     return metric.with_lengths(metric.lengths * (1 + 0.05 * errors))
 
 
 def test_one_checkpoint_of_each_strategy_leads_to_the_same_failure(tmp_path):
-    metric, method = noisy(), Aim(effort=2)
+    metric, method = noisy(), Aim(effort=1.5)
     found, whole = every_checkpoint(metric, method)
     assert not whole.converged
     tried = {"newton on lengths", "guided path", "local search", "smooth fit", "vertex reflections"}
@@ -148,8 +148,8 @@ def within_errors():
 
 
 def rounded():
-    metric = PolyhedralMetric.from_mesh(*triangulate(BentTube(), 100))
-    return metric.with_lengths(np.round(metric.lengths, 2))
+    metric = PolyhedralMetric.from_mesh(*triangulate(Bean(), 200))
+    return metric.with_lengths(np.round(metric.lengths, 3))
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,16 @@
 
 The paper's three steps, each of them replaced by one that does not fail:
 
-1. uniformize, but only as far as convexity (`isoembed.aim.convexification`);
+1. uniformize, but only as far as convexity: `isoembed.aim.convexification`, in the place of
+   `isoembed.aim.uniformize`;
 2. embed where it is easy, which for a convex metric is everywhere: the exact polyhedron of Alexandrov's
-   theorem (`isoembed.alexandrov`);
-3. pull back: where the given metric is convex or nearly so, Newton's method gets there at once, on the radii
-   (`isoembed.aim.radii_newton`, `isoembed.aim.radii_leap`) or on the lengths (`isoembed.aim.lengths_newton`);
-   where it does not, dents are made at once (`isoembed.aim.mirrored_patches`), and all else step by step, as
-   smooth as can be (`isoembed.aim.regularized_continuation`), many vertices by levels
-   (`isoembed.aim.levels`).
+   theorem, `isoembed.alexandrov`, in the place of `isoembed.aim.embedding_tree`;
+3. pull back: by Newton's method at once, on the radii or the lengths; else dents are made at once, and all
+   else step by step, as smooth as can be; many vertices by levels.  `isoembed.aim.adiabatic_pullback` is the
+   paper's.
+
+`isoembed.aim.strategies` lists the strategies in the order in which they are tried, those for convex metrics
+before the three steps and those for what the pull-back missed behind them; `isoembed.aim.pipeline` runs them.
 """
 
 from dataclasses import dataclass

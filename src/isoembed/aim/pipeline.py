@@ -122,9 +122,9 @@ class Strategy(ABC):
     key: ClassVar[str]
     is_decision: ClassVar[bool] = False
 
-    @abstractmethod
     def applies(self, state: State, pipeline: Pipeline) -> bool:
-        """Whether it is to be tried."""
+        """Whether it is to be tried: as a rule, unless a candidate is trusted."""
+        return not state.trusted
 
     @abstractmethod
     def run(self, state: State, pipeline: Pipeline) -> State:

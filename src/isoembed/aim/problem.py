@@ -13,6 +13,7 @@ from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import StageRecorder
 from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
 
@@ -77,6 +78,12 @@ class Problem:
             self._energy = start, RegularizedEnergy(self.metric, start)
         return self._energy[1]
 
+    def annealed(self, vertices: Floats, recorder: StageRecorder) -> Embedding:
+        """The surface to which Newton's method on the lengths leads."""
+        from isoembed.aim.anneal import anneal
+
+        return self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
+
     # Convexity
 
     @property
@@ -111,5 +118,5 @@ class Problem:
         return outward(self.metric.faces, vertices)
 
     def in_given_order(self, vertices: Floats) -> Floats:
-        """Vertices of the convexification in the given order."""
-        return vertices[np.argsort(self.numbers)]
+        """Vertices of the convexification in the given order, `oriented`."""
+        return self.oriented(vertices[np.argsort(self.numbers)])

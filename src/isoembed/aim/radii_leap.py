@@ -5,6 +5,7 @@ to it follows `isoembed.alexandrov`, with flips; from there one leap, or a few, 
 triangles.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,14 +17,13 @@ from isoembed.alexandrov.homotopy import NEWTON_CURVATURE, Stalled, Waypoint, fo
 from isoembed.alexandrov.newton import Analyses, Solution, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
-from isoembed.surface.measures import outward
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ def newton_on_radii(
     start: Floats,
     analyses: Analyses,
     log: Log,
-    numbers: Indices | None = None,
+    ordered: Callable[[Floats], Floats],
 ) -> RadiiSolution | None:
     """Realize a metric that is convex or nearly so.
 
@@ -112,8 +112,8 @@ def newton_on_radii(
     analyses : Analyses
         Of the given triangles.
     log : Log
-    numbers : ndarray of int, shape (V,), optional
-        Other numbers of the vertices, by which they are shown and returned.
+    ordered : callable
+        Takes vertices to the order and orientation in which they are shown and returned.
 
     Returns
     -------
@@ -135,9 +135,7 @@ def newton_on_radii(
         if found is None:
             return None
         solution, branch_deviation = found
-        vertices = outward(given.faces, realized(solution, recorder))
-        if numbers is not None:
-            vertices = vertices[np.argsort(numbers)]
+        vertices = ordered(realized(solution, recorder))
         recorder.show(vertices=vertices)
     return RadiiSolution(vertices, branch_deviation)
 

@@ -90,7 +90,7 @@ class NewtonOnRadii(Strategy):
         problem = pipeline.problem
         pipeline.log.expect(AT_ONCE)
         vertices = newton_on_radii_at_once(
-            problem.convexification.given, problem.analyses, pipeline.log, problem.numbers
+            problem.convexification.given, problem.analyses, pipeline.log, problem.in_given_order
         )
         return state if vertices is None else accepted(state, problem, vertices)
 
@@ -138,7 +138,7 @@ class NewtonFromPolytope(Strategy):
         problem, body = pipeline.problem, state.body
         assert body is not None
         solution = newton_on_radii(
-            problem.convexification.given, body, problem.analyses, pipeline.log, problem.numbers
+            problem.convexification.given, body, problem.analyses, pipeline.log, problem.in_given_order
         )
         if solution is None or not solution.branch_deviation < RADII_DEVIATION:
             return state
@@ -150,9 +150,6 @@ class NearestPolyhedron(Strategy):
 
     key = "nearest polyhedron"
 
-    def applies(self, state: State, pipeline: Pipeline) -> bool:
-        return not state.trusted
-
     def run(self, state: State, pipeline: Pipeline) -> State:
         pipeline.problem.forget_analyses()
         return replace(state, body=None, start=nearest_polyhedron(pipeline.problem, pipeline))
@@ -162,9 +159,6 @@ class NewtonOnLengths(Strategy):
     """Step 3 at once: Newton's method on the lengths, which is trusted where it stays on its branch."""
 
     key = "newton on lengths"
-
-    def applies(self, state: State, pipeline: Pipeline) -> bool:
-        return not state.trusted
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         from isoembed.aim.lengths_newton import newton_on_lengths
@@ -224,24 +218,19 @@ class GuidedPath(Strategy):
 
     key = "guided path"
 
-    def applies(self, state: State, pipeline: Pipeline) -> bool:
-        return not state.trusted
-
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.anneal import anneal
         from isoembed.aim.regularized_continuation import Continued
 
-        problem, log = pipeline.problem, pipeline.log
+        problem = pipeline.problem
         kept = pipeline.checkpoints.resume()
         if kept is not None and "guided" in kept:
             guided = Continued(kept["smooth"], kept["guided"])
         else:
             guided = self._followed(started(state), pipeline, kept)
-        with log.stage("polish") as recorder:
+        with pipeline.log.stage("polish") as recorder:
             recorder.keep(guided=guided.vertices, smooth=guided.smooth)
-            vertices = anneal(problem.system, guided.vertices, problem.metric.lengths, recorder).vertices
-            recorder.show(vertices=vertices)
-        found = problem.surface(vertices)
+            found = problem.annealed(guided.vertices, recorder)
+            recorder.show(vertices=found.vertices)
         state = with_smoother(state.adding(found, smooth=guided.smooth), found, pipeline)
         return replace(state, cost=pipeline.work.factorizations)
 
@@ -278,7 +267,6 @@ class LocalSearch(Strategy):
         return is_euclidean and pipeline.method.effort > 0 and missed(state, pipeline)
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.anneal import anneal
         from isoembed.aim.local_search import COARSE, local_search, misses_locally
 
         problem, lengths = pipeline.problem, pipeline.problem.metric.lengths
@@ -291,7 +279,7 @@ class LocalSearch(Strategy):
         with pipeline.log.stage("local search") as recorder:
             found = local_search(energy, problem.system, start, lengths, recorder, max(left, 0.0))
             recorder.show(vertices=found.end)
-            end = problem.surface(anneal(problem.system, found.end, lengths, recorder).vertices)
+            end = problem.annealed(found.end, recorder)
         return with_smoother(state.adding(end, problem.surface(found.nearest)), end, pipeline)
 
 
@@ -304,7 +292,7 @@ class SmoothFit(Strategy):
         return missed(state, pipeline)
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.anneal import POLISH_STEPS, anneal
+        from isoembed.aim.anneal import POLISH_STEPS
         from isoembed.aim.best_fit import best_fit
 
         problem, start = pipeline.problem, started(state)
@@ -313,8 +301,8 @@ class SmoothFit(Strategy):
             fit = best_fit(problem.metric, problem.energy(start), start, recorder, left)
             if fit is None:
                 return state
-            polished = anneal(problem.system, fit.vertices, problem.metric.lengths, recorder).vertices
-        return state.adding(problem.surface(fit.vertices), problem.surface(polished), fit=fit)
+            polished = problem.annealed(fit.vertices, recorder)
+        return state.adding(problem.surface(fit.vertices), polished, fit=fit)
 
 
 class VertexReflections(Strategy):
@@ -532,17 +520,12 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
 
 def polished_polyhedron(vertices: Floats, pipeline: Pipeline) -> Embedding:
     """The polyhedron of a convex metric on the given triangles, with the lengths to rounding if it may be."""
-    from isoembed.aim.anneal import anneal
-
-    problem = pipeline.problem
-    found = problem.surface(vertices)
-    if REALIZED < found.residual < NEARLY:
-        with pipeline.log.stage("polish") as recorder:
-            end = anneal(problem.system, vertices, problem.metric.lengths, recorder).vertices
-        polished = problem.surface(end)
-        if not polished.concave_edges.any():
-            return polished
-    return found
+    found = pipeline.problem.surface(vertices)
+    if not REALIZED < found.residual < NEARLY:
+        return found
+    with pipeline.log.stage("polish") as recorder:
+        polished = pipeline.problem.annealed(vertices, recorder)
+    return found if polished.concave_edges.any() else polished
 
 
 def measured_surface(state: State, pipeline: Pipeline) -> MeasuredSurface:
