@@ -136,7 +136,7 @@ def test_one_checkpoint_of_each_strategy_leads_to_the_same_failure(tmp_path):
     metric, method = noisy(), Aim(effort=1.5)
     found, whole = every_checkpoint(metric, method)
     assert not whole.converged
-    tried = {"newton on lengths", "guided path", "local search", "smooth fit", "vertex reflections"}
+    tried = {"newton on lengths", "guided path", "local search", "best fit", "vertex reflections"}
     assert {checkpoint.key for checkpoint in found} >= tried
     for checkpoint in one_of_each(found):
         goes_on_to(whole, metric, method, checkpoint, tmp_path)

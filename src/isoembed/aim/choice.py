@@ -10,8 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from isoembed.aim.accuracy import SAME
-from isoembed.aim.problem import NEARLY
+from isoembed.aim.accuracy import NEARLY, SAME
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence

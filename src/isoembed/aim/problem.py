@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.aim.accuracy import REALIZED
+from isoembed.aim.accuracy import PLACED, REALIZED
 from isoembed.aim.convexification import Convexification
 from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
@@ -20,9 +20,6 @@ from isoembed.surface.measures import outward
 if TYPE_CHECKING:
     from isoembed.aim.regularized_energy import RegularizedEnergy
     from isoembed.surface.rigidity import LengthSystem
-
-PLACED = 1e-10  # mean edge lengths: residual asked of the convex polyhedron
-NEARLY = 1e-6  # mean edge lengths: the largest residual between two realizations
 
 
 class Problem:

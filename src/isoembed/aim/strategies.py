@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.aim.accuracy import REALIZED
+from isoembed.aim.accuracy import NEARLY, PLACED, REALIZED
 from isoembed.aim.choice import asked_for, smoothest, with_neighbors
 from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
 from isoembed.aim.pipeline import Pipeline, State, Strategy
-from isoembed.aim.problem import NEARLY, PLACED, Problem
+from isoembed.aim.problem import Problem
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.progress.checkpoints import Arrays
@@ -53,9 +53,10 @@ PULL_BACK = {
 
 
 class FitWithinErrors(Strategy):
-    """For lengths with errors: a smooth surface that agrees with them, which mostly is the answer.
+    """For lengths with errors: a smooth surface that agrees with them, which as a rule is the answer.
 
-    That with exactly these lengths is sought, too, where none agrees, or where the errors are small.
+    Needs nothing.  The surface with exactly these lengths is sought as well where no smooth one agrees, or
+    where the errors are small.
     """
 
     key = "fit within errors"
@@ -77,7 +78,10 @@ class FitWithinErrors(Strategy):
 
 
 class NewtonOnRadii(Strategy):
-    """For metrics that are convex, or nearly so: on the given triangles alone."""
+    """For nearly convex metrics: Newton's method on the radii, on the given triangles alone.
+
+    Needs nothing; finds a candidate that is trusted.
+    """
 
     key = "newton on radii"
 
@@ -96,7 +100,7 @@ class NewtonOnRadii(Strategy):
 
 
 class NearestPolytope(Strategy):
-    """For metrics that are convex, or nearly so: the polytope of a convex metric nearby, with flips.
+    """For nearly convex metrics: the generalized polytope of a convex metric nearby, with flips.
 
     Needs nothing; finds the body from which Newton's method on the radii starts, or even the polyhedron.
     """
@@ -125,7 +129,10 @@ class NearestPolytope(Strategy):
 
 
 class NewtonFromPolytope(Strategy):
-    """Newton's method on the radii from the body of a convex metric nearby."""
+    """Newton's method on the radii from the body of a convex metric nearby.
+
+    Needs the body; finds a candidate that is trusted.
+    """
 
     key = "newton from polytope"
 
@@ -146,7 +153,10 @@ class NewtonFromPolytope(Strategy):
 
 
 class NearestPolyhedron(Strategy):
-    """Steps 1 and 2 of the paper: the polyhedron of a convex metric, from which all others start."""
+    """Steps 1 and 2 of the paper: the polyhedron of a convex metric nearby.
+
+    Needs nothing; finds the start of all that follows.
+    """
 
     key = "nearest polyhedron"
 
@@ -156,7 +166,10 @@ class NearestPolyhedron(Strategy):
 
 
 class NewtonOnLengths(Strategy):
-    """Step 3 at once: Newton's method on the lengths, which is trusted where it stays on its branch."""
+    """Step 3 at once: Newton's method on the lengths.
+
+    Needs the start; finds a candidate that is trusted where it stays on the branch of the start.
+    """
 
     key = "newton on lengths"
 
@@ -186,7 +199,10 @@ class NewtonOnLengths(Strategy):
 
 
 class PatchReflections(Strategy):
-    """Step 3 for metrics with dents: each is made at once, pushed in or out."""
+    """Step 3 for metrics with dents: reflections of the patches, so that each is pushed in or out.
+
+    Needs the start; finds candidates that are trusted if they have the lengths.
+    """
 
     key = "patch reflections"
 
@@ -214,7 +230,10 @@ class PatchReflections(Strategy):
 
 
 class GuidedPath(Strategy):
-    """Step 3 in all other cases: a path of metrics, as smooth as can be; by levels if vertices are many."""
+    """Step 3 in all other cases: a guided path of metrics; by levels if vertices are many.
+
+    Needs the start; finds a candidate, and the smooth end of the path.
+    """
 
     key = "guided path"
 
@@ -253,11 +272,11 @@ class GuidedPath(Strategy):
 
 
 class LocalSearch(Strategy):
-    """After a pull-back that missed: patches on the wrong side are turned over.
+    """After a pull-back that missed the lengths: patches on the wrong side are turned over.
 
-    Coarse surfaces are searched from the nearest attempt, others from the smooth end of the path: its pits
-    are where they should be, which is more than that lengths are nearly right.  Where lengths are missed all
-    over, as those with noise are, there is nothing to turn.
+    Needs the start and candidates; finds two more.  Coarse surfaces are searched from the nearest candidate,
+    others from the smooth end of the path: its pits are where they should be, which is more than that lengths
+    are nearly right.  Where lengths are missed all over, as those with noise are, there is nothing to turn.
     """
 
     key = "local search"
@@ -283,10 +302,13 @@ class LocalSearch(Strategy):
         return with_smoother(state.adding(end, problem.surface(found.nearest)), end, pipeline)
 
 
-class SmoothFit(Strategy):
-    """After searches that missed: the smooth surface nearest to the lengths, which is one more candidate."""
+class BestFitting(Strategy):
+    """Where the lengths are still missed: the best fit to them, which is one more start, too.
 
-    key = "smooth fit"
+    Needs the start; finds two candidates and the fit.
+    """
+
+    key = "best fit"
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
         return missed(state, pipeline)
@@ -306,7 +328,10 @@ class SmoothFit(Strategy):
 
 
 class VertexReflections(Strategy):
-    """With more effort: vertices on the wrong side of the nearest attempt are reflected."""
+    """With more effort: reflections of vertices on the wrong side of the nearest candidate.
+
+    Needs the start and candidates; finds one more.
+    """
 
     key = "vertex reflections"
 
@@ -547,7 +572,7 @@ STRATEGIES = (
     PatchReflections(),
     GuidedPath(),
     LocalSearch(),
-    SmoothFit(),
+    BestFitting(),
     VertexReflections(),
     Choice(),
     Neighbors(),
