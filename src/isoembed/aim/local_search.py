@@ -9,7 +9,7 @@ other.
 
 From each mu the surface is let go, by other measures of smoothness, too: as mu vanishes, vertices that are
 nearly in the plane of their neighbors choose their sides, and no measure always knows which.  Where little is
-missed in the end, `isoembed.aim.completion` goes on.
+missed in the end, `isoembed.aim.finishing_newton` goes on.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from scipy.sparse import csr_array, eye_array
 
 from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
 from isoembed.aim.anneal import anneal
-from isoembed.aim.completion import completed
+from isoembed.aim.clamped_patch import ClampedPatch
 from isoembed.aim.energy_descent import descended
-from isoembed.aim.held_patch import HeldPatch
-from isoembed.aim.length_search import LengthSearch
+from isoembed.aim.finishing_newton import completed
 from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, STALLED, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.search_state import SearchState
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.progress.stages import StageRecorder
 from isoembed.progress.work import Budget
@@ -118,7 +118,7 @@ def misses_locally(energy: RegularizedEnergy, vertices: Floats, lengths: Floats)
     )
 
 
-class _LocalSearch(LengthSearch):
+class _LocalSearch(SearchState):
     """The local search, and the realization that it has found."""
 
     def __init__(
@@ -147,13 +147,13 @@ class _LocalSearch(LengthSearch):
             self.disks.append(wider)
         self.near = near
 
-    def patch(self, vertices: Indices, mu: float) -> HeldPatch:
+    def patch(self, vertices: Indices, mu: float) -> ClampedPatch:
         """That of these vertices, what it costs being added up."""
 
         def spend(share: float) -> None:
             self.budget.spend(self.patch_cost * share)
 
-        return HeldPatch.of(self.energy, self.lengths, vertices, mu, spend)
+        return ClampedPatch.of(self.energy, self.lengths, vertices, mu, spend)
 
     def is_done(self, x: Floats) -> bool:
         """Whether there is no more to do, or may not be done."""

@@ -89,11 +89,11 @@ class NewtonOnRadii(Strategy):
         return pipeline.problem.is_nearly_convex
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.radii_newton import newton_on_radii_at_once
+        from isoembed.aim.newton_on_radii import newton_on_radii
 
         problem = pipeline.problem
         pipeline.log.expect(AT_ONCE)
-        vertices = newton_on_radii_at_once(
+        vertices = newton_on_radii(
             problem.convexification.given, problem.analyses, pipeline.log, problem.in_given_order
         )
         return state if vertices is None else accepted(state, problem, vertices)
@@ -111,7 +111,7 @@ class NearestPolytope(Strategy):
         return not state.trusted and pipeline.problem.is_nearly_convex
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.radii_leap import radii_start
+        from isoembed.aim.newton_from_polytope import polytope_start
 
         problem, log = pipeline.problem, pipeline.log
         convexification = problem.convexification
@@ -120,7 +120,7 @@ class NearestPolytope(Strategy):
             convex = convexification.metric(NEAR_MARGIN, recorder)
         if convex is None:
             return state
-        body = radii_start(convexification.given, convex, problem.analyses, log)
+        body = polytope_start(convexification.given, convex, problem.analyses, log)
         if body is not None and body.ndim == 2 and problem.is_convex:
             polyhedron = polished_polyhedron(problem.in_given_order(body), pipeline)
             if problem.is_exact(polyhedron):
@@ -140,11 +140,11 @@ class NewtonFromPolytope(Strategy):
         return not state.trusted and state.body is not None
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.radii_leap import newton_on_radii
+        from isoembed.aim.newton_from_polytope import newton_from_polytope
 
         problem, body = pipeline.problem, state.body
         assert body is not None
-        solution = newton_on_radii(
+        solution = newton_from_polytope(
             problem.convexification.given, body, problem.analyses, pipeline.log, problem.in_given_order
         )
         if solution is None or not solution.branch_deviation < RADII_DEVIATION:
@@ -174,7 +174,7 @@ class NewtonOnLengths(Strategy):
     key = "newton on lengths"
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.lengths_newton import newton_on_lengths
+        from isoembed.aim.newton_on_lengths import newton_on_lengths
 
         problem, start = pipeline.problem, started(state)
         with pipeline.log.stage("pull back") as recorder:
@@ -210,7 +210,7 @@ class PatchReflections(Strategy):
         return not state.trusted and pipeline.problem.metric.space.is_euclidean
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.mirrored_patches import mirrored_realizations
+        from isoembed.aim.patch_reflections import reflected_realizations
         from isoembed.metric.dents import dents
 
         problem, start = pipeline.problem, started(state)
@@ -218,7 +218,7 @@ class PatchReflections(Strategy):
         if not patches:
             return state
         with pipeline.log.stage("mirrored patches") as recorder:
-            choices = mirrored_realizations(
+            choices = reflected_realizations(
                 problem.metric, problem.system, problem.energy(start), start, patches, recorder
             )
             found = [problem.surface(vertices) for vertices in choices]
@@ -344,12 +344,12 @@ class VertexReflections(Strategy):
         )
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.flipped_vertices import with_flipped_vertices
+        from isoembed.aim.reflection_search import with_reflected_vertices
 
         problem, energy = pipeline.problem, pipeline.problem.energy(started(state))
         pipeline.log.expect({"changes of sides": 500.0})
         with pipeline.log.stage("changes of sides") as recorder:
-            vertices = with_flipped_vertices(
+            vertices = with_reflected_vertices(
                 energy,
                 problem.system,
                 state.nearest.vertices,

@@ -8,8 +8,8 @@ import pytest
 import smooth_bodies
 from convex import CONVEX, in_units
 from isoembed.aim.convexification import NEAR_MARGIN, Convexification
-from isoembed.aim.radii_leap import _reflected, newton_on_radii, radii_start
-from isoembed.aim.radii_newton import inverted_vertices, without_curvature
+from isoembed.aim.newton_from_polytope import _reflected, newton_from_polytope, polytope_start
+from isoembed.aim.newton_on_radii import inverted_vertices, without_curvature
 from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
@@ -28,8 +28,8 @@ def solved(metric):
     with log.stage("waypoint") as recorder:
         convex = Convexification(given).metric(NEAR_MARGIN, recorder)
     analyses = Analyses.of(given.half_edges())
-    start = radii_start(given, convex, analyses, log)
-    return start, newton_on_radii(given, start, analyses, log, partial(outward, given.faces)), log
+    start = polytope_start(given, convex, analyses, log)
+    return start, newton_from_polytope(given, start, analyses, log, partial(outward, given.faces)), log
 
 
 @pytest.mark.parametrize("name", CONVEX)
@@ -73,8 +73,8 @@ def test_it_deviates_to_second_order():
         convex = GluedMetric.of(metric.with_lengths(start.lengths))
         given = GluedMetric.of(metric)
         analyses, log = Analyses.of(given.half_edges()), Log()
-        start = radii_start(given, convex, analyses, log)
-        solution = newton_on_radii(given, start, analyses, log, partial(outward, given.faces))
+        start = polytope_start(given, convex, analyses, log)
+        solution = newton_from_polytope(given, start, analyses, log, partial(outward, given.faces))
         missed.append(solution.branch_deviation)
     assert 3 < missed[0] / missed[1] < 5
 
@@ -97,7 +97,7 @@ def test_flat_vertices_have_no_radii():
     vertices, faces, flat = box(3)
     assert flat.any()
     metric = GluedMetric.of(in_units(vertices, faces)[1])
-    assert radii_start(metric, metric, Analyses.of(metric.half_edges()), Log()) is None
+    assert polytope_start(metric, metric, Analyses.of(metric.half_edges()), Log()) is None
 
 
 @pytest.mark.parametrize("rank", [0, 10, 20, 40])

@@ -1,4 +1,4 @@
-"""A search for a surface with given lengths: what it has spent, and what has missed them least."""
+"""State of a search for a surface with given lengths: its budget, and the nearest surface so far."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from isoembed.progress.work import Budget
 from isoembed.surface.rigidity import LengthSystem
 
 
-class LengthSearch:
+class SearchState:
     """What searches share.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Newton's method on the lengths, from a surface nearby at once to the given ones, while it converges."""
+"""Newton's method on the lengths, undamped, from a surface nearby to the given lengths at once."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Newton's method on the radii where the given triangles do not lead there at once: from a convex polyhedron.
+"""Newton's method on the radii from the polytope of a convex metric, over triangles of its own.
 
 The polyhedron is that of the metric itself, on triangles of its own, or of a convex metric near it.  The path
 to it follows `isoembed.alexandrov`, with flips; from there one leap, or a few, lead back to the given
@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.aim.adiabatic_pullback import extrapolated
-from isoembed.aim.radii_newton import SETTLED, inverted_vertices, without_curvature
+from isoembed.aim.newton_on_radii import SETTLED, inverted_vertices, without_curvature
 from isoembed.alexandrov.doubly_covered import THIN
 from isoembed.alexandrov.homotopy import NEWTON_CURVATURE, Stalled, Waypoint, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, pinned
@@ -43,7 +43,7 @@ class RadiiSolution:
     branch_deviation: float
 
 
-def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
+def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
     """Lead a polytope over a convex metric to where Newton's method may begin.
 
     Parameters
@@ -94,7 +94,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
     return None
 
 
-def newton_on_radii(
+def newton_from_polytope(
     given: GluedMetric,
     start: Floats,
     analyses: Analyses,
@@ -108,7 +108,7 @@ def newton_on_radii(
     given : GluedMetric
         Of mean edge length 1 or so.
     start : ndarray, shape (V,) or (V, 3)
-        Radii or vertices, from `radii_start`.
+        Radii or vertices, from `polytope_start`.
     analyses : Analyses
         Of the given triangles.
     log : Log

@@ -5,7 +5,7 @@ their curvatures vanish, whether the edges be convex or not (Bobenko and Izmesti
 Fourier 58, 2008, who need convexity for existence only).  So the radii are all that has to be found: one
 unknown a vertex, and a matrix with the pattern of the triangulation, in the place of three unknowns and the
 edges.  They are led there from equal radii at once, or else from those of a polyhedron nearby
-(`isoembed.aim.radii_leap`).  The positions follow at the end.
+(`isoembed.aim.newton_from_polytope`).  The positions follow at the end.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ SETTLED = 1e-12  # radians: curvatures that are left to the polish
 LOOSEST = 1e-3  # largest residual of Newton's linear equations, relative
 
 
-def newton_on_radii_at_once(
+def newton_on_radii(
     given: GluedMetric, analyses: Analyses, log: Log, ordered: Callable[[Floats], Floats]
 ) -> Floats | None:
     """Realize a metric that is convex or nearly so, with nothing but its own triangles on the way.
