@@ -9,7 +9,7 @@ import isoembed
 import smooth_bodies
 import zoo
 from convex import CONVEX, in_units
-from isoembed.aim import newton_on_radii
+from isoembed.aim import newton_on_radii as module
 from isoembed.aim.newton_on_radii import newton_on_radii
 from isoembed.alexandrov import homotopy
 from isoembed.alexandrov.newton import Analyses, pinned
@@ -53,7 +53,7 @@ def test_what_has_too_many_negative_eigenvalues_is_left_to_flips(monkeypatch):
     vertices, metric = in_units(*mesh)
     assert at_once(metric)[0] is None
     assert smooth_bodies.misfit(isoembed.embed(metric).vertices, vertices) < 1e-10
-    monkeypatch.setattr(newton_on_radii, "CONVEX", 2)
+    monkeypatch.setattr(module, "CONVEX", 2)
     found, _ = at_once(metric)  # it has the same lengths
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-12
     assert smooth_bodies.misfit(found, vertices) > 1e-3

@@ -2,8 +2,8 @@
 
 From one realization to the next: the `start_points` about each are followed by Newton's method.
 The surface that is meant is, as a rule, among the smooth ones.  So first of all the smoothest is made
-smoother still, as far as start points do: each at what is expected to be smoother is followed, then relaxed, as
-smooth as can be there, and let go.  What is found is searched from in turn, breadth first and smoothest
+smoother still, as far as start points do: each that is expected to be smoother is followed, then relaxed,
+as smooth as can be there, and let go.  What is found is searched from in turn, breadth first and smoothest
 first: where n vertices can be pushed in one by one there are 2^n realizations, too many for all of them.
 """
 
@@ -144,7 +144,7 @@ class RealizationSearch:
             yield
 
     def _descends(self, left: deque[StartPoint], roughness: float, moves: int) -> bool:
-        """Follow start points to what is expected to be smoother, and whether there is a realization that is."""
+        """Follow start points that are expected to be smoother, and whether a realization is."""
         relaxed = 0
         while left and left[0].roughness < roughness:
             weights = (
@@ -189,7 +189,7 @@ class RealizationSearch:
             yield
 
     def _attempt(self, vertices: Floats) -> Iterator[None]:
-        """From a surface that misses the lengths, go to smoother ones; if there are none, follow all start points.
+        """From a surface that misses the lengths, go to smoother ones; failing that, follow all start points.
 
         An attempt ends where J is nearly singular, so at first the softest motions are set apart.
         """
