@@ -175,6 +175,19 @@ class Pipeline:
         assert state.answer is not None  # the last strategies give one
         return state.answer._with_stages(self.log.stages)
 
+    # Budgets: factorizations that a failure may cost, by those of the pull-back
+
+    def patch_budget(self, state: State) -> float:
+        """What is left to patches and the best fit."""
+        effort = min(self.method.effort, 10.0)  # more does not make them better
+        return (2 + effort) * state.cost - self.work.factorizations
+
+    def reflection_budget(self, state: State) -> float:
+        """What vertex reflections may take."""
+        return self.method.effort * state.cost
+
+    # Checkpoints
+
     def _resumed(self, strategies: Sequence[Strategy]) -> tuple[State, str]:
         """The state to go on from, and the key of the strategy that goes on, if any."""
         kept = self.checkpoints.resumed

@@ -147,9 +147,7 @@ class RealizationSearch:
         """Follow start points that are expected to be smoother, and whether a realization is."""
         relaxed = 0
         while left and left[0].roughness < roughness:
-            weights = (
-                WEIGHTS if relaxed < 4 else ()
-            )  # start points, the smoothest, that are relaxed for each move
+            weights = WEIGHTS if relaxed < 4 else ()  # so many of the smoothest are relaxed
             if self._is_smoother(left.popleft().vertices, roughness, moves, weights):
                 return True
             relaxed += 1

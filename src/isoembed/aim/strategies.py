@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
 LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
 FIT = 36  # factorizations of the best fit, as a rule
-PATCH_EFFORT = 10.0  # for patches and the best fit: more does not make them better
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
 AT_ONCE = {"radii": 1.0}
@@ -290,7 +289,7 @@ class LocalSearch(Strategy):
 
         problem, lengths = pipeline.problem, pipeline.problem.metric.lengths
         energy, start = problem.energy(started(state)), state.nearest.vertices
-        left = patch_budget(state, pipeline) - FIT  # the best fit has its share
+        left = pipeline.patch_budget(state) - FIT  # the best fit has its share
         if len(start) > COARSE:
             start = start if state.smooth is None else state.smooth
             if not misses_locally(energy, start, lengths):
@@ -318,7 +317,7 @@ class BestFitting(Strategy):
         from isoembed.aim.best_fit import best_fit
 
         problem, start = pipeline.problem, started(state)
-        left = np.inf if pipeline.method.best_fit else patch_budget(state, pipeline) - POLISH_STEPS
+        left = np.inf if pipeline.method.best_fit else pipeline.patch_budget(state) - POLISH_STEPS
         with pipeline.log.stage("best fit") as recorder:
             fit = best_fit(problem.metric, problem.energy(start), start, recorder, left)
             if fit is None:
@@ -355,7 +354,7 @@ class VertexReflections(Strategy):
                 state.nearest.vertices,
                 problem.metric.lengths,
                 recorder,
-                pipeline.method.effort * state.cost,
+                pipeline.reflection_budget(state),
             )
         found = problem.surface(vertices)
         return with_smoother(state.adding(found), found, pipeline)
@@ -486,12 +485,6 @@ def missed(state: State, pipeline: Pipeline) -> bool:
     """Whether no candidate is accepted."""
     problem = pipeline.problem
     return not problem.accepts(smoothest(state.candidates, problem.is_convex, state.searched))
-
-
-def patch_budget(state: State, pipeline: Pipeline) -> float:
-    """Factorizations left to patches and the best fit, by those of the pull-back that missed."""
-    most = (2 + min(pipeline.method.effort, PATCH_EFFORT)) * state.cost  # with those of the pull-back
-    return most - pipeline.work.factorizations
 
 
 def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State:
