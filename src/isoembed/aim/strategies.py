@@ -369,12 +369,13 @@ class Choice(Strategy):
         return True
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.surface.fitted import FittedSurface
-
         problem, fit, method = pipeline.problem, state.fit, pipeline.method
         found = smoothest(state.candidates, problem.is_convex, state.searched)
         if found.converged or (problem.accepts(found) and fit is None):
             return replace(state, answer=found)
+        from isoembed.aim.diagnosis import diagnosis
+        from isoembed.surface.fitted import FittedSurface
+
         fitted = None
         if fit is not None:
             fitted = FittedSurface(
@@ -387,8 +388,6 @@ class Choice(Strategy):
             )
         if method.best_fit and fitted is not None:
             return replace(state, answer=fitted)
-        from isoembed.aim.diagnosis import diagnosis
-
         said = diagnosis(found, fitted, method.effort)
         return replace(state, answer=found._with_message(said))
 
