@@ -23,8 +23,8 @@ from isoembed import NotEmbedded, PolyhedralMetric, embed
 from isoembed.aim.realization_search import RealizationSearch
 from isoembed.gallery import Drum, Ellipsoid, Ergosphere, KerrHorizon, Superellipsoid, triangulate
 from isoembed.progress.stages import Log
+from isoembed.proof.certificate import certify
 from isoembed.surface.alignment import distance
-from isoembed.surface.certificate import certify
 from isoembed.surface.rigidity import LengthSystem
 from realizations import GALLERY
 

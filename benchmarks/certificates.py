@@ -15,7 +15,7 @@ import numpy as np
 
 from isoembed import PolyhedralMetric, embed
 from isoembed.gallery import Ergosphere, triangulate
-from isoembed.surface.certificate import certify
+from isoembed.proof.certificate import certify
 from realizations import GALLERY
 
 BODIES = {

@@ -16,9 +16,9 @@ from scipy.integrate import solve_ivp
 
 from isoembed import NoHorizon
 from isoembed.relativity import BrillLindquist, StarSurface, find_horizon, find_horizons
-from isoembed.relativity.horizons.found_horizon import star_horizon
-from isoembed.relativity.horizons.ladder import in_degree, level_of, recentered
+from isoembed.relativity.horizons.found_horizon import horizon_near
 from isoembed.relativity.horizons.newton import NoConvergence, solve
+from isoembed.relativity.horizons.radial_image import discretized, in_degree, recentered
 
 RATIOS = (1.0, 1.5, 7.0 / 3.0, 4.0, 9.0, 20.0, 50.0, 100.0)
 PUBLISHED = {1.0: 0.76619743, 7.0 / 3.0: 0.7375, 4.0: 0.698, 9.0: 0.634}
@@ -49,7 +49,7 @@ def end(ratio):
     (before, squared), target = (d, near.stability**2), d + 0.02
     while True:
         try:
-            horizon = star_horizon(pair(ratio, target), near.surface, 0.0, symmetric=True)
+            horizon = horizon_near(pair(ratio, target), near.surface, symmetric=True)
         except NoConvergence:
             target = 0.5 * (d + target)
             if target - d < 1e-8:  # the highest degree does not resolve it
@@ -202,11 +202,11 @@ def scales(masses, at):
         geometry = BrillLindquist(masses, (s + step) * at)
         try:
             guess = in_degree(near, 48, False)
-            solution = solve(level_of(geometry, guess), guess.coefficients, 0.0, 1e-10)
+            solution = solve(discretized(geometry, guess), guess.coefficients, 0.0, 1e-10)
         except NoConvergence:
             step *= 0.5
             continue
-        found = StarSurface(guess.center, guess.harmonics, solution.shape.f)
+        found = StarSurface(guess.center, guess.harmonics, solution.iterate.f)
         near, s = recentered(found, False), s + step
         path.append((s, near))
     return path

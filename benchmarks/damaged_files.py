@@ -26,6 +26,7 @@ from pathlib import Path
 
 import numpy as np
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.gluing import unfold
 from isoembed.io import FileError, read_metric, write_surface
@@ -35,7 +36,6 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.horizons.grid_file import read_grid_data
 from isoembed.relativity.horizons.horizon_file import read_horizon
 from isoembed.relativity.series.slice_files import read_slice
-from isoembed.surface.embedding import Embedding
 
 MEMORY = 4 << 30  # bytes more than at the start
 LONGEST = 400  # characters of a refusal, without the name of the file

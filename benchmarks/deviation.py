@@ -13,11 +13,12 @@ import time
 
 import numpy as np
 
+import isoembed
 from certificates import BODIES
 from isoembed import PolyhedralMetric, embed
+from isoembed.embedding.comparison import differences
 from isoembed.gallery import triangulate
 from isoembed.surface.changes import INTEGRALS, LOCAL
-from isoembed.surface.comparison import differences
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
 QUANTITIES = (*LOCAL, *INTEGRALS)
@@ -49,7 +50,7 @@ def largest_proven(surface, exponents):
     """The largest power of ten, in mean edge lengths, for which there is a bound, and the bound."""
     for exponent in exponents:
         error = 10.0**exponent
-        bound = surface.deviation_bound(error * surface.metric.mean_length)
+        bound = isoembed.Sensitivity(surface).deviation_bound(error * surface.metric.mean_length)
         if not bound.reason:
             return error, bound
     raise ArithmeticError(bound.reason)
@@ -64,7 +65,7 @@ def rows(name, body, size, count, largest):
     error, bound = largest_proven(surface, range(int(np.floor(np.log10(largest))), -18, -1))
     bound, sigma = (
         bound.scaled(1 / unit),
-        surface.deviation(SIGMA * surface.metric.mean_length).scaled(1 / unit),
+        isoembed.Sensitivity(surface).deviation(SIGMA * surface.metric.mean_length).scaled(1 / unit),
     )
     shares = {quantity: [] for quantity in QUANTITIES}
     within = {quantity: [] for quantity in QUANTITIES}

@@ -14,9 +14,9 @@ import isoembed
 from convex_cases import relabeled
 from convex_sweep import judged, metric_of
 from isoembed import Alexandrov
-from isoembed.alexandrov.certificate import certify as certify_convex
 from isoembed.alexandrov.polyhedron import metric_on
-from isoembed.surface.certificate import certify
+from isoembed.proof.certificate import certify
+from isoembed.proof.convex import certify as certify_convex
 
 KINDS = ("found", "another", "refused", "lost", "FALSE", "differ", "exception", "warning", "hang", "crash")
 KEPT = KINDS[4:]
@@ -145,9 +145,9 @@ def wrong_certificate(found, points):
     says, or, if it need not be convex, as far.  Where nothing is proven of so different lengths, nothing is
     disproved.
     """
-    if not found.certificate.certified:
+    if not isoembed.certify(found).certified:
         return ""
-    if found.certificate.embedded:
+    if isoembed.certify(found).embedded:
         pair = fuzz_check.pierced(found.vertices, found.faces, found.metric.curvature)
         if pair:
             return f"certified, but edge {pair[0]} crosses face {pair[1]}"
@@ -194,7 +194,7 @@ def are_two(found, other):
         return True
     if k:
         return False
-    proofs = found.certificate, other.certificate
+    proofs = isoembed.certify(found), isoembed.certify(other)
     radii = [proof.radius if proof.certified else UNSURE for proof in proofs]
     off = fuzz_check.misfit(found.vertices, other.vertices, np.ones(len(found.vertices)))
     return np.sqrt(np.mean(off**2)) > mean * sum(radii)

@@ -28,6 +28,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import ConvexHull
 
+import isoembed
 from isoembed import Embedding, NotEmbedded, PolyhedralMetric, embed
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gallery import HarmonicSurface, KerrHorizon, triangulate
@@ -133,17 +134,19 @@ def measured(true, faces, digits, question, seed):
         return {"status": type(failure).__name__, **fallen}
     best = least_squares_surface(exact.edges, lengths, true, sigma)
     off, floor = farthest(found.vertices, true), farthest(best, true)
-    smooth = max(Embedding(exact, x, method="aim", tolerance=1.0).fine_roughness for x in (true, best))
+    smooth = max(
+        Embedding(exact, x, method="aim", tolerance=1.0).surface.fine_roughness for x in (true, best)
+    )
     inside = None
     if found.length_errors is not None:
-        stated = found.integral_deviation(found.length_errors)
+        stated = isoembed.Sensitivity(found).integral_deviation(found.length_errors)
         now, then = integrals(faces, found.vertices), integrals(faces, true)
         inside = [abs(abs(now[name]) - abs(then[name])) <= 2 * getattr(stated, name) for name in then]
     return {
         "status": found.status,
         "ratio": off / floor,
         "off": off,
-        "crumpled": bool(found.fine_roughness > 2 * smooth + 1e-9),
+        "crumpled": bool(found.surface.fine_roughness > 2 * smooth + 1e-9),
         "inside": inside,
     }
 

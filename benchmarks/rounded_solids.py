@@ -72,19 +72,19 @@ def checked(points, decimals, seed):
     edges = len(points) + faces - 2
     folds = sum(map(len, net.folds)) + len(net.sides)
     passed = {
-        "faces": sorted(solid.face_sides.tolist()) == sorted(map(len, polygons)),
+        "faces": sorted(solid.surface.flat_faces.sides.tolist()) == sorted(map(len, polygons)),
         "folds": len(net.sheets) == 1 and folds == edges,
-        "certificate": solid.certificate.certified,
+        "certificate": isoembed.certify(solid).certified,
     }
     try:
         back = isoembed.embed(net.net, method="alexandrov")
         passed["net and back"] = bool(
-            int(back.face_polygons.max()) + 1 == faces
+            int(back.surface.flat_faces.of_triangles.max()) + 1 == faces
             and abs(back.volume / solid.volume - 1) < 10.0 ** (1 - decimals)
         )
     except (isoembed.InvalidMetric, isoembed.NotEmbedded):
         passed["net and back"] = False
-    return passed, solid.certificate.reason
+    return passed, isoembed.certify(solid).reason
 
 
 def main():

@@ -58,7 +58,7 @@ def measured(height, seed):
         "agree": aim is not None
         and polyhedron is not None
         and any(near(surface, polyhedron.vertices) for surface in (aim, *aim.others)),
-        "pushed in": aim is not None and aim.concave_edges.any(),
+        "pushed in": aim is not None and aim.surface.concave_edges.any(),
         "aim, s": seconds,
         "alexandrov, s": seconds_of_polyhedron,
     }

@@ -56,8 +56,8 @@ def bending(options):
         spent = sum(stage.factorizations for stage in found.stages)
         print(
             f"bending  {len(points):6d} vertices: residual {found.residual:.1e}, int H^2 over the exact "
-            f"{found.bending_energy / exact:.5f}, imbalance {found.imbalance:.0e}, {spent} factorizations, "
-            f"{times[-1]:.1f} s",
+            f"{found.surface.bending_energy / exact:.5f}, imbalance {found.imbalance:.0e}, "
+            f"{spent} factorizations, {times[-1]:.1f} s",
             flush=True,
         )
     if len(times) > 1:

@@ -116,7 +116,7 @@ def random_bodies(sign, seeds, certify):
             row |= {"status": "found" if fine else "wrong", "off": off, "lengths": found.residual}
             row["why"] = f"distances {off:.1e}, lengths {found.residual:.1e}, outside {outside:.1e}"
             if certify:
-                row["certified"] = bool(found.certificate.certified)
+                row["certified"] = bool(isoembed.certify(found).certified)
         if row["status"] != "found":
             print(f"  seed {seed}: {row['status']}, {len(y)} vertices, size {size:.3g}, aspect {aspect:.3g}")
             print(f"    {row['why']}", flush=True)

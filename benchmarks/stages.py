@@ -18,6 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
+import isoembed
+
 SIZES = (400, 800, 1600, 3226, 6400, 12800)
 CASES = ("ellipsoid", "drum")
 TOLERANCE = {"aim": 1e-10, "paper": 1e-6}
@@ -71,7 +73,7 @@ def measure(name, n, method):
         "peak_mb": peak / 1024,
         "before_mb": before / 1024,
         "aligned": aligned(surface.vertices, vertices),
-        **{key: surface.report[key] for key in ("status", "residual", "convexity", "stages")},
+        **{key: isoembed.report(surface)[key] for key in ("status", "residual", "convexity", "stages")},
     }
 
 

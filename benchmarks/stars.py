@@ -24,7 +24,7 @@ from alexandrov import outward_hull
 from convex_bodies import log_uniform, sphere
 from isoembed import InvalidMetric, NotEmbedded, PolyhedralMetric, embed
 from isoembed.aim.adaptive import Aim
-from isoembed.surface.embedding import Embedding
+from isoembed.embedding.embedding import Embedding
 from stages import aligned
 
 RESOLVED = 0.05  # of an edge
@@ -76,16 +76,19 @@ def measured(seed, effort):
     same = aligned(found.vertices, vertices) <= SAME
     if not found.converged:
         print(
-            f"{seed:6d} {len(vertices):4d} vertices, roughness {true.roughness:.3f}: missed by {missed:.0e}"
+            f"{seed:6d} {len(vertices):4d} vertices, roughness {true.surface.roughness:.3f}: "
+            f"missed by {missed:.0e}"
         )
     return {
         "kind": kind,
-        "roughness": true.roughness,
-        "resolved": true.roughness < RESOLVED,
+        "roughness": true.surface.roughness,
+        "resolved": true.surface.roughness < RESOLVED,
         "exact": found.converged and missed <= 2 * TOLERANCE,
         "wrong": found.converged and missed > 2 * TOLERANCE,
         "same": same,
-        "smoother": found.converged and not same and found.fine_roughness < true.fine_roughness,
+        "smoother": found.converged
+        and not same
+        and found.surface.fine_roughness < true.surface.fine_roughness,
         "seconds": seconds,
     }
 

@@ -45,7 +45,7 @@ from isoembed.relativity import (
 )
 from isoembed.relativity.energies.second_variation import SecondVariation
 from isoembed.relativity.energies.wang_yau_functional import Functional
-from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
+from isoembed.relativity.spacetimes.schwarzschild import BoostedSchwarzschild, Superposed
 from isoembed.smooth import Harmonics, PulledBack, embed_smooth
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import orthonormal_frame, projected

@@ -57,7 +57,7 @@ class _Pair:
 
     def concave(self, vertices: Floats) -> int:
         """Number of concave edges."""
-        return int(_measured(self.metric, vertices).concave_edges.sum())
+        return int(_measured(self.metric, vertices).surface.concave_edges.sum())
 
     @cached_property
     def moved(self) -> dict[str, Floats]:
@@ -144,7 +144,7 @@ def _inverted(metric: PolyhedralMetric, system: LengthSystem, convex: Floats, v:
     mirrored[v] -= 2 * ((convex[v] - middle) @ normal) * normal
     found = _annealed(metric, system, mirrored)
     inverted = aligned(found.vertices, convex)
-    turned = _measured(metric, inverted).inverted_vertices[v]
+    turned = _measured(metric, inverted).surface.inverted_vertices[v]
     return _Pair(metric, system, convex, v, inverted) if found.converged and turned else None
 
 

@@ -132,7 +132,7 @@ def _followed(name: str, n: int, steps: int) -> dict[str, Any]:
         "surface": name,
         "vertices": n,
         "steps": steps,
-        "concave_given": int(body.exact.concave_edges.sum()),
+        "concave_given": int(body.exact.surface.concave_edges.sum()),
         "routines": {},
     }
     for routine in ROUTINES:
@@ -154,7 +154,7 @@ def _concave(metric: PolyhedralMetric, vertices: Floats) -> int:
     """Number of concave edges of a surface of any lengths, in the unit of ``metric.normalized``."""
     lengths = edge_lengths(metric.edges, vertices)
     surface = Embedding(metric.with_lengths(lengths), vertices, method="shown", tolerance=TOLERANCE)
-    return int(surface.concave_edges.sum())
+    return int(surface.surface.concave_edges.sum())
 
 
 def _start(name: str, n: int) -> _Start:

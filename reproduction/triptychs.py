@@ -41,7 +41,7 @@ class Attempt:
     @property
     def share(self) -> float:
         """Rough edges over edges."""
-        return float(self.surface.rough_edges.mean())
+        return float(self.surface.surface.rough_edges.mean())
 
     @property
     def succeeded(self) -> bool:
@@ -101,10 +101,10 @@ class Triptych:
             panel: {
                 "residual": surface.residual,
                 "percent_error": self.body.percent_error(surface.integrated_mean_curvature),
-                "concave_edges": int(surface.concave_edges.sum()),
-                "rough_edges": int(surface.rough_edges.sum()),
-                "inverted_vertices": int(surface.inverted_vertices.sum()),
-                "partially_inverted_vertices": int(surface.partially_inverted_vertices.sum()),
+                "concave_edges": int(surface.surface.concave_edges.sum()),
+                "rough_edges": int(surface.surface.rough_edges.sum()),
+                "inverted_vertices": int(surface.surface.inverted_vertices.sum()),
+                "partially_inverted_vertices": int(surface.surface.partially_inverted_vertices.sum()),
                 "distance": surface.distance(self.body.exact),
             }
             for panel, surface in self.panels.items()

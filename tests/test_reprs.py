@@ -63,12 +63,12 @@ def test_results_of_relativity():
 def test_results_on_surfaces():
     surface = isoembed.embed(zoo.random_hull(30, seed=1))
     for result in (
-        surface.certificate,
-        surface.deviation(1e-3),
-        surface.deviation_bound(1e-12),
-        surface.integral_deviation(1e-3),
-        surface.comparison(surface),
-        surface.variation(surface.metric.lengths),
+        isoembed.certify(surface),
+        isoembed.Sensitivity(surface).deviation(1e-3),
+        isoembed.Sensitivity(surface).deviation_bound(1e-12),
+        isoembed.Sensitivity(surface).integral_deviation(1e-3),
+        isoembed.compare(surface, surface),
+        isoembed.Sensitivity(surface).variation(surface.metric.lengths),
     ):
         assert len(repr(result)) < 400
         assert result._repr_html_().startswith("<table>")

@@ -21,9 +21,9 @@ surface = isoembed.embed(metric)
 
 write_surface(folder / "surface.ply", surface)
 write_picture(folder / "surface.png", surface)
-write_report(folder / "report.json", surface.report)
+write_report(folder / "report.json", isoembed.report(surface))
 
-report = surface.report
+report = isoembed.report(surface)
 found = surface.integrated_mean_curvature
 print(
     f"The (3, 2, 1) ellipsoid, {len(metric.lengths)} edge lengths, embedded by the method {surface.method!r}:"

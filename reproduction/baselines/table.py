@@ -69,8 +69,10 @@ class Run:
             "method": self.method,
             "residual": surface.residual,
             "distance": self.problem.distance(surface),
-            "inverted": int((surface.inverted_vertices | surface.partially_inverted_vertices).sum()),
-            "concave_edges": int(surface.concave_edges.sum()),
+            "inverted": int(
+                (surface.surface.inverted_vertices | surface.surface.partially_inverted_vertices).sum()
+            ),
+            "concave_edges": int(surface.surface.concave_edges.sum()),
             "seconds": self.seconds,
             "note": self.note,
         }

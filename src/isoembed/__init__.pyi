@@ -13,6 +13,13 @@ from .alexandrov.polyhedron import ConvexPolyhedron as ConvexPolyhedron
 from .api import embed as embed
 from .api import glue as glue
 from .api import unfold as unfold
+from .embedding.certify import certify as certify
+from .embedding.comparison import compare as compare
+from .embedding.embedding import Embedding as Embedding
+from .embedding.fitted import FittedSurface as FittedSurface
+from .embedding.measured import MeasuredSurface as MeasuredSurface
+from .embedding.report import report as report
+from .embedding.sensitivity import Sensitivity as Sensitivity
 from .errors import Interrupted as Interrupted
 from .errors import InvalidMetric as InvalidMetric
 from .errors import InvalidParameter as InvalidParameter
@@ -33,8 +40,6 @@ from .space import Euclidean as Euclidean
 from .space import Hyperbolic as Hyperbolic
 from .space import Space as Space
 from .space import Spherical as Spherical
-from .surface.embedding import Embedding as Embedding
-from .surface.fitted import FittedSurface as FittedSurface
-from .surface.measured import MeasuredSurface as MeasuredSurface
+from .surface.surface import Surface as Surface
 
 __version__: str

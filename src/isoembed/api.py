@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import TOLERANCE, Method, solve
 from isoembed.methods import configuration, configured
@@ -17,7 +18,6 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.checkpoints import Checkpoint
 from isoembed.progress.stages import Listener
 from isoembed.space.models import Model
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from isoembed.gluing import Net, Unfolding

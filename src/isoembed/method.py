@@ -10,13 +10,13 @@ from typing import Any, ClassVar, Self
 
 from numpy.typing import ArrayLike
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Listener, Log
-from isoembed.surface.embedding import Embedding
 
 TOLERANCE = 1e-10
 """Largest residual that counts as converged, unless another is given."""
@@ -114,7 +114,7 @@ def solve(
             mesh.check_sphere()
         except InvalidMetric as error:
             raise InvalidMetric(
-                f"{error}; boundary='free' is for such surfaces, and 'plane' for convex caps"
+                f"{error}; boundary='free' is for such surfaces, boundary='plane' for convex caps"
             ) from None
     if metric.curvature and not method.takes_curved:
         raise InvalidParameter(

@@ -50,7 +50,7 @@ def test_convex_bodies_come_back_from_their_lengths(mesh, factorizations):
     surface, error = recovered(*mesh)
     assert surface.residual < 1e-13  # the polish goes to the rounding floor, whatever the tolerance
     assert error < 1e-12
-    assert not surface.inverted_vertices.any()
+    assert not surface.surface.inverted_vertices.any()
     assert not surface.others
     assert sum(stage.factorizations for stage in surface.stages) <= factorizations
     if factorizations < 30:
@@ -77,7 +77,7 @@ def test_smooth_bodies_with_negative_curvature_come_back_too(surface, n, irregul
     assert sum(stage.factorizations for stage in embedding.stages) <= 40
     for other in embedding.others:
         assert other.converged
-        assert other.fine_roughness > embedding.fine_roughness
+        assert other.surface.fine_roughness > embedding.surface.fine_roughness
         assert embedding.distance(other) > 1e-7
 
 
@@ -99,7 +99,7 @@ def test_bodies_inscribed_in_a_sphere(mesh):
 def test_convex_hulls_of_random_points(n, seed):
     surface, error = recovered(*zoo.random_hull(n, 100 * n + seed))
     assert error < 1e-7
-    assert not surface.concave_edges.any()
+    assert not surface.surface.concave_edges.any()
 
 
 @pytest.mark.parametrize(("height", "seed"), [(1e-3, 30), (1e-4, 2), (1e-4, 10), (1e-5, 6)])
@@ -107,7 +107,7 @@ def test_of_shallow_caps_no_vertex_is_pushed_in(height, seed):
     vertices, faces = zoo.shallow_cap(10 + seed, height, seed)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     surface = isoembed.embed(metric)
-    assert not surface.concave_edges.any()
+    assert not surface.surface.concave_edges.any()
     polyhedron = isoembed.embed(metric, method="alexandrov")
     for known in (vertices, polyhedron.vertices):
         assert smooth_bodies.misfit(surface.vertices, known) < 1e-8
@@ -122,9 +122,9 @@ def test_of_a_convex_metric_the_convex_realization_goes_before_a_smoother_one():
     problem = Problem(metric, 1e-10, "aim")
     tip_in = vertices * np.where(np.arange(7) == 5, -1, 1)[:, None]  # it has the same lengths
     found = smoothest([problem.surface(tip_in), problem.surface(vertices)], problem.is_convex, False)
-    assert not found.concave_edges.any()
+    assert not found.surface.concave_edges.any()
     (other,) = found.others
-    assert other.concave_edges.sum() == 5
+    assert other.surface.concave_edges.sum() == 5
     assert "from this one and not convex" in found.message
 
 
@@ -182,19 +182,19 @@ def test_another_realization_is_reported():
     assert error < 1e-9
     (other,) = surface.others
     assert other.converged
-    assert other.fine_roughness > surface.fine_roughness
+    assert other.surface.fine_roughness > surface.surface.fine_roughness
     assert surface.distance(other) > 1e-5
     assert "these lengths have another realization too" in surface.message
     assert surface.message.endswith("which need not find all: isoembed realizations searches further")
-    assert surface.report["other_realizations"] == [
+    assert isoembed.report(surface)["other_realizations"] == [
         {
             "distance": surface.distance(other),
-            "roughness": other.roughness,
-            "fine_roughness": other.fine_roughness,
+            "roughness": other.surface.roughness,
+            "fine_roughness": other.surface.fine_roughness,
             "mirrored": 0,
         }
     ]
-    assert surface.report["uniqueness"]["evidence"] == "searched"
+    assert isoembed.report(surface)["uniqueness"]["evidence"] == "searched"
     assert surface.uniqueness.basis in surface.message
 
 

@@ -1,11 +1,9 @@
-"""Guided adiabatic pull-back: which guess each step gets, and the extrapolation."""
+"""Guided adiabatic pull-back: which guess each step gets."""
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from isoembed.aim.adiabatic_pullback import extrapolated, pull_back
+from isoembed.aim.adiabatic_pullback import pull_back
 from isoembed.aim.anneal import Annealed
 
 A, B, C = np.random.default_rng(0).normal(size=(3, 5, 3))
@@ -13,20 +11,6 @@ A, B, C = np.random.default_rng(0).normal(size=(3, 5, 3))
 
 def quadratic(t):
     return A + B * t + C * t**2
-
-
-THREE_TIMES = st.lists(st.integers(0, 10), min_size=3, max_size=3, unique=True)
-
-
-@given(THREE_TIMES.map(lambda times: [t / 10 for t in times]), st.floats(-0.5, 1))
-def test_three_surfaces_determine_a_quadratic(times, t):
-    assert extrapolated([(s, quadratic(s)) for s in times], t) == pytest.approx(quadratic(t), abs=1e-11)
-
-
-def test_two_surfaces_determine_a_line_and_one_itself():
-    line = extrapolated([(0.0, A), (1.0, A + B)], 3.0)
-    assert line == pytest.approx(A + 3 * B, abs=1e-14)
-    assert (extrapolated([(0.3, A)], 0.7) == A).all()
 
 
 @pytest.mark.parametrize("times", [np.linspace(1, 0, 8), np.array([1, 0.8, 0.7, 0.3, 0.29, 0.1, 0])])

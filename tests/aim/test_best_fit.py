@@ -10,11 +10,11 @@ from isoembed.aim import best_fit as module
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.work import Budget, Work
-from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.rigidity import edge_rows
 
@@ -144,7 +144,7 @@ def test_where_there_is_no_surface_the_best_fit_is_the_answer_and_says_so():
     assert (surface.status, surface.converged) == ("best fit", False)
     assert "best fit" in [stage.name for stage in surface.stages]
     assert surface.residual > surface.residual_rms > 1e-3
-    report = surface.report
+    report = isoembed.report(surface)
     assert report["status"] == "best fit"
     assert report["residual"]["max"] == surface.residual
     assert report["best_fit"] == {
@@ -163,7 +163,7 @@ def test_where_there_is_a_surface_it_is_the_answer():
     surface = embedded(1e-5)
     assert surface.status == "converged"
     assert not isinstance(surface, FittedSurface)
-    assert "best_fit" not in surface.report
+    assert "best_fit" not in isoembed.report(surface)
 
 
 def test_a_tolerance_below_rounding_is_no_matter_for_a_fit():

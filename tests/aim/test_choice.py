@@ -56,7 +56,7 @@ def test_the_smoothest_and_the_nearest_on_request():
     default = isoembed.embed(metric)
     [twin] = default.others
     smooth = isoembed.embed(metric, method=Aim(which="smoothest"))
-    assert smooth.fine_roughness == min(default.fine_roughness, twin.fine_roughness)
+    assert smooth.surface.fine_roughness == min(default.surface.fine_roughness, twin.surface.fine_roughness)
     for wanted, other in ((default, twin), (twin, default)):
         near = isoembed.embed(metric, method=Aim(which=7.0 * wanted.vertices))
         assert near.distance(wanted) < 1e-9
@@ -66,10 +66,10 @@ def test_the_smoothest_and_the_nearest_on_request():
 def test_the_nearest_may_be_one_that_was_not_met():
     x, faces = cube(-0.05)
     metric = PolyhedralMetric.from_mesh(x, faces)
-    assert not isoembed.embed(metric).concave_edges.any()
+    assert not isoembed.embed(metric).surface.concave_edges.any()
     dented = isoembed.embed(metric, method=Aim(which=x + 1e-3))
     assert dented.volume == pytest.approx(1 - 0.05 / 3, abs=1e-12)
-    assert not isoembed.embed(metric, method=Aim(which="convex")).concave_edges.any()
+    assert not isoembed.embed(metric, method=Aim(which="convex")).surface.concave_edges.any()
 
 
 def test_no_convex_one_is_a_proof_or_the_end_of_a_search():
@@ -105,5 +105,5 @@ def test_steffens_flexible_surface_is_found_near_a_pose_and_named():
     pose = read_surface(NUMBERS / "04_steffen_flexible_pose.json")
     found = isoembed.embed(metric, method=Aim(which=pose.vertices))
     assert found.volume == pytest.approx(17 * 11 * 41.5**0.5 / 6, abs=1e-6)
-    assert "the surface is flexible, as far as floats tell" in found.certificate.reason
-    assert isoembed.embed(metric).certificate.certified
+    assert "the surface is flexible, as far as floats tell" in isoembed.certify(found).reason
+    assert isoembed.certify(isoembed.embed(metric)).certified

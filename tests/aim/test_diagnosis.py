@@ -11,11 +11,11 @@ import zoo
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.fitted import FittedSurface
 
 
 def of_body(vertices, faces):
@@ -54,8 +54,8 @@ def test_noise_on_a_convex_body():
     assert f"{count} of 400 deficits are negative" in text
     assert f"but for errors of about {surface.noise:.0e} of the mean edge length" in text
     assert surface.noise == pytest.approx(2e-3, rel=0.35)
-    assert "--best-fit" in text
-    repair = float(re.search(r"--method alexandrov --repair (\S+) .* finds it", text)[1])
+    assert "method=Aim(best_fit=True)" in text
+    repair = float(re.search(r"method=Alexandrov\(repair=(\S+)\) finds it", text)[1])
     assert isoembed.embed(metric, method=isoembed.Alexandrov(repair=repair)).converged
 
 
@@ -91,7 +91,7 @@ def test_a_convex_metric_has_another_way():
     metric, x = of_body(*zoo.icosphere(2))
     assert not negative_deficits(metric).any()
     text, _ = diagnosed(metric, x)
-    assert "No deficit is negative: --method alexandrov is for the convex polyhedron" in text
+    assert 'No deficit is negative: method="alexandrov" is for the convex polyhedron' in text
     assert "effort" not in text
 
 
@@ -109,5 +109,5 @@ def test_a_failure_carries_it():
     assert attempt.message.startswith("no surface with these lengths was found: the nearest misses edge")
     assert f"edge {e} {metric.edges[e].tolist()} by {attempt.residual:.1e}" in attempt.message
     assert ". ." not in attempt.message
-    assert attempt.message.endswith("a longer search may find it: --effort 10, Aim(effort=10)")
+    assert attempt.message.endswith("a longer search may find it: method=Aim(effort=10)")
     assert "best fit" in [stage.name for stage in attempt.stages]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import isoembed
 import solids
 import zoo
 from isoembed import Aim, InvalidMetric, InvalidParameter, MeasuredSurface, PolyhedralMetric, embed
@@ -22,7 +23,7 @@ def test_rocks_in_whole_millimeters(seed):
     assert found.chi_square <= found.chi_square_limit
     assert distance(found.vertices, x) < 4.0  # a fit that is held at the true vertices: 2 to 3
     volume = np.einsum("fi,fi->", x[faces[:, 0]], np.cross(x[faces[:, 1]], x[faces[:, 2]])) / 6
-    assert abs(found.volume - volume) < 3 * found.integral_deviation(ERROR).volume
+    assert abs(found.volume - volume) < 3 * isoembed.Sensitivity(found).integral_deviation(ERROR).volume
 
 
 def test_digits_are_seen_where_the_exact_surface_is_rough():
@@ -119,5 +120,5 @@ def test_error_bars_of_a_flat_vertex_are_right_to_a_factor_of_two():
     for seed in range(20):
         noise = 1e-4 * np.random.default_rng(seed).standard_normal(len(exact.lengths))
         found = embed(exact.with_lengths(exact.lengths + noise), length_errors=1e-4)
-        pulls.append((found.volume - volume) / found.integral_deviation(1e-4).volume)
+        pulls.append((found.volume - volume) / isoembed.Sensitivity(found).integral_deviation(1e-4).volume)
     assert np.median(np.abs(pulls)) < 2.0

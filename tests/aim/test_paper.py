@@ -30,8 +30,8 @@ def test_the_papers_bodies(body, tolerance):
     surface = embedded((vertices, faces), tolerance)
     assert surface.residuals.mean() < tolerance
     assert surface.residuals.std() < tolerance
-    assert not surface.inverted_vertices.any()
-    assert not surface.partially_inverted_vertices.any()
+    assert not surface.surface.inverted_vertices.any()
+    assert not surface.surface.partially_inverted_vertices.any()
     assert smooth_bodies.misfit(surface.vertices, vertices) < 3e4 * tolerance
     assert surface.method == "paper"
 
@@ -92,7 +92,7 @@ def test_every_stage_by_itself_returns_what_the_next_one_takes():
 def test_at_once_and_without_the_convexity_routine_the_surface_is_crumpled(body):
     crumpled = embedded(BODIES[body](), 1e-6, Tsteps=1, convexity="none", sphere=False)
     assert crumpled.residual <= 1e-6
-    assert crumpled.inverted_vertices.any() or crumpled.partially_inverted_vertices.any()
+    assert crumpled.surface.inverted_vertices.any() or crumpled.surface.partially_inverted_vertices.any()
     assert "the surface may be crumpled" in crumpled.message
     smooth_one = embedded(BODIES[body](), 1e-6)
     assert smooth_one.integrated_mean_curvature > crumpled.integrated_mean_curvature
@@ -102,7 +102,9 @@ def test_at_once_and_without_the_convexity_routine_the_surface_is_crumpled(body)
 def test_the_convexity_routine_mends_what_its_printed_sign_does_not():
     vertices, faces = smooth_bodies.ellipsoid()
     counts = {
-        convexity: int(embedded((vertices, faces), Tsteps=1, convexity=convexity).inverted_vertices.sum())
+        convexity: int(
+            embedded((vertices, faces), Tsteps=1, convexity=convexity).surface.inverted_vertices.sum()
+        )
         for convexity in ("none", "printed", "corrected")
     }
     assert counts["none"] > 0

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import isoembed
 import smooth_bodies
 from isoembed import PolyhedralMetric, embed
 from isoembed.aim.patch_reflections import HarmonicPatch, reflected_realizations
@@ -44,7 +45,9 @@ def test_a_dimple_is_found_and_pushed_out_is_another_realization():
     surface = embed(PolyhedralMetric.from_mesh(vertices, faces))
     assert smooth_bodies.misfit(surface.vertices, vertices) < 1e-9
     assert "guided pull back" not in [stage.name for stage in surface.stages]
-    pushed_out = [k for k, row in enumerate(surface.report["other_realizations"]) if row["mirrored"] == 1]
+    pushed_out = [
+        k for k, row in enumerate(isoembed.report(surface)["other_realizations"]) if row["mirrored"] == 1
+    ]
     assert pushed_out
     assert surface.others[pushed_out[0]].volume > surface.volume + 0.02
     assert "a mirror choice: one dent of one is a bump of the other" in surface.message

@@ -14,13 +14,13 @@ from isoembed.aim.nearby_motions import MOST_MOTIONS, SMOOTHER_MOTIONS, Motions,
 from isoembed.aim.nearby_realizations import softest_motions
 from isoembed.aim.realization_search import RealizationSearch
 from isoembed.aim.start_points import start_points
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.space import Space
 from isoembed.surface.alignment import aligned, distance
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, edge_rows
 from isoembed.surface.smoothness import QuinticResiduals
 
@@ -122,13 +122,13 @@ def test_those_that_are_found_are_realizations_and_apart(saddle):
     assert len(saddle.surfaces) >= 3
     assert contains(saddle, saddle.about)
     assert saddle.searched.sum() == 2
-    assert (np.diff([each.fine_roughness for each in saddle.surfaces]) >= 0).all()
+    assert (np.diff([each.surface.fine_roughness for each in saddle.surfaces]) >= 0).all()
     isolation = []
     for surface, away in zip(saddle.surfaces, saddle.distances, strict=True):
         assert surface.residual < 1e-11
         assert away <= saddle.distance
-        assert surface.certificate.certified
-        isolation.append(surface.certificate.isolation)
+        assert isoembed.certify(surface).certified
+        isolation.append(isoembed.certify(surface).isolation)
     apart = saddle.apart + np.diag(np.full(len(isolation), np.inf))
     assert (apart >= np.array(isolation)[:, None]).all()
 

@@ -28,7 +28,7 @@ def test_the_mean_curvature_of_a_box_depends_on_no_diagonal():
     for seed in range(4):
         found = box(sizes, np.random.default_rng(seed).integers(0, 2, 6))
         assert found.mean_curvature == pytest.approx(mean, rel=1e-12)
-        assert found.bending_energy == pytest.approx(mean**2 * 8 * quarter, rel=1e-12)
+        assert found.surface.bending_energy == pytest.approx(mean**2 * 8 * quarter, rel=1e-12)
 
 
 def test_triangles_are_measured_as_before():
@@ -38,7 +38,9 @@ def test_triangles_are_measured_as_before():
     found = isoembed.embed(octahedron, method="alexandrov")
     own = isoembed.Embedding(found.metric, found.vertices, method="given", tolerance=1e-9)
     np.testing.assert_allclose(found.mean_curvature, own.mean_curvature, rtol=1e-13)
-    assert own.polygons is own.faces and own.polygon_edges.all() and len(own.seams.ends) == 0
+    assert (
+        own.polygons is own.faces and own.surface.flat_faces.edges.all() and len(own.surface.seams.ends) == 0
+    )
 
 
 def test_sides_are_counted_without_flat_vertices():
@@ -50,14 +52,14 @@ def test_sides_are_counted_without_flat_vertices():
     runs = [((p, 2 * k, 2 * k + 2), (q, 2 * m, 2 * m + 2)) for (p, k), (q, m) in pairs]
     found = isoembed.embed(glue([square] * 6, runs), method="alexandrov")
     assert sorted(map(len, found.polygons)) == [8] * 6
-    assert found.face_sides.tolist() == [4] * 6
-    assert found.polygon_edges.sum() == 24 and found.volume == pytest.approx(8)
+    assert found.surface.flat_faces.sides.tolist() == [4] * 6
+    assert found.surface.flat_faces.edges.sum() == 24 and found.volume == pytest.approx(8)
 
 
 def test_the_seams_of_a_cross_are_its_sides():
     pairs = [(0, 3), (1, 2), (4, 7), (5, 6), (8, 9), (10, 13), (11, 12)]
     found = isoembed.embed(glue([LATIN_CROSS], [((0, i), (0, k)) for i, k in pairs]), method="alexandrov")
-    ends, faces = found.seams
+    ends, faces = found.surface.seams
     assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum() == pytest.approx(7)
     # Each piece lies in the planes of the triangles on both of its sides.
     for side in faces.T:
@@ -74,7 +76,7 @@ def test_seams_outlive_scaling_and_repair():
     sheets = [square, [[2, 0], [3, 0], [3, 1], [2, 1]]]
     net = glue(sheets, sides)
     small = isoembed.embed(net.scaled(1e-100), method="alexandrov")
-    assert len(small.seams.ends) == 4 and np.ptp(small.seams.ends) < 1e-99
+    assert len(small.surface.seams.ends) == 4 and np.ptp(small.surface.seams.ends) < 1e-99
     assert net.with_lengths(2 * net.face_lengths).seams.sum() == net.seams.sum() == 8
     metric = PolyhedralMetric.from_mesh(CORNERS[[0, 1, 2, 4]], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    assert len(isoembed.embed(metric, method="alexandrov").seams.ends) == 0
+    assert len(isoembed.embed(metric, method="alexandrov").surface.seams.ends) == 0

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import isoembed
 from isoembed import PolyhedralMetric, embed
 from isoembed.alexandrov.solid import Solid
 from isoembed.surface.curvature import dihedral_angles
@@ -29,15 +30,15 @@ def test_regular_solids(name, k, dihedral):
     named = Solid.of(found)
     assert named.name == (name if name == "cube" else f"regular {name}")
     assert len(found.polygons) == len(solid.faces)
-    assert set(found.face_sides) == {SYMBOLS[name][0]}
-    angles = dihedral_angles(found.triangulation, found.vertices, found.space)[found.polygon_edges]
+    assert set(found.surface.flat_faces.sides) == {SYMBOLS[name][0]}
+    angles = dihedral_angles(found.triangulation, found.vertices, found.space)[found.surface.flat_faces.edges]
     assert angles == pytest.approx(np.full(len(angles), np.pi - dihedral), abs=1e-11)
     assert found.area == pytest.approx(solid.area, rel=1e-12)
     assert named.distances[0] == pytest.approx(solid.edge, rel=1e-12)
     assert named.distances[-1] <= 2 * solid.radius * (1 + 1e-12)
-    assert found.certificate.certified
-    assert found.certificate.distance < 1e-13 * metric.mean_length
-    assert found.certificate.flat_edges == (~found.polygon_edges).sum()
+    assert isoembed.certify(found).certified
+    assert isoembed.certify(found).distance < 1e-13 * metric.mean_length
+    assert isoembed.certify(found).flat_edges == (~found.surface.flat_faces.edges).sum()
 
 
 def test_solids_of_different_spaces_differ():

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import isoembed
 import zoo
 from curved import apart, body, metric_in, tables_in
 from isoembed import GluedMetric, InvalidMetric, NotEmbedded, PolyhedralMetric, embed
@@ -27,7 +28,7 @@ def test_hulls_from_scrambled_triangles(n, seed, size, k):
     found = embed(metric, method="alexandrov")
     assert apart(x, found.vertices, k) < 1e-9
     assert found.residual < 1e-10
-    assert not found.concave_edges.any()
+    assert not found.surface.concave_edges.any()
     assert {frozenset(f) for f in found.faces.tolist()} == {frozenset(f) for f in faces.tolist()}
 
 
@@ -39,7 +40,7 @@ def test_flat_vertices_are_put_back_and_given_edges_measured(k, seed):
     assert found.flat_vertices.tolist() == np.flatnonzero(flat).tolist()
     assert apart(x, found.vertices, k) < 1e-11
     assert found.path_residuals.max() < 1e-12
-    assert not found.concave_edges.any()
+    assert not found.surface.concave_edges.any()
 
 
 @pytest.mark.parametrize("factor", [1e-150, 1e-3, 1e12])
@@ -113,4 +114,4 @@ def test_an_attempt_is_in_the_space_of_the_metric(monkeypatch, k, steps):
     attempt = failure.value.embedding
     assert attempt.space.curvature == k
     assert np.isfinite(attempt.residuals).all()
-    assert attempt.report["status"] == "not converged"
+    assert isoembed.report(attempt)["status"] == "not converged"

@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import isoembed
 import zoo
+from isoembed.embedding.comparison import stated
 from isoembed.io import read_surface, write_metric, write_surface
-from isoembed.surface.comparison import stated
 from strict_json import strict
 from two_realizations import cap_outside_and_inside
 
@@ -25,7 +26,7 @@ def files(call, realizations):
     write_metric("m.npz", first.metric)
     write_surface("a.ply", first)
     write_surface("b.npz", second)
-    return first.comparison(second)
+    return isoembed.compare(first, second)
 
 
 def test_two_realizations(call, files):

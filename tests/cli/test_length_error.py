@@ -26,7 +26,7 @@ def metric():
 
 def test_report_and_summary(call, metric):
     status, out, err = call("embed", "m.npz", "--length-error", "1e-4", "--report", "r.json")
-    sigma = isoembed.embed(metric, length_errors=1e-4).integral_deviation(1e-4)
+    sigma = isoembed.Sensitivity(isoembed.embed(metric, length_errors=1e-4)).integral_deviation(1e-4)
     assert (status, err) == (0, "")
     for name in BARS:
         assert f" +- {getattr(sigma, name):.2g}" in out
@@ -62,7 +62,7 @@ def test_zero_insists_on_the_digits(call):
 def test_several_files(call, metric):
     write_metric("n.npz", metric)
     assert call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "1e-4", "--jobs", "1")[0] == 0
-    sigma = isoembed.embed(metric, length_errors=1e-4).integral_deviation(1e-4)
+    sigma = isoembed.Sensitivity(isoembed.embed(metric, length_errors=1e-4)).integral_deviation(1e-4)
     assert strict(Path("all/n.json").read_text())["deviation"]["volume"] == pytest.approx(sigma.volume)
     np.save("e.npy", np.zeros(len(metric.lengths)))
     status, _, err = call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "e.npy")
@@ -91,7 +91,7 @@ def test_a_flat_vertex(call):
     status, out, _ = call("embed", "flat.npz", "--length-error", "1e-4")
     assert status == 0 and "+- infinite" not in out  # the fit is not flat
     exact = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(flat, split))
-    assert exact.integral_deviation(1e-4).volume == np.inf
+    assert isoembed.Sensitivity(exact).integral_deviation(1e-4).volume == np.inf
     status, _, err = call("energy", "flat.npz", "--length-error", "1e-4")
     assert status == 2 and "the surface of flat.npz is not infinitesimally rigid" in err
 

@@ -31,7 +31,7 @@ def test_merge_on_every_command_that_reads_a_mesh(call, apart):
         status, _, complaint = call(*arguments)
         assert status == 2 and complaint.count("\n") == 1
         assert "24 vertices coincide with others (vertex 0 and" in complaint
-        assert "merge them with --merge (merge=1e-05)" in complaint
+        assert "merge them with --merge 1e-05" in complaint
         for option in (["--merge"], ["--merge=0"], ["--merge", "1e-7"]):
             assert call(*arguments, *option)[::2] == (0, MERGED)
 

@@ -41,7 +41,7 @@ def test_the_realizations_are_listed_and_written(call, files):
     surfaces = [read_surface(Path("out", f"realization-{i}.ply")) for i in (1, 2)]
     for surface in surfaces:
         assert surface.metric.lengths == pytest.approx(files.lengths, abs=1e-12)
-    assert sorted(surface.concave_edges.any() for surface in surfaces) == [False, True]
+    assert sorted(surface.surface.concave_edges.any() for surface in surfaces) == [False, True]
     found = strict(call("realizations", "s.npz", "m.npz", "--json", "--surfaces", "1")[1])
     assert found["region"] == {"distance": 0.12, "motions": 5, "unsolved": 0}
     assert [each["searched"] for each in found["realizations"]].count(True) == 1
@@ -86,12 +86,12 @@ def test_the_input_is_not_overwritten(call, files):
 def test_which_of_them_is_the_answer(call, files):
     assert call("embed", "m.npz", "--which", "smoothest", "-o", "out.ply")[0] == 0
     assert call("embed", "m.npz", "--which", "convex", "-o", "out.ply")[0] == 0
-    assert not read_surface(Path("out.ply")).concave_edges.any()
+    assert not read_surface(Path("out.ply")).surface.concave_edges.any()
     x, faces = np.load("s.npz")["vertices"], files.faces
     x[-1] *= 0.96 / 1.02  # the apex pushed in
     np.savez("near.npz", vertices=3 * x, faces=faces)
     assert call("embed", "m.npz", "--which", "near.npz", "-o", "out.ply")[0] == 0
-    assert read_surface(Path("out.ply")).concave_edges.any()
+    assert read_surface(Path("out.ply")).surface.concave_edges.any()
 
 
 def test_other_surfaces_to_be_near_to_are_refused(call, files):

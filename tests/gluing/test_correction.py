@@ -105,7 +105,7 @@ def test_exact_numbers_are_no_rounded_ones():
         (
             0.866025,
             1e-8,
-            "(as given); correct them, or allow it: --tolerance 3.5e-07 (tolerance=3.5e-07) moves",
+            "(as given); correct them, or allow it: tolerance=3.5e-07 moves",
         ),
     ],
 )

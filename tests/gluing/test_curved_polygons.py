@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from isoembed import InvalidMetric, InvalidParameter, Space, embed
+from isoembed.embedding.embedding import Embedding
 from isoembed.gluing import edge_gluings, from_sides, glue, regular_polygon, triangle, unfold, zipped
 from isoembed.gluing.polygon import Polygon
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space.models import MODELS, to_model
-from isoembed.surface.embedding import Embedding
 from regular_in_space import CELLS, SOLIDS, regular_solid
 
 CURVATURES = [-1.0, -0.3, -1e-13, 0.7]

@@ -29,7 +29,7 @@ def test_platonic_solids_come_back(name, path):
     v, e, f = (len(net[key]) for key in ("vertices_coords", "edges_vertices", "faces_vertices"))
     assert f == int(name.split()[0]) and v - e + f == 1  # a disc
     # A tree of folds, and a boundary of twice the edges that are cut.
-    edges = len(solid.metric.edges) - (~solid.polygon_edges).sum()
+    edges = len(solid.metric.edges) - (~solid.surface.flat_faces.edges).sum()
     letters = net["edges_assignment"]
     assert letters.count("M") == f - 1 and letters.count("B") == 2 * (edges - f + 1)
     bend = isoembed.surface.curvature.dihedral_angles(solid.triangulation, solid.vertices).max()

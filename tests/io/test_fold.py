@@ -193,6 +193,6 @@ def test_bends_by_rounded_coordinates_are_no_creases(tmp_path):
     folded = [angle for angle in document["edges_foldAngle"] if angle != 0]
     np.testing.assert_allclose(sorted(folded), [-90.0] * 17 + [90.0], atol=1e-4)
     assert document["edges_assignment"].count("F") == 12
-    bend = found.report["input"]["precision"]["bend"]
+    bend = isoembed.report(found)["input"]["precision"]["bend"]
     flat = np.abs(found.dihedral_angles) < 0.1
     assert flat.sum() == 12 and np.abs(found.dihedral_angles[flat]).max() < bend["max"] < 1e-4

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import isoembed
 import zoo
 from isoembed import Embedding, InvalidMetric, PolyhedralMetric
 from isoembed.io import (
@@ -677,7 +678,7 @@ def test_links_stay_links(tmp_path):
 def test_reports_are_strict_json(tmp_path):
     write_report(tmp_path / "r.json", {"volume": float("nan")})
     assert json.loads((tmp_path / "r.json").read_text()) == {"volume": None}
-    write_report(tmp_path / "r.json", sphere().report)
+    write_report(tmp_path / "r.json", isoembed.report(sphere()))
     assert json.loads((tmp_path / "r.json").read_text())["input"]["vertices"] == 42
 
 

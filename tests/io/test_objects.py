@@ -32,7 +32,7 @@ def hyperbolic():
 
 def test_trimesh_there_and_back(ball):
     pytest.importorskip("trimesh")
-    mesh = ball.to_trimesh()
+    mesh = isoembed.io.to_trimesh(ball)
     assert (
         mesh.is_watertight
         and mesh.volume == pytest.approx(ball.volume)
@@ -54,14 +54,14 @@ def test_bodies_of_trimesh():
 
 def test_what_trimesh_changes_is_its_own(ball):
     pytest.importorskip("trimesh")
-    mesh = ball.to_trimesh()
+    mesh = isoembed.io.to_trimesh(ball)
     mesh.apply_scale(2.0)
     assert np.abs(ball.vertices).max() < 1.1 and not np.shares_memory(mesh.vertices, ball.vertices)
 
 
 def test_pyvista_there_and_back(ball):
     pytest.importorskip("pyvista")
-    mesh = ball.to_pyvista()
+    mesh = isoembed.io.to_pyvista(ball)
     assert mesh.volume == pytest.approx(ball.volume) and mesh.n_open_edges == 0
     assert (mesh.points == ball.vertices).all() and mesh.points.dtype == np.float64
     assert (mesh.point_data["mean_curvature"] == ball.mean_curvature).all()
@@ -75,7 +75,7 @@ def test_pyvista_there_and_back(ball):
 def test_faces_of_a_polyhedron_are_polygons_of_pyvista():
     pytest.importorskip("pyvista")
     solid = isoembed.embed(dict(CLASSICS["platonic"].make())["12 pentagons"], method="alexandrov")
-    mesh = solid.to_pyvista()
+    mesh = isoembed.io.to_pyvista(solid)
     assert mesh.n_cells == 12 and {cell.n_points for cell in mesh.cell} == {5}
     again = isoembed.PolyhedralMetric.from_pyvista(mesh)
     assert isoembed.embed(again, method="alexandrov").volume == pytest.approx((15 + 7 * np.sqrt(5)) / 4)
@@ -109,7 +109,7 @@ def test_hyperbolic_space_is_kept(package, hyperbolic):
 def test_without_the_package(package, ball, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(ImportError, match=rf"to_{package} needs .*: pip install 'isoembed\[{package}\]'"):
-        getattr(ball, f"to_{package}")()
+        getattr(isoembed.io, f"to_{package}")(ball)
 
 
 def test_any_object_with_these_attributes_will_do():

@@ -100,12 +100,12 @@ def test_a_polyhedron_that_is_read_knows_its_faces(dodecahedron, tetrahedron, tm
             write_surface(tmp_path / f"a{ending}", surface)
             again = read_surface(tmp_path / f"a{ending}")
             assert as_lists(again.polygons) == as_lists(surface.polygons)
-            assert again.face_sides.tolist() == sides
+            assert again.surface.flat_faces.sides.tolist() == sides
             np.testing.assert_allclose(again.mean_curvature, surface.mean_curvature, rtol=1e-9, atol=1e-12)
     square = [[0, 0], [1, 0], [1, 1], [0, 1]]
     disc = isoembed.glue([square] * 2, corners=["abcd"] * 2)
     write_surface(tmp_path / "a.off", isoembed.embed(disc, method="alexandrov"))
-    assert read_surface(tmp_path / "a.off").face_sides.tolist() == [4, 4]
+    assert read_surface(tmp_path / "a.off").surface.flat_faces.sides.tolist() == [4, 4]
 
 
 def test_other_surfaces_that_are_read_stay_triangles(tmp_path):

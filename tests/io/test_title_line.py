@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 import solids
 import zoo
 from isoembed import Embedding, Hyperbolic, InvalidMetric, PolyhedralMetric, Space, Spherical, embed
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.gluing import unfold
 from isoembed.io import (
     METRIC_ENDINGS,
@@ -23,7 +24,6 @@ from isoembed.io import (
 )
 from isoembed.io.title_line import title_line, title_said
 from isoembed.space.models import MODELS, to_model
-from isoembed.surface.polyhedron import Polyhedron
 from regular_in_space import regular_solid
 
 VERTICES, FACES = zoo.random_hull(40, seed=5)

@@ -24,5 +24,5 @@ def test_rounded_solids_are_read_as_they_were_written(digits, ending, tmp_path):
     write_surface(tmp_path / f"box.{ending}", solid)
     again = read_surface(tmp_path / f"box.{ending}")
     assert again.volume == pytest.approx(solid.volume, rel=1e-7 if ending == "stl" else 1e-13)
-    assert not again.concave_edges.any()
+    assert not again.surface.concave_edges.any()
     assert len(again.polygons) == 6

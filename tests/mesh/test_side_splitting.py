@@ -25,7 +25,7 @@ def turned(points):
 def test_it_is_named_and_the_advice_is_right():
     with pytest.raises(InvalidMetric, match="vertex 8 is on the side from vertex 0 to vertex 1") as e:
         PolyhedralMetric.from_mesh(turned(POINTS), OPEN)
-    assert "not closed" in str(e.value) and "--merge (merge=1e-05)" in str(e.value)
+    assert "not closed" in str(e.value) and "with merge=1e-05" in str(e.value)
     with pytest.warns(MeshNote, match=r"2 vertices on sides of other faces \(T-junctions\) split them"):
         metric = PolyhedralMetric.from_mesh(turned(POINTS), OPEN, merge=1e-5)
     assert metric.triangulation.n_vertices == 10

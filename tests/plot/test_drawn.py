@@ -5,6 +5,7 @@ import pytest
 
 import zoo
 from isoembed import Embedding, PolyhedralMetric, Space
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.plot import Film, animation, figure, quantity, write_animation
 from isoembed.plot.drawn import MAX_BEND, MAX_PIECES, Drawn
 from isoembed.plot.film import shape
@@ -12,8 +13,8 @@ from isoembed.plot.infinity import ball
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.view import Pose, View
 from isoembed.progress.stages import Progress
-from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.segments import Segments
+from isoembed.surface.surface import Surface
 from regular_in_space import regular_solid
 
 pytest.importorskip("matplotlib")
@@ -112,7 +113,7 @@ def test_seams_run_on_the_faces(cube):
     ends, faces = cube.vertices[cube.faces[0][[0, 1, 1, 2]]].reshape(2, 2, 3), np.zeros((2, 2), dtype=int)
     sewn = solid(-1.0, 1.1)
     drawn = Drawn(sewn, np.zeros(3), Drawn.of(sewn).pieces)
-    object.__setattr__(sewn, "__class__", type("Sewn", (Polyhedron,), {"seams": Segments(ends, faces)}))
+    object.__setattr__(sewn.surface, "__class__", type("Sewn", (Surface,), {"seams": Segments(ends, faces)}))
     pieces, beside = drawn.seams()
     assert len(pieces) == 2 * 2**drawn.pieces.cuts
     assert (beside // drawn.pieces.per_face == 0).all()

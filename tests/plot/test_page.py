@@ -9,6 +9,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+import isoembed
 import zoo
 from isoembed import Embedding, PolyhedralMetric, embed, glue
 from isoembed.gluing.classics import LATIN_CROSS
@@ -189,7 +190,7 @@ def test_a_message_cannot_break_out(ellipsoid, tmp_path):
     assert data["frames"][0]["stage"] == evil
     link = next(attributes["href"] for _, attributes in elements.tags if attributes.get("id") == "json")
     report = json.loads(base64.b64decode(link.partition(",")[2]))
-    assert report == json.loads(json.dumps(marked.report))
+    assert report == json.loads(json.dumps(isoembed.report(marked)))
 
 
 def test_what_has_no_value_is_missing(tmp_path):
@@ -344,16 +345,18 @@ def test_the_faces_and_seams_of_a_polyhedron(tmp_path):
     text, _, data, arrays = read(tmp_path / "a.html")
     assert "8 vertices, 8 faces" in text
     (mesh,) = data["meshes"]
-    np.testing.assert_array_equal(unpacked(arrays, mesh["polygons"]), solid.face_polygons)
-    outlines = solid.metric.edges[solid.polygon_edges].tolist()
+    np.testing.assert_array_equal(unpacked(arrays, mesh["polygons"]), solid.surface.flat_faces.of_triangles)
+    outlines = solid.metric.edges[solid.surface.flat_faces.edges].tolist()
     assert marked(data, arrays, mesh["outlines"]) == {tuple(pair) for pair in outlines}
     pose, ends = data["pose"], unpacked(arrays, data["seams"]).reshape(-1, 3)
     placed = ends @ np.transpose(pose["axes"]) * pose["size"] + pose["center"]
-    np.testing.assert_allclose(placed, solid.seams.ends.reshape(-1, 3), atol=1e-6)
+    np.testing.assert_allclose(placed, solid.surface.seams.ends.reshape(-1, 3), atol=1e-6)
     values = data["frames"][-1]["values"]
     means = [solid.mean_curvature[polygon].mean() for polygon in solid.polygons]
     np.testing.assert_allclose(unpacked(arrays, values["mean curvature"]["faces"]), means, rtol=1e-6)
-    np.testing.assert_allclose(unpacked(arrays, values["sides"]["faces"]), solid.face_sides, rtol=1e-6)
+    np.testing.assert_allclose(
+        unpacked(arrays, values["sides"]["faces"]), solid.surface.flat_faces.sides, rtol=1e-6
+    )
     assert [q["at"] for q in data["quantities"] if q["name"] == "sides"] == ["faces"]
 
 

@@ -12,11 +12,11 @@ pytest.importorskip("matplotlib.image", reason="screenshots are read by matplotl
 
 from browser_tab import CHROMIUM, Tab, chromium
 from isoembed import Embedding, PolyhedralMetric, embed, glue
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.gluing.classics import LATIN_CROSS
 from isoembed.plot import Frame
 from isoembed.plot.coloring import intrinsic_curvature
 from isoembed.plot.page import write_page
-from isoembed.surface.polyhedron import Polyhedron
 from regular_in_space import regular_solid
 
 if CHROMIUM is None:

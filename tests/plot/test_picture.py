@@ -142,7 +142,7 @@ def test_a_polyhedron_is_drawn_with_its_faces():
 
 def test_seams_that_are_hidden_are_not_drawn(folded):
     faces, lines = figure(folded).axes[0].collections
-    ends, _ = folded.seams
+    ends, _ = folded.surface.seams
     assert 0 < len(lines.get_segments()) < len(ends)
     view = View.of(folded.vertices, folded.polygons)
     everything = view.put(ends)
@@ -155,13 +155,16 @@ def test_seams_that_are_hidden_are_not_drawn(folded):
 
 
 def test_faces_that_are_polygons_look_as_their_triangles_do(folded):
-    whole, parts = View.of(folded.vertices, folded.polygons), View.of(folded.vertices, folded.faces)
+    whole, parts = (
+        View.of(folded.vertices, folded.polygons),
+        View.of(folded.vertices, folded.faces),
+    )
 
     def area(polygon):
         x, y = polygon.T
         return (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2
 
-    owners = folded.face_polygons[parts.faces]
+    owners = folded.surface.flat_faces.of_triangles[parts.faces]
     for polygon, face, light in zip(whole.polygons, whole.faces, whole.light, strict=True):
         own = owners == face
         assert sum(map(area, parts.polygons[own])) == pytest.approx(area(polygon))

@@ -57,9 +57,9 @@ def test_the_share_of_concave_edges():
     surface = Embedding(PolyhedralMetric.from_mesh(dented, faces), dented, method="dented", tolerance=1e-10)
     values = quantity(surface, "concave edges").values
     assert values[0] == 1
-    assert surface.inverted_vertices[0]
+    assert surface.surface.inverted_vertices[0]
     assert ((values >= 0) & (values <= 1)).all()
-    assert values @ surface.triangulation.degrees == 2 * surface.concave_edges.sum()
+    assert values @ surface.triangulation.degrees == 2 * surface.surface.concave_edges.sum()
 
 
 @pytest.mark.parametrize("spin", [0.5, 0.8])

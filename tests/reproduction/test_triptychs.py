@@ -17,12 +17,12 @@ def test_a_triptych_is_smooth_in_the_middle_and_crumpled_on_the_right(surface, m
     exact, smooth, crumpled = one.panels.values()
     assert smooth.converged
     assert smooth.distance(exact) < 1e-4
-    assert not smooth.rough_edges.any()
+    assert not smooth.surface.rough_edges.any()
     metric, x = exact.metric, crumpled.vertices
     lengths = np.linalg.norm(x[metric.edges[:, 0]] - x[metric.edges[:, 1]], axis=1)
     assert np.abs(lengths - metric.lengths).max() < 1e-6 * metric.mean_length
-    assert crumpled.rough_edges.mean() >= triptychs.CRUMPLED
-    assert (crumpled.inverted_vertices | crumpled.partially_inverted_vertices).any()
+    assert crumpled.surface.rough_edges.mean() >= triptychs.CRUMPLED
+    assert (crumpled.surface.inverted_vertices | crumpled.surface.partially_inverted_vertices).any()
     assert crumpled.distance(exact) > 0.1
     assert one.attempts[-1].succeeded
     assert not any(attempt.succeeded for attempt in one.attempts[:-1])

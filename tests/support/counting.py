@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import zoo
+from isoembed.embedding.embedding import Embedding
 from isoembed.method import Method
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.embedding import Embedding
 
 STAGE = "counting"
 HOME = "counting:Counting"  # for METHODS

@@ -3,7 +3,7 @@
 import numpy as np
 
 from horizon_texts import shape_text
-from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.slice_file import GAMMA
 from slice_files import write_slice
 

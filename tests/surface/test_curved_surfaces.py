@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 import curved
+import isoembed
 import zoo
 from isoembed import Hyperbolic, InvalidParameter, PolyhedralMetric, Space, Spherical
+from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space.models import from_model, to_model
 from isoembed.surface import alignment, convexity, curvature, measures
-from isoembed.surface.embedding import Embedding
 
 SPACES = [Hyperbolic(1.0), Hyperbolic(0.2), Spherical(0.4), Hyperbolic(1e-14), Spherical(1e-300)]
 
@@ -123,16 +124,18 @@ def test_embeddings(space):
     surface = embedding(x, faces, space)
     assert surface.space == space
     assert surface.residual < 1e-15
-    assert not surface.concave_edges.any()
-    assert not surface.rough_edges.any()
-    assert not len(surface.self_intersections)
+    assert not surface.surface.concave_edges.any()
+    assert not surface.surface.rough_edges.any()
+    assert not len(surface.surface.self_intersections)
     mirrored = embedding(x * [-1, 1, 1], faces, space)
     assert mirrored.volume == pytest.approx(surface.volume, rel=1e-12)
     moved = embedding(space.translated(x, np.array([0.2, 0.1, 0.0])), faces, space)
     assert surface.distance(moved) < 1e-14
-    assert moved.smallest_singular_value == pytest.approx(surface.smallest_singular_value, rel=5e-3)
+    assert isoembed.Sensitivity(moved).smallest_singular_value == pytest.approx(
+        isoembed.Sensitivity(surface).smallest_singular_value, rel=5e-3
+    )
     assert moved.mean_curvature == pytest.approx(surface.mean_curvature, rel=1e-10)
-    report = surface.report
+    report = isoembed.report(surface)
     assert report["space"] == {"name": space.name, "curvature": space.curvature, "model": "conformal"}
     assert report["residual"]["max"] == surface.residual
 
@@ -158,7 +161,7 @@ def test_dents_are_counted():
     dented = x.copy()
     dented[100] *= 0.8
     surface = embedding(dented, faces, space)
-    assert np.flatnonzero(surface.inverted_vertices).tolist() == [100]
+    assert np.flatnonzero(surface.surface.inverted_vertices).tolist() == [100]
     assert convexity.dent_depths(surface.triangulation, dented, space).max() > 0.1
 
 
@@ -166,7 +169,7 @@ def test_surfaces_that_cross_themselves():
     x, faces = zoo.icosphere(1)
     x[0] *= -3.0
     surface = embedding(x, faces, Hyperbolic(1.0))
-    assert len(surface.self_intersections)
+    assert len(surface.surface.self_intersections)
 
 
 def test_points_beyond_the_half_of_the_sphere():

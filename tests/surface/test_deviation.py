@@ -6,11 +6,11 @@ import pytest
 import isoembed
 import solids
 import zoo
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import CassiniPeanut, Ellipsoid, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.surface import deviation
-from isoembed.surface.fitted import FittedSurface
 from isoembed.surface.rigidity import LengthSystem
 from noisy import ARRAYS, SCALARS, differences, realized, surface
 
@@ -19,7 +19,7 @@ from noisy import ARRAYS, SCALARS, differences, realized, surface
 def test_a_hundred_noises_are_within_two_sigma(body):
     found, rng = surface(body, 100), np.random.default_rng(5)
     errors = 1e-7 * rng.uniform(0.3, 3, len(found.metric.lengths))
-    sigma, system = found.deviation(errors), LengthSystem(found.triangulation)
+    sigma, system = isoembed.Sensitivity(found).deviation(errors), LengthSystem(found.triangulation)
     within = {name: [] for name in (*ARRAYS, *SCALARS)}
     for _ in range(100):
         lengths = found.metric.lengths + errors * rng.standard_normal(len(errors))
@@ -31,9 +31,9 @@ def test_a_hundred_noises_are_within_two_sigma(body):
 
 def test_estimate_with_random_signs(monkeypatch):
     found = surface(Ellipsoid((3.0, 2.0, 1.0)), 100)
-    exact = found.deviation(1e-3)
+    exact = isoembed.Sensitivity(found).deviation(1e-3)
     monkeypatch.setattr(deviation, "PROBES", 200)
-    rough = found.deviation(1e-3)
+    rough = isoembed.Sensitivity(found).deviation(1e-3)
     assert (exact.relative_error, rough.relative_error) == (0, 0.05)
     for name in ARRAYS:
         ratio = getattr(rough, name) / getattr(exact, name)
@@ -44,7 +44,7 @@ def test_estimate_with_random_signs(monkeypatch):
 def test_regular_tetrahedron():
     found = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*zoo.tetrahedron()))
     [l, *_], s = found.metric.lengths, 1e-3
-    sigma, six = found.deviation(s), np.sqrt(6) * s
+    sigma, six = isoembed.Sensitivity(found).deviation(s), np.sqrt(6) * s
     assert np.isclose(sigma.area, six * found.area / (3 * l))
     assert np.isclose(sigma.volume, six * found.volume / (2 * l))
     assert np.isclose(sigma.integrated_mean_curvature, six * (np.pi - np.arccos(1 / 3)) / 2)
@@ -59,14 +59,14 @@ def test_equal_rounded_lengths_of_a_tetrahedron_have_one_error():
     metric = isoembed.PolyhedralMetric(zoo.tetrahedron()[1], [1.2345] * 6)
     found = isoembed.Embedding(metric, vertices, method="exact", tolerance=1e-10)
     s = 1e-4 / np.sqrt(12)
-    sigma = found.deviation(s)
+    sigma = isoembed.Sensitivity(found).deviation(s)
     # Area, volume and int H dA go with the second, third and first power of the one length.
     assert np.isclose(sigma.area, 2 * found.area / 1.2345 * s)
     assert np.isclose(sigma.volume, 3 * found.volume / 1.2345 * s)
     assert np.isclose(sigma.vertices.max(), np.linalg.norm(vertices[0]) / 1.2345 * s)
     assert np.allclose(sigma.dihedral_angles, 0, atol=1e-16)
     for independent in (2 * s, 1e-6, 1e-4):  # not those of rounding to four decimals
-        of_six = found.integral_deviation(independent).volume
+        of_six = isoembed.Sensitivity(found).integral_deviation(independent).volume
         assert np.isclose(of_six, 3 * found.volume / 1.2345 * independent / np.sqrt(6))
 
 
@@ -79,7 +79,7 @@ def test_error_bars_of_rounded_designs(decimals):
         metric = exact.with_lengths(np.round(exact.lengths, decimals))
         found = isoembed.embed(metric, length_errors=10.0**-decimals / np.sqrt(12))
         true = isoembed.Embedding(exact, points, method="exact", tolerance=1.0)
-        sigma = found.integral_deviation(found.length_errors)
+        sigma = isoembed.Sensitivity(found).integral_deviation(found.length_errors)
         inside += [abs(getattr(found, n) - getattr(true, n)) <= 2 * getattr(sigma, n) for n in SCALARS]
     assert np.mean(inside) > 0.9
 
@@ -87,7 +87,10 @@ def test_error_bars_of_rounded_designs(decimals):
 def test_integrals_alone():
     found = surface(CassiniPeanut(), 60)
     errors = np.random.default_rng(2).uniform(0, 1e-3, len(found.metric.lengths))
-    alone, whole = found.integral_deviation(errors), found.deviation(errors)
+    alone, whole = (
+        isoembed.Sensitivity(found).integral_deviation(errors),
+        isoembed.Sensitivity(found).deviation(errors),
+    )
     for name in (*SCALARS, "correlation"):
         assert np.allclose(getattr(alone, name), getattr(whole, name), rtol=1e-12)
 
@@ -95,10 +98,10 @@ def test_integrals_alone():
 def test_report_of_a_surface_with_length_errors():
     found = surface(CassiniPeanut(), 60)
     noisy = found.with_length_errors(1e-3)
-    assert "deviation" not in found.report
-    assert noisy.report["deviation"] == {
+    assert "deviation" not in isoembed.report(found)
+    assert isoembed.report(noisy)["deviation"] == {
         "length_error_rms": pytest.approx(1e-3),
-        **found.integral_deviation(1e-3).report,
+        **isoembed.Sensitivity(found).integral_deviation(1e-3).report,
     }
     large = found.metric.scaled(8.0)
     assert (noisy._in_unit_of(large).length_errors == large.unit * noisy.length_errors).all()
@@ -111,7 +114,10 @@ def test_one_wrong_length():
     found = surface(CassiniPeanut(), 60)
     errors = np.zeros(len(found.metric.lengths))
     errors[7] = 2e-4
-    sigma, moved = found.deviation(errors), found.variation(errors)
+    sigma, moved = (
+        isoembed.Sensitivity(found).deviation(errors),
+        isoembed.Sensitivity(found).variation(errors),
+    )
     assert np.allclose(sigma.vertices, np.linalg.norm(moved.velocity, axis=1), rtol=1e-9)
     assert np.allclose(sigma.dihedral_angles, np.abs(moved.dihedral_rates), rtol=1e-9)
     for name in SCALARS:
@@ -124,9 +130,12 @@ def test_unit(unit):
     same = isoembed.Embedding(
         found.metric.scaled(unit), unit * found.vertices, method="given", tolerance=1e-10
     )
-    a, b = found.deviation(1e-3), same.deviation(unit * 1e-3)
+    a, b = isoembed.Sensitivity(found).deviation(1e-3), isoembed.Sensitivity(same).deviation(unit * 1e-3)
     assert np.allclose(a.correlation, b.correlation, rtol=1e-8)
-    bound, other = found.deviation_bound(1e-11), same.deviation_bound(unit * 1e-11)
+    bound, other = (
+        isoembed.Sensitivity(found).deviation_bound(1e-11),
+        isoembed.Sensitivity(same).deviation_bound(unit * 1e-11),
+    )
     powers = {"vertices": 1, "normals": 0, "dihedral_angles": 0, "mean_curvature": -1}
     for name, power in (powers | {"area": 2, "volume": 3, "integrated_mean_curvature": 1}).items():
         assert np.allclose(getattr(b, name) / unit**power, getattr(a, name), rtol=1e-8), name
@@ -136,15 +145,17 @@ def test_unit(unit):
 def test_what_is_refused():
     found = surface(CassiniPeanut(), 60)
     with pytest.raises(InvalidParameter, match=r"the error of edge 3 is -0\.1, which is negative"):
-        found.deviation(np.where(np.arange(174) == 3, -0.1, 1.0))
+        isoembed.Sensitivity(found).deviation(np.where(np.arange(174) == 3, -0.1, 1.0))
     with pytest.raises(InvalidParameter, match=r"errors have the shape \(5,\)"):
-        found.deviation(np.ones(5))
+        isoembed.Sensitivity(found).deviation(np.ones(5))
     with pytest.raises(InvalidParameter, match="not finite"):
-        found.deviation(np.nan)
+        isoembed.Sensitivity(found).deviation(np.nan)
     x, faces = triangulate(Ellipsoid((3.0, 2.0, 1.0)), 60)
     curved = isoembed.PolyhedralMetric.from_mesh(x / 9, faces, curvature=-1)
     with pytest.raises(InvalidParameter, match="deviations are those of surfaces in R"):
-        isoembed.Embedding(curved, x / 9, method="given", tolerance=1e-10).deviation(1e-3)
+        isoembed.Sensitivity(isoembed.Embedding(curved, x / 9, method="given", tolerance=1e-10)).deviation(
+            1e-3
+        )
     x, faces = zoo.tetrahedron()
     flat = np.vstack([x, x[faces[0]].mean(axis=0)])
     a, b, c = faces[0]
@@ -152,6 +163,6 @@ def test_what_is_refused():
     metric = isoembed.PolyhedralMetric.from_mesh(flat, split)
     split = isoembed.Embedding(metric, flat, method="given", tolerance=1e-10)
     with pytest.raises(SingularMatrix):
-        split.deviation(1e-3)
-    alone = split.integral_deviation(1e-3)
+        isoembed.Sensitivity(split).deviation(1e-3)
+    alone = isoembed.Sensitivity(split).integral_deviation(1e-3)
     assert alone.volume == np.inf and 0 < alone.area < 1 and 0 < alone.integrated_mean_curvature < 1

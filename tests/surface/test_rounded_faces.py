@@ -6,10 +6,10 @@ from scipy.spatial.transform import Rotation
 
 import isoembed
 import solids
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.gluing import unfold
 from isoembed.metric.precision import Precision
 from isoembed.surface.curvature import bend_errors, dihedral_angles
-from isoembed.surface.polyhedron import Polyhedron
 
 
 def rounded(points, decimals, seed=0):
@@ -23,8 +23,8 @@ def rounded(points, decimals, seed=0):
 def test_polygons_that_rounding_bent_are_faces(name, sizes, decimals):
     metric, _ = rounded(solids.uniform(name), decimals)
     solid = isoembed.embed(metric, method="alexandrov")
-    assert solid.face_sides.tolist() == sizes
-    assert solid.certificate.certified
+    assert solid.surface.flat_faces.sides.tolist() == sizes
+    assert isoembed.certify(solid).certified
     net = unfold(solid)
     assert len(net.sheets) == 1
     assert len(net.folds[0]) == len(sizes) - 1
@@ -69,6 +69,6 @@ def test_a_smooth_surface_of_small_bends_is_no_face():
     lids = [list(range(n))[::-1], list(range(n, 2 * n))]
     metric = isoembed.PolyhedralMetric.from_mesh(np.round(points, 5), [*sides, *lids])
     surface = Polyhedron(metric, np.round(points, 5), method="given", tolerance=1e-10)
-    sizes = np.bincount(surface.face_polygons)
+    sizes = np.bincount(surface.surface.flat_faces.of_triangles)
     assert np.sort(sizes)[-2:].tolist() == [n - 2, n - 2]  # the lids, and no side in one with many others
     assert np.sort(sizes)[-3] < n

@@ -8,15 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
+import isoembed
 import smooth_bodies
 import zoo
 from isoembed.aim.anneal import anneal
 from isoembed.cli.summary import summary
+from isoembed.embedding.embedding import Embedding
 from isoembed.gallery import Ergosphere, triangulate
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.curvature import bending_energy
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import vertex_normals
 from isoembed.surface.rigidity import LengthSystem, edge_rows
 from isoembed.surface.smoothness import (
@@ -82,13 +83,13 @@ def test_the_smooth_surface_is_told_from_its_neighbors(name):
     vertices, faces, others = neighbors(name)
     assert len(others) >= 4
     here = realization(vertices, faces)
-    assert not here.rough_edges.any()
+    assert not here.surface.rough_edges.any()
     for other in others:
         there = Embedding(here.metric, other, method="test", tolerance=1e-10)
         assert there.converged
-        assert there.rough_edges.sum() >= 3
-        assert there.roughness > here.roughness
-        assert there.bending_energy > here.bending_energy
+        assert there.surface.rough_edges.sum() >= 3
+        assert there.surface.roughness > here.surface.roughness
+        assert there.surface.bending_energy > here.surface.bending_energy
 
 
 def test_rough_edges_are_about_the_vertex_that_is_turned_over():
@@ -205,7 +206,9 @@ def dense_smallest(vertices, faces):
     "mesh", [zoo.tetrahedron(), zoo.octahedron(), zoo.icosphere(2), smooth_bodies.ellipsoid(), dumbbell(2)]
 )
 def test_smallest_singular_value_is_that_of_the_dense_matrix(mesh):
-    assert realization(*mesh).smallest_singular_value == pytest.approx(dense_smallest(*mesh), rel=1e-3)
+    assert isoembed.Sensitivity(realization(*mesh)).smallest_singular_value == pytest.approx(
+        dense_smallest(*mesh), rel=1e-3
+    )
 
 
 def test_a_singular_value_near_zero_keeps_its_digits():
@@ -214,14 +217,14 @@ def test_a_singular_value_near_zero_keeps_its_digits():
     top = int(np.argmax(vertices[:, 2]))
     low = vertices.copy()
     low[top, 2] = 1e-5
-    found = realization(low, faces).smallest_singular_value
+    found = isoembed.Sensitivity(realization(low, faces)).smallest_singular_value
     assert 1e-6 < found < 1e-4
     assert found == pytest.approx(dense_smallest(low, faces), rel=1e-6)
 
 
 def test_a_surface_that_flexes_has_no_smallest_singular_value():
     vertices, faces = zoo.subdivided(*zoo.subdivided(*zoo.cube()))  # vertices within faces move freely
-    assert realization(vertices, faces).smallest_singular_value == 0.0
+    assert isoembed.Sensitivity(realization(vertices, faces)).smallest_singular_value == 0.0
 
 
 @pytest.mark.parametrize("scale", [1e-100, 1e-12, 1e12, 1e100])
@@ -229,7 +232,9 @@ def test_no_measure_depends_on_the_unit(scale):
     vertices, faces = zoo.icosphere(2)
     vertices = vertices * AXES
     vertices[30] *= 0.9
-    unit, scaled = (realization(size * vertices, faces).report["smoothness"] for size in (1.0, scale))
+    unit, scaled = (
+        isoembed.report(realization(size * vertices, faces))["smoothness"] for size in (1.0, scale)
+    )
     assert scaled["rough_edges"] == unit["rough_edges"] > 0
     assert scaled == pytest.approx(unit, rel=1e-5)
 
@@ -239,9 +244,11 @@ def test_no_measure_depends_on_position_labels_or_handedness(seed):
     vertices, faces = zoo.icosphere(1)
     vertices = vertices * AXES + 0.05 * np.random.default_rng(seed).normal(size=vertices.shape)
     points, other, _ = zoo.relabeled(vertices @ zoo.rotation(seed).T + [4, -5, 6], faces, seed)
-    here = realization(vertices, faces).report["smoothness"]
-    assert realization(points, other).report["smoothness"] == pytest.approx(here, rel=1e-3)
-    assert realization(points * [1, -1, 1], other).report["smoothness"] == pytest.approx(here, rel=1e-3)
+    here = isoembed.report(realization(vertices, faces))["smoothness"]
+    assert isoembed.report(realization(points, other))["smoothness"] == pytest.approx(here, rel=1e-3)
+    assert isoembed.report(realization(points * [1, -1, 1], other))["smoothness"] == pytest.approx(
+        here, rel=1e-3
+    )
 
 
 def test_normals_are_outward_units():
@@ -279,7 +286,7 @@ def collapsed(name):
 )
 def test_degenerate_surfaces_are_measured_too(name):
     metric, points = collapsed(name)
-    report = Embedding(metric, points, method="test", tolerance=1e-10).report["smoothness"]
+    report = isoembed.report(Embedding(metric, points, method="test", tolerance=1e-10))["smoothness"]
     for key, value in report.items():
         assert value is not None, key
         assert value >= 0, key
@@ -291,7 +298,7 @@ def test_degenerate_surfaces_are_measured_too(name):
 
 def test_a_doubly_covered_polygon_is_smooth_and_flexible():
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
-    report = realization(square, zoo.TETRAHEDRON).report["smoothness"]
+    report = isoembed.report(realization(square, zoo.TETRAHEDRON))["smoothness"]
     assert report["smallest_singular_value"] == report["roughness"] == report["rough_edges"] == 0
     # Each corner holds int H = pi / 2, on an area of 1/2.
     assert report["bending_energy"] == pytest.approx(2 * np.pi**2, rel=1e-12)
@@ -299,9 +306,9 @@ def test_a_doubly_covered_polygon_is_smooth_and_flexible():
 
 def test_reports_of_large_surfaces_do_without_a_factorization(monkeypatch):
     surface = realization(*zoo.icosphere(2))
-    monkeypatch.setattr("isoembed.surface.report.MAX_REPORTED_ENTRIES", 1000)
-    assert surface.report["smoothness"]["smallest_singular_value"] is None
-    assert surface.smallest_singular_value > 0
+    monkeypatch.setattr("isoembed.embedding.report.MAX_REPORTED_ENTRIES", 1000)
+    assert isoembed.report(surface)["smoothness"]["smallest_singular_value"] is None
+    assert isoembed.Sensitivity(surface).smallest_singular_value > 0
     assert "smallest singular value not computed" in summary(surface)
 
 
@@ -310,10 +317,13 @@ def test_the_summary_says_what_the_report_says():
     vertices[30] *= 0.9
     surface = realization(vertices, faces)
     assert (
-        f"{surface.rough_edges.sum()} edges bent against their neighborhood, "
-        f"roughness {surface.roughness:.4g}, bending energy {surface.bending_energy:.4g}\n"
+        f"{surface.surface.rough_edges.sum()} edges bent against their neighborhood, "
+        f"roughness {surface.surface.roughness:.4g}, bending energy {surface.surface.bending_energy:.4g}\n"
     ) in summary(surface)
-    assert f"smallest singular value {surface.smallest_singular_value:.4g}\n" in summary(surface)
+    assert (
+        f"smallest singular value {isoembed.Sensitivity(surface).smallest_singular_value:.4g}\n"
+        in summary(surface)
+    )
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import isoembed
 from curved import body
 from isoembed import Embedding, PolyhedralMetric
 from isoembed.relativity import mesh_deviation
@@ -71,7 +72,7 @@ def test_one_wrong_length(k, size):
     for e in (0, 7):
         one = np.eye(len(lengths))[e]
         difference = (measured(lengths + h * one) - measured(lengths - h * one)) / (2 * h)
-        sigma = found.integral_deviation(one)
+        sigma = isoembed.Sensitivity(found).integral_deviation(one)
         bars = [sigma.area, sigma.volume, sigma.integrated_mean_curvature]
         assert np.allclose(bars, np.abs(difference), rtol=1e-4, atol=1e-6)
 

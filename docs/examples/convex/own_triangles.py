@@ -12,7 +12,7 @@ from isoembed.surface.alignment import aligned
 metric = isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3, 2, 1)), 120, irregular=1))
 kept = isoembed.embed(metric)
 convex = isoembed.embed(metric, method=isoembed.Alexandrov(repair=0.1))
-assert kept.concave_edges.any() and not convex.concave_edges.any()
+assert kept.surface.concave_edges.any() and not convex.surface.concave_edges.any()
 row = [
     Panel(places, surface.faces, quantity(surface, "concave edges").values, surface.method)
     for surface, places in ((kept, kept.vertices), (convex, aligned(convex.vertices, kept.vertices)))

@@ -12,7 +12,7 @@ from isoembed.gallery import Ellipsoid, triangulate
 counts, radii = (100, 200, 400, 800), []
 for count in counts:
     metric = isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((2, 1.5, 1)), count))
-    proof = isoembed.embed(metric, method="alexandrov").certificate
+    proof = isoembed.certify(isoembed.embed(metric, method="alexandrov"))
     assert proof.certified and proof.radius < 1e-10
     radii.append(proof.radius)
 picture = Figure(figsize=(6, 4))

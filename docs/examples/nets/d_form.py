@@ -8,5 +8,5 @@ from isoembed.gluing import Ellipse, dform
 from isoembed.plot import write_picture
 
 solid = isoembed.embed(dform(Ellipse(2, 1), Ellipse(2, 1), offset=0.125, n=80), method="alexandrov")
-assert solid.converged and not solid.concave_edges.any()
+assert solid.converged and not solid.surface.concave_edges.any()
 write_picture("d_form.png", solid)

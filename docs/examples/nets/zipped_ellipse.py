@@ -8,5 +8,5 @@ from isoembed.gluing import Ellipse, pita
 from isoembed.plot import write_picture
 
 solid = isoembed.embed(pita(Ellipse(2, 1), at=0.125, n=64), method="alexandrov")
-assert solid.converged and len(solid.seams.ends) > 0
+assert solid.converged and len(solid.surface.seams.ends) > 0
 write_picture("zipped_ellipse.png", solid, color="sides")

@@ -9,5 +9,5 @@ from isoembed.gluing import rectangle, zipped
 from isoembed.plot import write_picture
 
 solid = isoembed.embed(zipped(rectangle(2, 1), 0.15), method="alexandrov")
-assert solid.certificate.certified and abs(solid.area - 2) < 1e-12
+assert isoembed.certify(solid).certified and abs(solid.area - 2) < 1e-12
 write_picture("zipped_rectangle.png", solid)

@@ -18,7 +18,7 @@ moved = []
 for size in sizes:
     surface = isoembed.embed(exact.with_lengths(exact.lengths + size * noise))
     moved.append(np.sqrt(np.mean(np.sum((aligned(surface.vertices, points) - points) ** 2, axis=1))))
-sigma = isoembed.embed(exact).deviation(1.0).vertices
+sigma = isoembed.Sensitivity(isoembed.embed(exact)).deviation(1.0).vertices
 expected = np.sqrt(np.mean(sigma**2)) * sizes
 assert np.all(np.abs(np.log(moved / expected)) < np.log(3))
 picture = Figure(figsize=(6, 4))

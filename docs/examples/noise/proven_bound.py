@@ -12,8 +12,8 @@ from isoembed.gallery import Ellipsoid, triangulate
 
 surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3, 2, 1)), 100)))
 sizes = np.logspace(-9, -5, 5)
-bounds = [surface.deviation_bound(size).vertices.max() for size in sizes]
-largest = surface.deviation(1.0).vertices.max() * sizes
+bounds = [isoembed.Sensitivity(surface).deviation_bound(size).vertices.max() for size in sizes]
+largest = isoembed.Sensitivity(surface).deviation(1.0).vertices.max() * sizes
 assert np.all(np.isfinite(bounds)) and np.all(bounds > largest)
 picture = Figure(figsize=(6, 4))
 axes = picture.subplots()

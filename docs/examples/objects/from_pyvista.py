@@ -16,5 +16,5 @@ with warnings.catch_warnings():
     warnings.simplefilter("ignore", MeshNote)  # that points are merged is known
     metric = PolyhedralMetric.from_pyvista(mesh, merge=1e-5)
 prism = isoembed.embed(metric, method="alexandrov")
-assert sorted(prism.face_sides) == [4] * 6 + [6] * 2
+assert sorted(prism.surface.flat_faces.sides) == [4] * 6 + [6] * 2
 prism.plot(color="sides").savefig("from_pyvista.png", dpi=220)

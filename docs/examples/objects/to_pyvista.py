@@ -10,7 +10,7 @@ import isoembed
 from isoembed.gallery import CassiniPeanut, triangulate
 
 surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(CassiniPeanut(), 600)))
-mesh = surface.to_pyvista()
+mesh = isoembed.io.to_pyvista(surface)
 total = mesh.integrate_data()["mean_curvature"][0]
 assert mesh.n_open_edges == 0 and abs(total / surface.integrated_mean_curvature - 1) < 0.01
 mesh.save("peanut.vtp")

@@ -12,7 +12,7 @@ from isoembed.gallery import Ellipsoid, triangulate
 
 metric = isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3, 2, 1)), 1000))
 surface = isoembed.embed(metric)
-mesh = surface.to_trimesh()
+mesh = isoembed.io.to_trimesh(surface)
 found = np.sort(mesh.principal_inertia_components) / mesh.volume
 assert np.allclose(found, [1.0, 2.0, 13 / 5], rtol=0.02)
 mesh.export("ellipsoid.glb")

@@ -7,10 +7,10 @@ radius, and that any other is farther than the isolation; moved by a millionth, 
 import isoembed
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.plot import write_picture
-from isoembed.surface.certificate import certify
+from isoembed.proof.certificate import certify
 
 surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(CassiniPeanut(), 300)))
-proof = surface.certificate
+proof = isoembed.certify(surface)
 print(proof.reason)
 assert proof.certified and proof.isolation > 1e4 * proof.radius
 moved = surface.vertices.copy()

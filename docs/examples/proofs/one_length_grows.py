@@ -13,7 +13,7 @@ from isoembed.plot import Quantity, write_picture
 surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3, 2, 1)), 300)))
 change = np.zeros(len(surface.metric.lengths))
 change[100] = 1.0
-motion = surface.jvp(change)
+motion = isoembed.Sensitivity(surface).jvp(change)
 a, b = surface.metric.edges.T
 apart = surface.vertices[a] - surface.vertices[b]
 rates = np.einsum("ei,ei->e", apart, motion[a] - motion[b]) / surface.metric.lengths

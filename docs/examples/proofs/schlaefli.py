@@ -12,7 +12,9 @@ from isoembed.gallery import Ellipsoid, triangulate
 
 surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3, 2, 1)), 200)))
 lengths = surface.metric.lengths
-variation = surface.variation(lengths * np.random.default_rng(0).normal(size=len(lengths)))
+variation = isoembed.Sensitivity(surface).variation(
+    lengths * np.random.default_rng(0).normal(size=len(lengths))
+)
 terms = lengths * variation.dihedral_rates
 assert abs(terms.sum()) < 1e-9 * np.abs(terms).sum()
 picture = Figure(figsize=(6, 4))

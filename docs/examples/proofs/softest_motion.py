@@ -13,7 +13,7 @@ from isoembed.gallery import Ellipsoid, triangulate
 longest, values = np.array([1.0, 1.5, 2.0, 3.0, 4.0]), []
 for length in longest:
     metric = isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((length, 1, 1)), 150))
-    values.append(isoembed.embed(metric).smallest_singular_value)
+    values.append(isoembed.Sensitivity(isoembed.embed(metric)).smallest_singular_value)
 assert values[0] > 2 * values[-1] > 0
 picture = Figure(figsize=(6, 4))
 axes = picture.subplots()

@@ -11,5 +11,5 @@ names = ["abc", "acd", "ade", "aeb", "fcb", "fdc", "fed", "fbe"]
 triangle = regular_polygon(3, 2.0, curvature=-1.0)
 net = isoembed.glue([triangle] * 8, corners=names, curvature=-1.0)
 solid = isoembed.embed(net, method="alexandrov")
-assert solid.certificate.certified and solid.volume < 2**0.5 / 3 * 2**3
+assert isoembed.certify(solid).certified and solid.volume < 2**0.5 / 3 * 2**3
 write_picture("hyperbolic_octahedron.png", solid)

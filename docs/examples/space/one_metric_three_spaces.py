@@ -16,7 +16,14 @@ for k in (-1.0, 0.0, 1.0):
     metric = isoembed.PolyhedralMetric(faces, [1.0] * 12, curvature=k)
     solid = isoembed.embed(metric, method="alexandrov")
     points = to_model(solid.space, solid.vertices, "conformal")
-    row.append(Panel(points, solid.polygons, solid.mean_curvature, f"k = {k:g}, volume {solid.volume:.4f}"))
+    row.append(
+        Panel(
+            points,
+            solid.polygons,
+            solid.mean_curvature,
+            f"k = {k:g}, volume {solid.volume:.4f}",
+        )
+    )
     volumes.append(solid.volume)
 assert np.all(np.diff(volumes) > 0) and abs(volumes[1] - 2**0.5 / 3) < 1e-12
 panels(row, label="mean curvature").savefig("one_metric_three_spaces.png", dpi=150)

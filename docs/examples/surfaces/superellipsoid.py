@@ -10,5 +10,5 @@ from isoembed.plot import write_picture
 
 points, faces = triangulate(Superellipsoid((2.0, 1.5, 1.0), 4.0), 600)
 surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(points, faces))
-assert surface.residual < 1e-10 and surface.rough_edges.sum() == 0
+assert surface.residual < 1e-10 and surface.surface.rough_edges.sum() == 0
 write_picture("superellipsoid.png", surface)

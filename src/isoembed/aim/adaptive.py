@@ -22,11 +22,11 @@ from numpy.typing import ArrayLike
 
 from isoembed.aim.pipeline import Pipeline
 from isoembed.aim.strategies import STRATEGIES
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import Method
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.surface.embedding import Embedding
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Iterable, Iterator
 
-import numpy as np
-
 from isoembed.aim.anneal import Annealed
 from isoembed.arrays import Floats
+from isoembed.nonlinear.continuation import extrapolated
 
 
 def pull_back(
@@ -37,24 +36,3 @@ def pull_back(
         annealed = relax(guess, t)
         known = [*known[-3:], (t, annealed.vertices)]
         yield t, annealed
-
-
-def extrapolated(known: list[tuple[float, Floats]], t: float) -> Floats:
-    """The polynomial in t through surfaces at given times, evaluated at another.
-
-    Parameters
-    ----------
-    known : list of (float, ndarray of shape (V, 3))
-        Times, all different, and surfaces.
-    t : float
-
-    Returns
-    -------
-    ndarray, shape (V, 3)
-    """
-    times = np.array([s for s, _ in known])
-    guess = np.zeros_like(known[0][1])
-    for i, (s, x) in enumerate(known):
-        others = np.delete(times, i)
-        guess += np.prod((t - others) / (s - others)) * x
-    return guess

@@ -1,13 +1,17 @@
 """Annealing (paper, section 2.2): Newton's method on the lengths, Eq. (fmin), from given vertices."""
 
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 
-from isoembed.aim.accuracy import STIFFER
 from isoembed.arrays import Floats
-from isoembed.linalg import SingularMatrix
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.newton import Point, largest, newton
+from isoembed.nonlinear.stopping import short_step, stagnated
 from isoembed.progress.stages import StageRecorder
+from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
 
 POLISH_STEPS = 10  # Newton steps of the last stage
@@ -62,32 +66,17 @@ def anneal(
     Annealed
         The best vertices met.
     """
-    x, r = vertices, length_residuals(system.triangulation, vertices, lengths, system.space)
-    best = Annealed(x, float(np.abs(r).max()), False)
-    for iteration in range(max_iterations + 1):
-        residual = float(np.abs(r).max())
-        recorder.show(residual=residual)
-        if residual < best.residual:
-            best = Annealed(x, residual, False)
-        # Mean edge lengths: a smaller residual that grows is rounding.
-        elif best.residual < 1e-9 and iteration:
-            return best
-        if residual <= residual_tolerance:
-            return Annealed(x, residual, True)
-        # Mean edge lengths, from which no Newton iteration returns.
-        if not residual < 10.0 or iteration == max_iterations:
-            return best
-        try:
-            step = system.step(x, lengths, r)
-        except SingularMatrix:
-            return best
-        recorder.iterations += 1
-        recorder.factorizations += 1
-        x = x - step
-        r = length_residuals(system.triangulation, x, lengths, system.space)
-        if np.abs(step).max() <= step_tolerance:
-            return Annealed(x, float(np.abs(r).max()), True)
-    return best
+    rounding, lost = stagnated(1e-9), 10.0  # mean edge lengths, from which no iteration returns
+    found = length_newton(
+        system,
+        vertices,
+        lengths,
+        recorder=recorder,
+        converged=lambda p, size, _: size <= residual_tolerance or p.moved <= step_tolerance,
+        stalled=lambda p, size, before: rounding(p, size, before) or not size < lost,
+        max_iterations=max_iterations,
+    )
+    return Annealed(found.best.x, found.least, found.converged)
 
 
 def anneal_on_sphere(
@@ -118,20 +107,20 @@ def anneal_on_sphere(
     -------
     ndarray, shape (V, 3)
     """
-    x = vertices
-    for _ in range(max_iterations):
+
+    def residual(x: Floats) -> Floats:
         r = length_residuals(system.triangulation, x, lengths)
         recorder.show(residual=float(np.abs(r).max()))
-        try:
-            step = system.spherical_step(x, lengths, r, radius)
-        except SingularMatrix:
-            break
+        return r
+
+    def solve(x: Floats, r: Floats) -> Floats:
+        step = system.spherical_step(x, lengths, r, radius)
         recorder.iterations += 1
         recorder.factorizations += 1
-        x = x - step
-        if np.abs(step).max() < 1e-3:  # mean edge lengths
-            break
-    return x
+        return step
+
+    close = short_step(1e-3)  # mean edge lengths
+    return newton(vertices, residual, solve, converged=close, max_iterations=max_iterations).point.x
 
 
 def anneal_damped(
@@ -147,27 +136,31 @@ def anneal_damped(
 
     It finds some surface nearby, be it crumpled.  Parameters and result as of `anneal`.
     """
-    triangulation = system.triangulation
-    x, mu = vertices, 1e-2  # Levenberg-Marquardt
-    r = length_residuals(triangulation, x, lengths)
-    energy = r @ r
-    for _ in range(max_iterations):
-        if np.abs(r).max() <= residual_tolerance:
-            break
-        try:
-            trial = x - system.step(x, lengths, r, mu)
-        except SingularMatrix:
-            mu *= STIFFER
-            continue
-        recorder.iterations += 1
-        recorder.factorizations += 1
-        r_trial = length_residuals(triangulation, trial, lengths)
-        energy_trial = r_trial @ r_trial
-        if energy_trial < energy:
-            mu *= 0.3 if energy_trial < energy / 2 else 1.0
-            x, r, energy = trial, r_trial, energy_trial
-            recorder.show(residual=float(np.abs(r).max()))
-        else:
-            mu *= STIFFER
-    residual = float(np.abs(r).max())
-    return Annealed(x, residual, residual <= residual_tolerance)
+    trials = count()
+
+    def at(x: Floats) -> Point:
+        return Point(x, length_residuals(system.triangulation, x, lengths))
+
+    def converged(p: Point, *_: float) -> bool:
+        recorder.show(residual=largest(p))
+        return largest(p) <= residual_tolerance
+
+    def step(p: Point) -> Curve[Point]:
+        def damped(mu: float) -> Point:
+            d = system.step(p.x, lengths, p.residual, mu)
+            recorder.iterations += 1
+            recorder.factorizations += 1
+            return at(p.x - d)
+
+        return damped
+
+    found = descend(
+        at(vertices),
+        step,
+        Damping(1e-2, softer=0.3, eased_below=0.5),
+        value=lambda p: float(p.residual @ p.residual),
+        converged=converged,
+        max_iterations=max_iterations,
+        exhausted=lambda _: next(trials) >= max_iterations,
+    )
+    return Annealed(found.point.x, largest(found.point), found.converged)

@@ -129,12 +129,7 @@ class Fits:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""
         lengths, unit = self._metric.lengths, self._metric.mean_length
         mu = weight * unit**2
-        x, value = vertices, self._energy.value(vertices, lengths, mu)
-        for _ in range(MAX_STEPS):
-            x = self._energy.relaxed(x, lengths, mu, 0.0, self._recorder)
-            before, value = value, self._energy.value(x, lengths, mu)
-            if not value < 0.99 * before:  # share of the energy that a step leaves at the minimum
-                break
+        x = self._energy.minimized(vertices, lengths, mu, 0.01, MAX_STEPS, self._recorder)
         r = self._energy.residuals(x, lengths)
         try:
             free = self._degrees_of_freedom(x, mu)

@@ -12,12 +12,12 @@ import numpy as np
 
 from isoembed.aim.accuracy import NEARLY, SAME
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.curvature import deficits as vertex_deficits
 from isoembed.progress.stages import Log
-from isoembed.surface.embedding import Embedding
 
 MOTIONS = 4  # softest motions, along which others are sought
 FAR = 0.05  # mean edge lengths: on rough bodies there are too many farther away
@@ -45,7 +45,7 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
     if not different:
         return min(surfaces, key=lambda surface: surface.residual)
     if len(different) > 1:
-        different.sort(key=lambda s: (is_convex and s.concave_edges.any(), s.fine_roughness))
+        different.sort(key=lambda s: (is_convex and s.surface.concave_edges.any(), s.surface.fine_roughness))
     if not searched:
         return different[0]._with_others(different[1:])
     from isoembed.aim.nearby_realizations import NEAR, SOFTEST, sought  # convex bodies do without
@@ -96,9 +96,9 @@ def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
     """
     found = [embedding, *embedding.others]
     if which == "smoothest":
-        best = min(found, key=lambda surface: surface.fine_roughness)
+        best = min(found, key=lambda surface: surface.surface.fine_roughness)
     elif which == "convex":
-        convex = [surface for surface in found if not surface.concave_edges.any()]
+        convex = [surface for surface in found if not surface.surface.concave_edges.any()]
         if not convex:
             raise _no_convex(embedding)
         best = convex[0]

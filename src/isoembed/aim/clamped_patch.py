@@ -7,14 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse import csr_array
 
-from isoembed.aim.accuracy import SOFTER, STIFFER
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.newton import damped_step
+from isoembed.nonlinear.stopping import settled
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +76,7 @@ class ClampedPatch:
 
     def value(self, x: Floats) -> float:
         """The part of the energy that changes."""
-        r, rough, _ = self._terms(x)
-        return float(r @ r + self.mu * np.sum(rough**2))
+        return self._value(self._terms(x))
 
     def offset(self, x: Floats, disk: Indices) -> Floats:
         """What is to be added to vertices of the patch for R x to be least, shape (k, 3)."""
@@ -86,53 +88,55 @@ class ClampedPatch:
         self,
         x: Floats,
         steps: int = 12,
-        settled: float = 0.002,  # relative decrease of the energy
+        share: float = 0.002,  # relative decrease of the energy
     ) -> tuple[Floats, float]:
         """The local minimum near x, and its part of the energy, by Levenberg-Marquardt."""
-        n, damping = len(self.vertices), 1e-3  # Levenberg-Marquardt
-        r, rough, directions = self._terms(x)
-        value = float(r @ r + self.mu * np.sum(rough**2))
-        held = np.kron(self.stiffness, np.eye(3))
-        for _ in range(steps):
-            gradient = self.mu * (self.columns.T @ rough)
+        n, held = len(self.vertices), np.kron(self.stiffness, np.eye(3))
+
+        def step(at: _Terms) -> Curve[_Terms]:
             blocks = np.zeros((n + 1, n + 1, 3, 3))
             pull = np.zeros((n + 1, 3))
-            products = np.einsum("ei,ej->eij", directions, directions)
+            products = np.einsum("ei,ej->eij", at.directions, at.directions)
             for sign, end in ((1.0, 0), (-1.0, 1)):
-                np.add.at(pull, self.place[:, end], sign * directions * r[:, None])
+                np.add.at(pull, self.place[:, end], sign * at.directions * at.residuals[:, None])
                 np.add.at(blocks, (self.place[:, end], self.place[:, end]), products)
             blocks[self.place[:, 0], self.place[:, 1]] -= products
             blocks[self.place[:, 1], self.place[:, 0]] -= products
             matrix = blocks[:n, :n].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n) + held
-            gradient = (gradient + pull[:n]).ravel()
-            for _ in range(6):
-                self.spend(n / len(x))
-                matrix_damped = matrix.copy()
-                matrix_damped[np.diag_indices(3 * n)] += damping
-                try:
-                    factor = cho_factor(matrix_damped, overwrite_a=True, check_finite=False)
-                except LinAlgError:
-                    damping *= STIFFER
-                    continue
-                trial = x.copy()
-                trial[self.vertices] -= cho_solve(factor, gradient, check_finite=False).reshape(-1, 3)
-                r_trial, rough_trial, directions_trial = self._terms(trial)
-                reached = float(r_trial @ r_trial + self.mu * np.sum(rough_trial**2))
-                if reached < value:
-                    break
-                damping *= STIFFER
-            else:
-                return x, value
-            enough = value - reached < settled * value
-            x, r, rough, directions, value = trial, r_trial, rough_trial, directions_trial, reached
-            damping *= SOFTER
-            if enough:
-                break
-        return x, value
+            gradient = (self.mu * (self.columns.T @ at.rough) + pull[:n]).ravel()
 
-    def _terms(self, x: Floats) -> tuple[Floats, Floats, Floats]:
-        """Errors of the lengths, R x, and the nonzeros of J."""
+            def damped(damping: float) -> _Terms:
+                self.spend(n / len(x))
+                trial = at.x.copy()
+                trial[self.vertices] -= damped_step(matrix, gradient, damping).reshape(-1, 3)
+                return self._terms(trial)
+
+            return damped
+
+        found = descend(
+            self._terms(x),
+            step,
+            Damping(1e-3, tries=6),
+            value=self._value,
+            converged=settled(share),
+            max_iterations=steps,
+        )
+        return found.point.x, found.value
+
+    def _terms(self, x: Floats) -> _Terms:
         d = x[self.edges[:, 0]] - x[self.edges[:, 1]]
         lengths = self.lengths
         r = (np.einsum("ei,ei->e", d, d) - lengths**2) / (2 * lengths)
-        return r, self.rows @ x, d / lengths[:, None]
+        return _Terms(x, r, self.rows @ x, d / lengths[:, None])
+
+    def _value(self, at: _Terms) -> float:
+        return float(at.residuals @ at.residuals + self.mu * np.sum(at.rough**2))
+
+
+class _Terms(NamedTuple):
+    """A surface, the errors of its lengths, R x, and the nonzeros of J."""
+
+    x: Floats
+    residuals: Floats
+    rough: Floats
+    directions: Floats

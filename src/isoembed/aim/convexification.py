@@ -25,11 +25,13 @@ from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian, deficit_laplacian
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 SHARE = "deficit of a vertex's area on a sphere"
 FAR_MARGIN = 0.05  # of a vertex's share of 4 pi: the metric from which a continuation starts
 NEAR_MARGIN = 0.005  # the same, of the metric from which Newton's method starts
+SEARCH = LineSearch(decrease=0.1, shortest=1e-3)
 PINNED = 1e-9  # Laplacian entries, added to the diagonal, which pins the mean
 
 
@@ -124,13 +126,13 @@ class Convexification:
                 step = reached.solved(missing)
                 recorder.factorizations += 1
             recorder.iterations += 1
-            s = 1.0
-            while (trial := reached.changed(s * step)) is None or (
-                np.linalg.norm(goal - trial.metric.deficits) > (1 - s / 10) * np.linalg.norm(missing)
-            ):
-                s /= 2
-                if s < 1e-3:
-                    return None
+            off = float(np.linalg.norm(missing))
+            for s in SEARCH.parameters():
+                trial = reached.changed(s * step)
+                if trial and SEARCH.accepts(float(np.linalg.norm(goal - trial.metric.deficits)), off, s):
+                    break
+            else:
+                return None
             reached = trial if s == 1.0 else _Delaunay.of(trial.metric)
         return None
 

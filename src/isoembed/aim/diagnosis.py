@@ -4,13 +4,13 @@ import numpy as np
 
 from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Mask
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.fitted import FittedSurface
 from isoembed.thresholds import rounded_up
 
 UNLIKE = 0.05  # mean edge lengths: larger errors are not those of a measured surface
@@ -48,7 +48,7 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     negative = negative_deficits(metric)
     if not negative.any():
         return [
-            "No deficit is negative: --method alexandrov is for the convex polyhedron of such lengths, which "
+            'No deficit is negative: method="alexandrov" is for the convex polyhedron of such lengths, which '
             "exists by Alexandrov's theorem"
         ]
     regions = len(connected_parts(metric.triangulation.adjacency, negative))
@@ -71,8 +71,7 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
         return [found]
     return [
         found,
-        f"If the body is convex, --method alexandrov --repair {level} (Alexandrov(repair={level})) finds it, "
-        "on triangles of its own",
+        f"If the body is convex, method=Alexandrov(repair={level}) finds it, on triangles of its own",
     ]
 
 
@@ -107,11 +106,11 @@ def _errors(fit: FittedSurface | None) -> str:
         return (
             f"Smooth surfaces miss them most at the edges of vertex {v}, with "
             f"{at_vertices[v] / squares.mean():.0f} times the mean squared residual: check the lengths "
-            "there, or take the best fit (--best-fit, Aim(best_fit=True))"
+            "there, or take the best fit, method=Aim(best_fit=True)"
         )
     return (
         f"A smooth surface has them but for errors of about {fit.noise:.0e} of the mean edge length (root "
-        "mean square): if yours may err as much, take the best fit (--best-fit, Aim(best_fit=True))"
+        "mean square): if yours may err as much, take the best fit, method=Aim(best_fit=True)"
     )
 
 
@@ -122,7 +121,7 @@ def _longer_search(metric: PolyhedralMetric, effort: float) -> list[str]:
     more = f"{10 * max(effort, 1.0):g}"
     return [
         "If the lengths are exact, those of a coarse or rough body, a longer search may find it: "
-        f"--effort {more}, Aim(effort={more})"
+        f"method=Aim(effort={more})"
     ]
 
 

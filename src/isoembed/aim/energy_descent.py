@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from isoembed.aim.accuracy import SOFTER, STIFFER
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
-from isoembed.linalg import SingularMatrix
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.stopping import settled
 from isoembed.progress.stages import StageRecorder
 
 
@@ -43,28 +44,24 @@ def descended(
     -------
     ndarray, shape (V, 3)
     """
-    x, damping, value = vertices, 1.0, energy.value(vertices, lengths, mu)  # weight of K beside R
-    for _ in range(30):
+
+    def step(x: Floats) -> Curve[Floats]:
         r = energy.residuals(x, lengths)
         gradient = energy.forces(x, lengths, r) + mu * energy.roughness(x, 0.0)
         recorder.iterations += 1
-        for _ in range(12):
-            if is_done(x):
-                return x
+
+        def damped(w: float) -> Floats:
             recorder.factorizations += 1
-            try:
-                trial = x - energy.solver(x, lengths, mu, damping, r / lengths)(gradient)
-            except SingularMatrix:
-                damping *= STIFFER
-                continue
-            reached = energy.value(trial, lengths, mu)
-            if reached < value:
-                break
-            damping *= STIFFER
-        else:
-            return x
-        x, before, value = trial, value, reached
-        damping *= SOFTER
-        if value > 0.999 * before:  # at the minimum
-            break
-    return x
+            return x - energy.solver(x, lengths, mu, w, r / lengths)(gradient)
+
+        return damped
+
+    return descend(
+        vertices,
+        step,
+        Damping(1.0, tries=12),  # weight of K beside R
+        value=lambda x: energy.value(x, lengths, mu),
+        converged=settled(0.001),  # at the minimum
+        max_iterations=30,
+        exhausted=is_done,
+    ).point

@@ -15,17 +15,21 @@ goes on from there.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from isoembed.aim.accuracy import REALIZED, SOFTER, STIFFER
+from isoembed.aim.accuracy import REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.stopping import settled
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSystem, edge_rows
 
@@ -213,25 +217,23 @@ class _SoftEquations:
 
     def _least(self, s: Floats) -> tuple[float, Floats]:
         """The least sum of squares that Levenberg-Marquardt steps lead to, and where it is."""
-        (f, J), damping = self._evaluated(s), 1e-3  # Levenberg-Marquardt
-        value = float(f @ f)
-        for _ in range(60):
-            gram = J.T @ J
-            gram[np.diag_indices(len(s))] *= 1 + damping
-            try:
-                trial = s - np.linalg.solve(gram, J.T @ f)
-            except np.linalg.LinAlgError:
-                break
-            f_trial, slopes = self._evaluated(trial)
-            reached = float(f_trial @ f_trial)
-            if reached < value:
-                enough = value - reached < 1e-8 * value  # relative decrease of the squares that is rounding
-                s, f, J, value = trial, f_trial, slopes, reached
-                damping *= SOFTER
-                if enough:
-                    break
-            else:
-                damping *= STIFFER
-                if damping > 1e8:  # above it no step helps
-                    break
-        return value, s
+        trials = itertools.count()
+
+        def at(s: Floats) -> tuple[Floats, ...]:
+            return s, *self._evaluated(s)
+
+        def step(point: tuple[Floats, ...]) -> Curve[tuple[Floats, ...]]:
+            s, f, J = point
+            gram, gradient, identity = J.T @ J, J.T @ f, np.eye(len(s))
+            return lambda damping: at(s - np.linalg.solve(gram * (1 + damping * identity), gradient))
+
+        found = descend(
+            at(s),
+            step,
+            Damping(1e-3, largest=1e8),
+            value=lambda point: float(point[1] @ point[1]),
+            converged=settled(1e-8),  # rounding
+            max_iterations=60,
+            exhausted=lambda _: next(trials) >= 60,
+        )
+        return found.value, found.point[0]

@@ -18,9 +18,12 @@ from isoembed.aim.split_newton import SplitNewton
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.nonlinear.descent import Reason
+from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolation import CellRows, Stencils
+from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
 
@@ -115,19 +118,16 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
 
     Where that is not enough, the polish may do better.
     """
-    damping = 0.0
-    for _ in range(8):
-        r = length_residuals(system.triangulation, x, lengths)
-        if np.abs(r).max() < 1e-12 * lengths.mean():  # mean edge lengths
+    exact, left = below(1e-12 * lengths.mean()), 8  # mean edge lengths, and steps
+    for damping in (0.0, HELD):
+        found = length_newton(
+            system, x, lengths, recorder=recorder, damping=damping, converged=exact, max_iterations=left
+        )
+        x, left = found.point.x, left - found.iterations - 1
+        if found.reason is not Reason.SINGULAR:
             break
         recorder.iterations += 1
         recorder.factorizations += 1
-        try:
-            x = x - system.step(x, lengths, r, damping)
-        except SingularMatrix:
-            if damping > 0:
-                break
-            damping = HELD
     return x
 
 

@@ -25,10 +25,11 @@ from isoembed.aim.anneal import anneal
 from isoembed.aim.clamped_patch import ClampedPatch
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.finishing_newton import completed
-from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, STALLED, let_go
+from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.search_state import SearchState
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.nonlinear.continuation import penalty_continuation
 from isoembed.progress.stages import StageRecorder
 from isoembed.progress.work import Budget
 from isoembed.surface.local_fit import sums_at_ends
@@ -184,17 +185,15 @@ class _LocalSearch(SearchState):
 
     def released(self, energy: RegularizedEnergy, x: Floats, mu: float) -> Floats:
         """Where a surface ends as mu vanishes, with a measure of smoothness."""
-        before, slow = np.inf, 0
-        for _ in range(12):
+
+        def minimized(x: Floats, mu: float) -> Floats:
             x = descended(energy, x, self.lengths, mu, self.recorder, lambda _: self.exhausted)
             self.show(x)
-            residual = self.largest_residual(x)
-            slow = slow + 1 if residual > STALLED * before else 0
-            if slow == 2 or residual <= REALIZED or self.exhausted:
-                break
-            before = residual
-            mu *= FADE
-        return x
+            return x
+
+        return penalty_continuation(
+            x, minimized, self.largest_residual, mu, FADE, 12, REALIZED, lambda: self.exhausted
+        )[0]
 
     def at(self, x: Floats, mu: float) -> Floats:
         """The least energy that is met with one mu."""
@@ -218,14 +217,7 @@ class _LocalSearch(SearchState):
 
     def settled(self, x: Floats, mu: float) -> Floats:
         """The local minimum of the energy, as far as Gauss-Newton steps lead."""
-        value = self.energy.value(x, self.lengths, mu)
-        for _ in range(20):
-            x = self.energy.relaxed(x, self.lengths, mu, 0.0, self.recorder)
-            before, value = value, self.energy.value(x, self.lengths, mu)
-            # Share of the energy that a step leaves at a minimum.
-            if self.exhausted or not value < 0.998 * before:
-                break
-        return x
+        return self.energy.minimized(x, self.lengths, mu, 0.002, 20, self.recorder, lambda: self.exhausted)
 
     def sweep(self, x: Floats, mu: float, stale: Mask) -> Floats:
         """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""

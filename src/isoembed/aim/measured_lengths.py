@@ -21,11 +21,11 @@ import numpy as np
 from isoembed.aim.best_fit import WEIGHT, BestFit, Fits
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.measured import MeasuredSurface
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.progress.work import Budget
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.measured import MeasuredSurface
 
 LEAST_WEIGHT = 1e-14
 """mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
@@ -72,7 +72,9 @@ def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
     with log.stage("fit within errors") as recorder:
         fit = fit_within_errors(measured, errors, start, recorder)
     found = measured_surface(measured, fit, exact.method, exact.tolerance)
-    if not found.converged or (exact.converged and exact.fine_roughness <= found.fine_roughness):
+    if not found.converged or (
+        exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness
+    ):
         return exact
     said = (
         f"{found.message}; the errors are those of the last digit of the lengths, {rounding:.1e} of "

@@ -6,11 +6,11 @@ triangles.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from isoembed.aim.adiabatic_pullback import extrapolated
+from isoembed.aim.newton_on_lengths import BranchSolution
 from isoembed.aim.newton_on_radii import SETTLED, inverted_vertices, without_curvature
 from isoembed.alexandrov.doubly_covered import THIN
 from isoembed.alexandrov.homotopy import NEWTON_CURVATURE, Stalled, Waypoint, follow_path
@@ -22,25 +22,9 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
+from isoembed.nonlinear.continuation import extrapolated
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
-
-
-@dataclass(frozen=True, eq=False)
-class RadiiSolution:
-    """Where Newton's method on the radii ends.
-
-    Attributes
-    ----------
-    vertices : ndarray, shape (V, 3)
-    branch_deviation : float
-        The most that the height of a vertex above its neighbors, measured in radii, differed from what was
-        expected, over what such heights are on a sphere.  Newton's method can cross over to a neighboring
-        realization, with some vertices turned inside out, that has the same lengths.
-    """
-
-    vertices: Floats
-    branch_deviation: float
 
 
 def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
@@ -100,7 +84,7 @@ def newton_from_polytope(
     analyses: Analyses,
     log: Log,
     ordered: Callable[[Floats], Floats],
-) -> RadiiSolution | None:
+) -> BranchSolution | None:
     """Realize a metric that is convex or nearly so.
 
     Parameters
@@ -117,7 +101,7 @@ def newton_from_polytope(
 
     Returns
     -------
-    RadiiSolution or None
+    BranchSolution or None
         None where Newton's method does not converge at once.
 
     Notes
@@ -137,7 +121,7 @@ def newton_from_polytope(
         solution, branch_deviation = found
         vertices = ordered(realized(solution, recorder))
         recorder.show(vertices=vertices)
-    return RadiiSolution(vertices, branch_deviation)
+    return BranchSolution(vertices, branch_deviation)
 
 
 def _followed(

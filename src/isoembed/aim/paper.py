@@ -13,12 +13,12 @@ from isoembed.aim.embedding_tree import EmbeddingTree, embedding_tree
 from isoembed.aim.paths import path_factors, path_times
 from isoembed.aim.uniformize import Uniformization, newton_uniformization, ricci_flow
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.method import Method
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem, VertexSystem
 
 MOST_STEPS = 100_000

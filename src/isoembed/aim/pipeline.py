@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.aim.problem import Problem
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from isoembed.aim.adaptive import Aim

@@ -11,10 +11,10 @@ from isoembed.aim.accuracy import PLACED, REALIZED
 from isoembed.aim.convexification import Convexification
 from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
 
 if TYPE_CHECKING:

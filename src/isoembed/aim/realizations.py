@@ -10,13 +10,14 @@ import numpy as np
 
 from isoembed.aim.realization_search import RealizationSearch
 from isoembed.arrays import Floats, Mask
+from isoembed.embedding.certify import certify
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.evidence import Evidence
 from isoembed.mesh.triangulation import frozen
 from isoembed.progress.stages import Log
 from isoembed.reprs import short_repr
 from isoembed.strict_json import plain
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.rigidity import LengthSystem
 
 FEWEST, MOST = 2, 8  # motions together: 2^8 roots
@@ -105,9 +106,9 @@ class Realizations:
                     "distance": distance,
                     "searched": bool(searched),
                     "residual": surface.residual,
-                    "roughness": surface.roughness,
-                    "fine_roughness": surface.fine_roughness,
-                    "certificate": surface.certificate.as_json(),
+                    "roughness": surface.surface.roughness,
+                    "fine_roughness": surface.surface.fine_roughness,
+                    "certificate": certify(surface).as_json(),
                 }
                 for surface, distance, searched in zip(
                     self.surfaces, self.distances, self.searched, strict=True
@@ -165,7 +166,7 @@ def realizations(
         Embedding(metric, metric.unit * each, method=embedding.method, tolerance=embedding.tolerance)
         for each in search.found
     ]
-    order = sorted(range(len(found)), key=lambda i: found[i].fine_roughness)
+    order = sorted(range(len(found)), key=lambda i: found[i].surface.fine_roughness)
     return Realizations(
         embedding,
         tuple(found[i] for i in order),

@@ -12,17 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.aim.accuracy import NEWTON_BASIN
-from isoembed.aim.adiabatic_pullback import extrapolated
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.nonlinear.continuation import extrapolated, penalty_continuation
 from isoembed.progress.stages import StageRecorder
 
 BENDING = 3.0  # w on the way
 LETTING_GO = (0.3, 0.03, 0.0)  # w at t = 0, in turn
 FADE = 0.1  # factor of mu from step to step as a surface is let go
 FADE_STEPS = 15  # after them mu has no effect
-STALLED = 0.9  # share of the residual that two steps leave if it is lost
 SHORTEST = 1e-9  # lengths: the least length at t = 1, where vertices may coincide
 
 
@@ -165,13 +164,13 @@ def let_go(
     residual : float
         Its largest.
     """
-    before, slow, close = np.inf, 0, NEWTON_BASIN * energy.unit
-    for _ in range(FADE_STEPS):
-        x = energy.relaxed(x, lengths, mu, 0.0, recorder)
-        residual = float(np.abs(energy.residuals(x, lengths)).max())
-        slow = slow + 1 if residual > STALLED * before else 0
-        if residual <= close or slow == 2 or is_done():
-            break
-        before = residual
-        mu *= fade
-    return x, residual
+    return penalty_continuation(
+        x,
+        lambda x, mu: energy.relaxed(x, lengths, mu, 0.0, recorder),
+        lambda x: float(np.abs(energy.residuals(x, lengths)).max()),
+        mu,
+        factor=fade,
+        max_weights=FADE_STEPS,
+        tolerance=NEWTON_BASIN * energy.unit,
+        exhausted=is_done,
+    )

@@ -275,3 +275,22 @@ class RegularizedEnergy:
             if downhill:
                 return trial
         return vertices
+
+    def minimized(
+        self,
+        vertices: Floats,
+        lengths: Floats,
+        mu: float,
+        share: float,
+        max_iterations: int,
+        recorder: StageRecorder,
+        exhausted: Callable[[], bool] = lambda: False,
+    ) -> Floats:
+        """The minimum nearby, as far as `relaxed` steps lead that lower the energy by more than a share."""
+        value = self.value(vertices, lengths, mu)
+        for _ in range(max_iterations):
+            vertices = self.relaxed(vertices, lengths, mu, 0.0, recorder)
+            before, value = value, self.value(vertices, lengths, mu)
+            if exhausted() or not value < (1 - share) * before:
+                break
+        return vertices

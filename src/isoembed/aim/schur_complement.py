@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
@@ -20,11 +21,13 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix, SymmetricFactor
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.newton import damped_step
 from isoembed.surface.rigidity import HeldTriangle, edge_rows
 
 COLUMNS = 96  # of the inverse that are solved for at once
 EARLY = 4  # steps after which those that lead nowhere are given up
-STIFFER = 4.0  # factor of the damping after a step uphill
 SETTLED = 1e-3  # relative decrease, to the energy's change, of a step that is the last
 
 
@@ -174,39 +177,36 @@ class CondensedPatch:
     def relaxed(self, motion: Floats) -> tuple[Floats, float]:
         """The local minimum near a motion, (n, 3), and by how much the energy has grown there."""
         matrix, forces = self._outside
-        d, value, damping = motion, self.change(motion), 1e-6  # stiffness of an edge
         share = len(self.vertices) / len(self.surface.vertices)
-        diagonal = np.diag_indices(matrix.shape[0])
-        for step in range(15):
+        least, steps = self.surface.value, count(-EARLY)  # of those that may lead nowhere
+
+        def step(d: Floats) -> Curve[Floats]:
             r, rows = self._errors(d)
             gradient = self._forces(rows, r).ravel() + forces.ravel() + matrix @ d.ravel()
             hessian = matrix + self._assembled(rows, r / self.surface.lengths[self.inside])
-            while damping <= 10.0:  # stiffness of an edge: above it no step helps
+
+            def damped(damping: float) -> Floats:
                 # Factorizations that a step costs whose matrix is that of all vertices.
                 self.surface.spend(0.15 * share)
-                damped = hessian.copy()
-                damped[diagonal] += damping
-                try:
-                    factor = cho_factor(damped, lower=True, overwrite_a=True, check_finite=False)
-                except LinAlgError:
-                    damping *= STIFFER
-                    continue
-                trial = d - cho_solve(factor, gradient, check_finite=False).reshape(-1, 3)
-                reached = self.change(trial)
-                if reached < value:
-                    break
-                damping *= STIFFER
-            else:
-                break
-            gained, d, value = value - reached, trial, reached
-            damping *= 0.125
-            if gained < SETTLED * (abs(value) + self.surface.value * SETTLED):
-                break
-            # Growth of the energy that leads nowhere, and its factor with each further step.
-            limit = 3e3 * 0.25 ** (step - EARLY)
-            if step >= EARLY and value > limit * self.surface.value:
-                break
-        return d, value
+                return d - damped_step(hessian, gradient, damping).reshape(-1, 3)
+
+            return damped
+
+        def leads_nowhere(_: Floats, value: float, before: float) -> bool:
+            # Growth of the energy after the first steps, and its factor with each further one.
+            k = next(steps) - 1
+            return k >= 0 and value > 3e3 * 0.25**k * least
+
+        found = descend(
+            motion,
+            step,
+            Damping(1e-6, stiffer=4.0, softer=0.125, largest=10.0),  # stiffness of an edge
+            value=self.change,
+            converged=lambda _, value, before: before - value < SETTLED * (abs(value) + least * SETTLED),
+            stalled=leads_nowhere,
+            max_iterations=15,
+        )
+        return found.point, found.value
 
     def followed(self, motion: Floats) -> Floats:
         """How all vertices move, (V, 3), if these move so, (n, 3)."""

@@ -19,13 +19,14 @@ from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
 from isoembed.aim.pipeline import Pipeline, State, Strategy
 from isoembed.aim.problem import Problem
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.progress.checkpoints import Arrays
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from isoembed.aim.regularized_continuation import Continued
-    from isoembed.surface.measured import MeasuredSurface
+    from isoembed.embedding.measured import MeasuredSurface
 
 # What a strategy needs is imported when it runs: all of it is slow to import, and convex bodies do without.
 
@@ -224,7 +225,9 @@ class PatchReflections(Strategy):
         state = state.adding(*found)
         realized = [surface for surface in found if problem.is_exact(surface)]
         if realized:
-            state = with_smoother(state, min(realized, key=lambda surface: surface.fine_roughness), pipeline)
+            state = with_smoother(
+                state, min(realized, key=lambda surface: surface.surface.fine_roughness), pipeline
+            )
         return replace(state, trusted=bool(realized), cost=pipeline.work.factorizations)
 
 
@@ -374,7 +377,6 @@ class Choice(Strategy):
         if found.converged or (problem.accepts(found) and fit is None):
             return replace(state, answer=found)
         from isoembed.aim.diagnosis import diagnosis
-        from isoembed.surface.fitted import FittedSurface
 
         fitted = None
         if fit is not None:
@@ -404,7 +406,12 @@ class Neighbors(Strategy):
     def applies(self, state: State, pipeline: Pipeline) -> bool:
         found = answered(state)
         is_small = found.triangulation.n_vertices <= 150
-        return found.converged and found.uniqueness is None and is_small and bool(found.concave_edges.any())
+        return (
+            found.converged
+            and found.uniqueness is None
+            and is_small
+            and bool(found.surface.concave_edges.any())
+        )
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         return replace(state, answer=with_neighbors(answered(state), pipeline.log))
@@ -417,7 +424,7 @@ class FitWithinDigits(Strategy):
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
         found = answered(state)
-        doubtful = found.rough_edges.any() if found.converged else not pipeline.method.best_fit
+        doubtful = found.surface.rough_edges.any() if found.converged else not pipeline.method.best_fit
         return bool(doubtful) and pipeline.problem.metric.rounding is not None
 
     def run(self, state: State, pipeline: Pipeline) -> State:
@@ -453,7 +460,7 @@ class SmootherWithinErrors(Strategy):
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         found, exact = measured_surface(state, pipeline), answered(state)
-        smoother = exact.converged and exact.fine_roughness < found.fine_roughness
+        smoother = exact.converged and exact.surface.fine_roughness < found.surface.fine_roughness
         if smoother or (not found.converged and exact.residual < found.residual):
             found = replace(found, vertices=exact.vertices, weight=0.0, message="")
         return replace(state, answer=found)
@@ -542,7 +549,7 @@ def polished_polyhedron(vertices: Floats, pipeline: Pipeline) -> Embedding:
         return found
     with pipeline.log.stage("polish") as recorder:
         polished = pipeline.problem.annealed(vertices, recorder)
-    return found if polished.concave_edges.any() else polished
+    return found if polished.surface.concave_edges.any() else polished
 
 
 def measured_surface(state: State, pipeline: Pipeline) -> MeasuredSurface:

@@ -24,6 +24,8 @@ from isoembed.metric.variation import (
     dual_area_derivative,
     length_derivative,
 )
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.descent import Curve, descend
 from isoembed.progress.stages import StageRecorder
 
 MAX_STEPS = 30  # of Newton's method
@@ -199,25 +201,22 @@ def newton_uniformization(
     sphere = conformal_sphere(triangles, recorder)
     C = np.column_stack([np.ones(len(sphere.points)), sphere.points])
     state = _start(metric, conformal_factors(triangles.normalized, sphere), C)
-    for _ in range(MAX_STEPS):
+
+    def step(state: _State) -> Curve[_State]:
         recorder.show(residual=state.deviation)
-        if state.deviation < epsilon:
-            break
-        step = _newton_step(metric, state, C, recorder)
+        du = _newton_step(metric, state, C, recorder)
         recorder.iterations += 1
-        s = 1.0
-        while True:
-            try:
-                trial = _State.at(metric, state.u + s * step, C)
-            except InvalidMetric:
-                trial = None
-            if trial is not None and trial.deviation < state.deviation:
-                state = trial
-                break
-            s /= 2
-            if s < 1e-3:
-                return _finished(metric, state, False)
-    return _finished(metric, state, state.deviation < epsilon)
+        return lambda fraction: _State.at(metric, state.u + fraction * du, C)
+
+    found = descend(
+        state,
+        step,
+        LineSearch(decrease=0.0, shortest=1e-3),
+        value=lambda state: state.deviation,
+        converged=lambda _, deviation, __: deviation < epsilon,
+        max_iterations=MAX_STEPS,
+    )
+    return _finished(metric, found.point, found.converged)
 
 
 @dataclass(frozen=True)

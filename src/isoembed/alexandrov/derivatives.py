@@ -26,12 +26,12 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import SuperLU
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.errors import InvalidParameter
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.path_derivatives import path_derivatives
 from isoembed.linalg.superlu import checked_lu
 from isoembed.metric.variation import deficit_derivative
-from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows
 
@@ -91,7 +91,7 @@ class GivenLengthDerivatives:
 
         x = body.vertices / body.metric.unit
         creased = np.zeros(len(x), dtype=np.bool_)
-        creased[t.edges[body.polygon_edges]] = True
+        creased[t.edges[body.surface.flat_faces.edges]] = True
         inside = np.flatnonzero(flat & ~creased)
         planes, faces, broken = _planes(body, x, flat, inside)
         J = _matrix(t.edges, edge_rows(t, x, metric.lengths), len(x))
@@ -110,6 +110,11 @@ class GivenLengthDerivatives:
             broken,
             Projected.of(metric.space, x).isometries(),
         )
+
+    @property
+    def n_given(self) -> int:
+        """Number of given lengths."""
+        return int(self._paths.shape[0])
 
     def own_changes(self, changes: Floats) -> Floats:
         """Changes of the lengths of the polyhedron's edges, (E,), from those of the given ones, (E,)."""
@@ -177,7 +182,7 @@ def _planes(
     """
     t = body.triangulation
     face_of = np.zeros(len(x), dtype=np.int64)
-    face_of[t.faces.ravel()] = np.repeat(body.face_polygons, 3)
+    face_of[t.faces.ravel()] = np.repeat(body.surface.flat_faces.of_triangles, 3)
     heights, others, broken = [], [], []
     for v in inside:
         outline = np.asarray(body.polygons[face_of[v]])

@@ -27,6 +27,7 @@ from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import Factor, SingularMatrix, SymmetricFactor
 from isoembed.linalg.krylov import gmres
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 START_RADII = (2.0, 16.0, 64.0, 256.0)
@@ -380,12 +381,12 @@ def _halved(
 ) -> _Step | None:
     """The step to these curvatures, halved until they come nearer; None if none of so many does."""
     size = _norm(p.curvatures - goal, unit)
-    for halving in range(most):
-        fraction = 0.5**halving
+    search = LineSearch(DECREASE, shortest=2.0 ** (1 - most))
+    for halving, fraction in enumerate(search.parameters()):
         q = Polytope.over(p.tables, p.radii + fraction * dr, flips=flips)
         if q is not None:
             left = _norm(q.curvatures - goal, unit)
-            if left <= (1 - DECREASE * fraction) * size:
+            if search.accepts(left, size, fraction):
                 return _Step(q, halving, left)
     return None
 

@@ -27,6 +27,7 @@ from isoembed.alexandrov.polytope import Polytope
 from isoembed.alexandrov.relaxation import RELAXED, SHALLOW, Relaxed, relaxed, relaxed_polytope
 from isoembed.alexandrov.tetrahedron import tetrahedron
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.intrinsic.edge_paths import edge_paths
@@ -42,7 +43,6 @@ from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.space.models import to_model
 from isoembed.surface.curvature import FLAT_ANGLE
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals, outward
 
 NEAREST = "nearest "  # before the names of its arrays
@@ -121,7 +121,7 @@ class Alexandrov(Method):
         level = repair_level(given.deficits, least)
         if level is None or self.repair:
             return ""
-        said = f"--repair {level:.1e} (Alexandrov(repair={level:.1e}))"
+        said = f"method=Alexandrov(repair={level:.1e})"
         try:
             found = convex_polyhedron(metric, tolerance, log, level)
         except (InvalidMetric, NotEmbedded):

@@ -17,6 +17,7 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
 from isoembed.linalg import Dissection, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import gmres
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 STALE = 10  # GMRES iterations: more cost as much as a fresh factorization
@@ -168,14 +169,16 @@ def newton(
         largest = float(np.abs(p.curvatures).max())
         # Radians, and in units of the smallest deficit; 1e-13 is rounding.
         done = largest <= min(1e-9, max(1e-4 * float(deficits.min()), 1e-13))
-        size = np.linalg.norm(p.curvatures)
+        size = float(np.linalg.norm(p.curvatures))
         if size == 0:
             break
         dr, iterations = state.solve(p.curvatures, forcing)
         renew = iterations > STALE
-        for halving in range(0 if renew and not fresh else 1 if done else 8):
-            q = Polytope.over(p.tables, p.radii + 0.5**halving * dr)
-            if q is not None and np.linalg.norm(q.curvatures) <= (1 - DECREASE * 0.5**halving) * size:
+        tries = 0 if renew and not fresh else 1 if done else 8
+        search = LineSearch(DECREASE, shortest=2.0 ** (1 - tries))
+        for fraction in search.parameters():
+            q = Polytope.over(p.tables, p.radii + fraction * dr)
+            if q is not None and search.accepts(float(np.linalg.norm(q.curvatures)), size, fraction):
                 forcing = forcing_term(float(np.linalg.norm(q.curvatures) / size), LOOSEST)
                 p, fresh = q, False
                 state = replace(state, polytope=p)

@@ -1,15 +1,15 @@
 """Convex polyhedra as embeddings, on triangles that need not be those of the input."""
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from isoembed.alexandrov.certificate import ConvexCertificate, certify
 from isoembed.alexandrov.derivatives import GivenLengthDerivatives
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.halfedges import HalfEdges
@@ -17,13 +17,11 @@ from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.repair import Repair
+from isoembed.proof.convex import ConvexCertificate, certify
 from isoembed.space import Space
-from isoembed.strict_json import plain
-from isoembed.surface.checked import checked
 from isoembed.surface.convexity import dent_depths
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.polyhedron import Polyhedron
 from isoembed.surface.segments import Segments
+from isoembed.surface.surface import Surface
 
 
 def metric_on(tables: HalfEdges) -> PolyhedralMetric:
@@ -38,6 +36,30 @@ def metric_on(tables: HalfEdges) -> PolyhedralMetric:
     lengths = np.empty(triangulation.n_edges)
     lengths[triangulation.face_edges.ravel()] = tables.lengths
     return PolyhedralMetric.on(triangulation, lengths, Space(tables.curvature))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GluedSurface(Surface):
+    """Surface of a polyhedron whose metric was glued from paper.
+
+    Parameters
+    ----------
+    given : GluedMetric
+    edge_paths : EdgePaths
+        Its edges on the triangles of the polyhedron.
+    """
+
+    _: KW_ONLY
+    given: GluedMetric
+    edge_paths: EdgePaths
+
+    @cached_property
+    def seams(self) -> Segments:
+        """The sides of the paper that the metric was glued from; those that were found."""
+        given, paths = self.given, self.edge_paths
+        halfedges = np.flatnonzero(np.arange(given.twins.size) < given.twins)
+        which = np.flatnonzero(given.seams[halfedges])
+        return Segments.along(paths, which[~np.isnan(paths.distances[which])], self.vertices)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,8 +99,6 @@ class ConvexPolyhedron(Polyhedron):
     repair: Repair | None
     method: str = field(default="alexandrov", init=False)
 
-    _DIMENSIONAL: ClassVar[tuple[str, ...]] = (*Embedding._DIMENSIONAL, "certificate", "seams")
-
     def __post_init__(self) -> None:
         frozen(self.flat_vertices)
         super().__post_init__()
@@ -114,7 +134,9 @@ class ConvexPolyhedron(Polyhedron):
     @cached_property
     def dents(self) -> Floats:
         """The `dent_depths` of the edges, in mean edge lengths, shape (E,)."""
-        depths = dent_depths(self.triangulation, self._normalized, self._space)
+        depths = dent_depths(
+            self.triangulation, self.vertices / self.metric.unit, self.metric.normalized.space
+        )
         return frozen(depths / self.metric.normalized.mean_length)
 
     @property
@@ -123,21 +145,11 @@ class ConvexPolyhedron(Polyhedron):
         flat[self.flat_vertices] = True
         return flat
 
-    @cached_property
-    def seams(self) -> Segments:
-        """The sides of the paper that the metric was glued from, on the polyhedron; those that were found."""
-        given, paths = self.given, self.edge_paths
-        halfedges = np.flatnonzero(np.arange(given.twins.size) < given.twins)
-        which = np.flatnonzero(given.seams[halfedges])
-        return Segments.along(paths, which[~np.isnan(paths.distances[which])], self.vertices)
+    def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
+        return super()._made_surface(GluedSurface, given=self.given, edge_paths=self.edge_paths, **more)
 
     @cached_property
-    def certificate(self) -> ConvexCertificate:
-        """The proof that this is the polyhedron of its metric up to a stated distance, or why there is none.
-
-        It takes the lengths on the triangles of `core` as exact numbers; `path_residuals` say how far they
-        are from the given ones.
-        """
+    def _certificate(self) -> ConvexCertificate:
         if not self.converged:
             return ConvexCertificate(False, "not certified, because the lengths miss the tolerance")
         if self.core is None:
@@ -153,63 +165,10 @@ class ConvexPolyhedron(Polyhedron):
             f"and agrees with the given edges to {self.path_residuals.max():.1e} of the mean edge length",
         )
 
-    @cached_property
-    def _by_given(self) -> GivenLengthDerivatives:
+    def _given_derivatives(self) -> GivenLengthDerivatives:
         if self.core is None:
             raise InvalidParameter("the body is a doubly covered polygon, which has no derivatives")
         return GivenLengthDerivatives.of(self, self.edge_paths, self._flat)
-
-    def given_jvp(self, changes: ArrayLike) -> Floats:
-        """How the vertices move, to first order, when the lengths that were given change.
-
-        `jvp` is by the lengths of the polyhedron's own triangles.  The first call factors what both this and
-        `given_vjp` need.
-
-        Parameters
-        ----------
-        changes : array_like, shape (..., n)
-            Of the given lengths, in the order of `edge_paths`: that of `PolyhedralMetric.edges`, or of the
-            lower half-edges of a `GluedMetric`.
-
-        Returns
-        -------
-        ndarray, shape (..., V, 3)
-            In the same unit, without translation and rotation.
-
-        Raises
-        ------
-        InvalidParameter
-            The changes have another shape or are not finite; a flat vertex does not remain flat, or its face
-            breaks, so that there is no derivative or one on one side only; the polyhedron is not in R^3 or
-            is flat, or its triangles have another number of edges.
-        SingularMatrix
-            It is too thin.
-        """
-        dl = checked(changes, (len(self.edge_paths.ends),), "changes")
-        rows = [self._by_given.jvp(row) for row in dl.reshape(-1, dl.shape[-1])]
-        return np.array(rows).reshape(*dl.shape[:-1], len(self.vertices), 3)
-
-    def given_vjp(self, gradient: ArrayLike) -> Floats:
-        """Derivatives by the given lengths of a function of the vertices, from its derivatives by these.
-
-        Parameters
-        ----------
-        gradient : array_like, shape (..., V, 3)
-            As that of `vjp`.
-
-        Returns
-        -------
-        ndarray, shape (..., n)
-            The transpose of `given_jvp`, along changes that keep flat vertices flat.
-
-        Raises
-        ------
-        InvalidParameter, SingularMatrix
-            As `given_jvp`.
-        """
-        g = checked(gradient, (len(self.vertices), 3), "gradient")
-        rows = [self._by_given.vjp(row) for row in g.reshape(-1, *g.shape[-2:])]
-        return np.array(rows).reshape(*g.shape[:-2], len(self.edge_paths.ends))
 
     def _sentence(self) -> str:
         worst = int(np.argmax(self.path_residuals))
@@ -227,20 +186,19 @@ class ConvexPolyhedron(Polyhedron):
         )
 
     @property
-    def report(self) -> dict[str, Any]:
-        """What was asked, done and reached, as `Embedding.report`, with what only polyhedra have."""
-        report = super().report
-        report["input"] |= {
-            "vertices": self.given.n_vertices,
-            "edges": self.given.n_edges,
-            "faces": self.given.n_faces,
-            "negative_deficits": 0 if self.repair is None else int((self.repair.deficits < 0).sum()),
-        }
-        report["residual"]["paths"] = plain(float(self.path_residuals.max()))
-        return report | {
+    def _reported(self) -> Mapping[str, Any]:
+        """What only polyhedra have."""
+        return {
+            "input": {
+                "vertices": self.given.n_vertices,
+                "edges": self.given.n_edges,
+                "faces": self.given.n_faces,
+                "negative_deficits": 0 if self.repair is None else int((self.repair.deficits < 0).sum()),
+            },
+            "residual": {"paths": float(self.path_residuals.max())},
             "polyhedron": {
                 "vertices": self.triangulation.n_vertices - len(self.flat_vertices),
-                "faces": int(self.face_polygons.max()) + 1,
+                "faces": len(self.surface.flat_faces),
                 "flat_vertices": len(self.flat_vertices),
             },
             "repair": None if self.repair is None else self.repair.as_json(),

@@ -22,6 +22,7 @@ from isoembed.intrinsic.loops import flip
 from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.nonlinear.newton import Point, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.space import Space
 from isoembed.surface.convexity import dent_depths
@@ -49,25 +50,27 @@ def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Flo
     lengths = np.empty(triangulation.n_edges)
     lengths[triangulation.face_edges.ravel()] = tables.lengths
     space = Space(tables.curvature)
-    system = LengthSystem(triangulation, space=space)
-    best = vertices
-    for step in count(1):
+    system, steps = LengthSystem(triangulation, space=space), count()
+
+    def solve(x: Floats, r: Floats) -> Floats:
         recorder.factorizations += 1
-        try:
-            residuals = length_residuals(triangulation, vertices, lengths, space)
-            motion = system.step(vertices, lengths, residuals)
-        except SingularMatrix:
-            break
-        vertices = vertices - motion
-        if not (space.curvature * np.einsum("ij,ij->i", vertices, vertices) < 1).all():
-            break  # out of the half of the sphere
-        before, worst = worst_length(tables, best), worst_length(tables, vertices)
-        if worst < before:
-            best = vertices
-        ended = before <= RELAXED or step >= MAX_STEPS
-        if ended and not worst < before / 2:
-            break  # the rounding floor; where the body is thin, each step halves the errors, at least
-    return best
+        return system.step(x, lengths, r)
+
+    def worst(p: Point) -> float:
+        inside = (space.curvature * np.einsum("ij,ij->i", p.x, p.x) < 1).all()
+        return worst_length(tables, p.x) if inside else np.inf  # out of the half of the sphere
+
+    return newton(
+        vertices,
+        lambda x: length_residuals(triangulation, x, lengths, space),
+        solve,
+        norm=worst,
+        # The rounding floor; where the body is thin, each step halves the errors, at least.
+        converged=lambda _, error, before: (
+            (next(steps) >= MAX_STEPS or before <= RELAXED) and not error < before / 2
+        ),
+        max_iterations=200,
+    ).best.x
 
 
 @dataclass(frozen=True, eq=False)

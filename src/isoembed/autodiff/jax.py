@@ -9,7 +9,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.autodiff.realization import Linearized, Realization
-from isoembed.surface.embedding import Embedding
+from isoembed.embedding.embedding import Embedding
 
 
 def realization(surface: Embedding) -> Callable[[jax.Array], jax.Array]:

@@ -8,15 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
-from isoembed.linalg import SingularMatrix
 from isoembed.method import solve
 from isoembed.methods import configured
+from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.stopping import below
 from isoembed.surface.alignment import aligned
 from isoembed.surface.checked import checked
 from isoembed.surface.derivatives import LengthDerivatives
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.surface.length_newton import length_newton
+from isoembed.surface.rigidity import LengthSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,21 +89,18 @@ class Realization:
         given, t = self.surface, self.surface.triangulation
         metric = given.metric.with_lengths(checked(lengths, (t.n_edges,), "lengths"))
         unit = metric.unit
-        goal, x = metric.lengths / unit, given.vertices / unit
-        system, before = LengthSystem(t), np.inf
-        for _ in range(20):  # from lengths nearby a few suffice; otherwise they are embedded anew
-            r = length_residuals(t, x, goal)
-            error = float(np.abs(r).max()) / goal.mean()
-            if error <= 1e-13 or not error <= 0.5 * before:  # rounding, or no quadratic convergence
-                break
-            try:
-                x, before = x - system.step(x, goal, r), error
-            except SingularMatrix:
-                break
-        error = float(np.abs(length_residuals(t, x, goal)).max()) / goal.mean()
-        vertices = (
-            unit * x if error <= 1e-10 else solve(metric, configured("aim")).vertices
-        )  # in mean edge lengths
+        goal = metric.lengths / unit
+        # From lengths nearby a few steps suffice; otherwise they are embedded anew.  In mean edge lengths.
+        found = length_newton(
+            LengthSystem(t),
+            given.vertices / unit,
+            goal,
+            contraction(0.5),
+            converged=below(1e-13 * goal.mean()),  # rounding
+            max_iterations=20,
+        )
+        near = found.value <= 1e-10 * goal.mean()
+        vertices = unit * found.point.x if near else solve(metric, configured("aim")).vertices
         return aligned(vertices, given.vertices)
 
     def linearized(self, lengths: ArrayLike) -> Linearized:

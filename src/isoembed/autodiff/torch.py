@@ -7,7 +7,7 @@ import numpy as np
 import torch
 
 from isoembed.autodiff.realization import Realization
-from isoembed.surface.embedding import Embedding
+from isoembed.embedding.embedding import Embedding
 
 
 def realization(surface: Embedding) -> Callable[[torch.Tensor], torch.Tensor]:

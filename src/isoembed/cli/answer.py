@@ -17,6 +17,8 @@ from isoembed.cli.screen import UsageError, print_aside, print_error, print_json
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
 from isoembed.cli.waiting import held
+from isoembed.embedding.certify import certify
+from isoembed.embedding.report import report
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer, ending
@@ -101,16 +103,16 @@ def answer(
         beside |= picture_writers(options, embedding, seen)
 
     @cache
-    def report() -> Mapping[str, Any]:  # it takes a while: only if it is asked for
-        return {**embedding.report, **(failure.report if failure is not None else {}), **reported}
+    def whole() -> Mapping[str, Any]:  # it takes a while: only if it is asked for
+        return {**report(embedding), **(failure.report if failure is not None else {}), **reported}
 
     try:
-        outputs.write(report=lambda _: report_writer(report()), **beside)
+        outputs.write(report=lambda _: report_writer(whole()), **beside)
     finally:
         if failure is not None:
             print_error(str(failure))
         if options.json:
-            print_json(report())
+            print_json(whole())
         elif not options.quiet:  # a summary and a certificate take a while
             say = print_out if failure is None and not outputs else print_aside
             if options.verbose or not options.output:
@@ -155,7 +157,7 @@ def _proof(embedding: isoembed.Embedding) -> str:
         return ""
     if embedding.triangulation.n_vertices > CERTIFIED:
         return "not certified: 'isoembed certify' does that for many vertices"
-    return embedding.certificate.reason
+    return certify(embedding).reason
 
 
 def solved(

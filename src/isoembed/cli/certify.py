@@ -9,7 +9,7 @@ from isoembed.cli.screen import print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import MESH_ENDINGS, read_metric, read_surface
 from isoembed.io.registry import METRIC_ENDINGS
-from isoembed.surface.certificate import certify
+from isoembed.proof.certificate import certify
 
 EXAMPLES = (
     "isoembed certify surface.ply metric.npz",

@@ -5,7 +5,7 @@ from typing import get_args
 
 from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.spacetimes.closed_form import SURFACES, Slice, kerr_surface
+from isoembed.relativity.spacetimes.kerr_surface import SURFACES, Slice, kerr_surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 
 OF_SPACETIME = (

@@ -10,6 +10,8 @@ from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.embedding.comparison import Comparison, compare, stated
+from isoembed.embedding.embedding import Embedding
 from isoembed.io import (
     MESH_ENDINGS,
     SURFACE_ENDINGS,
@@ -23,8 +25,6 @@ from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.coloring import mean_curvature_difference
 from isoembed.surface.changes import root_mean_square
-from isoembed.surface.comparison import Comparison, stated
-from isoembed.surface.embedding import Embedding
 
 NEEDED = "surfaces are compared on"
 SHOWN = {
@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
         Embedding(metric, each.vertices, method=each.method, tolerance=each.tolerance)
         for each in (first, second)
     )
-    found = one.comparison(other)
+    found = compare(one, other)
     if output:
         write_atomically({output: _writer(output, one, found)})
     if options.json:

@@ -10,6 +10,8 @@ from isoembed.cli.options import add_json_option, add_merge_option, add_output_o
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import Writer, ending
 from isoembed.io.registry import METRIC_ENDINGS
@@ -17,10 +19,9 @@ from isoembed.io.surface import mesh_writer, surface_data
 from isoembed.linalg import SingularMatrix
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.coloring import vertex_deviation
+from isoembed.proof.deviation_bound import DeviationBound
 from isoembed.surface.changes import Changes, root_mean_square
 from isoembed.surface.deviation import Deviation
-from isoembed.surface.deviation_bound import DeviationBound
-from isoembed.surface.embedding import Embedding
 
 EXAMPLES = (
     "isoembed deviation surface.ply --length-error 0.001",
@@ -56,8 +57,9 @@ def run(options: argparse.Namespace) -> int:
     errors = length_errors(options)
     assert errors is not None
     surface = read_surface(options.surface, merge=options.merge)
+    sensitivity = Sensitivity(surface)
     try:
-        found = surface.deviation_bound(errors) if options.bound else surface.deviation(errors)
+        found = sensitivity.deviation_bound(errors) if options.bound else sensitivity.deviation(errors)
     except SingularMatrix:
         raise not_rigid(options.surface) from None
     obstacle = found.report.get("reason")

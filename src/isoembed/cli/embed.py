@@ -15,7 +15,7 @@ from isoembed.cli.options import OF_RUNS, add_merge_option, add_run_options, add
 from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_error
-from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter
+from isoembed.errors import Interrupted, InvalidParameter
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
 from isoembed.io.files import ending
 from isoembed.methods import configuration, method_names
@@ -148,13 +148,6 @@ def run(options: argparse.Namespace) -> int:
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
     metric = read_metric(source, merge=options.merge, space=options.space, any_surface=True)
-    if not method.takes_boundary:
-        try:
-            metric.triangulation.check_sphere()
-        except InvalidMetric as error:
-            raise InvalidMetric(
-                f"{error}; --boundary free is for such surfaces, --boundary plane for convex caps"
-            ) from None
     if options.which is not None and options.which not in WHICH:
         near = Path(options.which)
         own = read_surface(near, merge=options.merge).metric

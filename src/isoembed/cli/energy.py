@@ -38,18 +38,12 @@ from isoembed.io.metric import in_space
 from isoembed.io.title_line import WRITTEN
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.relativity.energies.embedded import conventions, embed_surface
-from isoembed.relativity.energies.mesh_deviation import mesh_deviation
-from isoembed.relativity.energies.mesh_energies import mesh_energies
-from isoembed.relativity.energies.report import (
-    checked_report,
-    energy_table,
-    mesh_report,
-    unembedded_report,
-    wang_yau_report,
-)
+from isoembed.relativity.energies.embedded import conventions, embed_surface, embedded_report
+from isoembed.relativity.energies.mesh_energies import mesh_deviation, mesh_energies
+from isoembed.relativity.energies.report import checked_report, energy_table, mesh_report, unembedded_report
+from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
-from isoembed.relativity.horizons.expansion import judged, noted_near
+from isoembed.relativity.horizons.expansion import classify_horizon, classify_surface
 from isoembed.relativity.horizons.grid_file import read_metric_or_grid
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -194,14 +188,15 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
         _show(options, _with_check(data, report))
         _end(options, band)
         return NOT_EMBEDDED
-    report, least = wang_yau_report(surface) if options.wang_yau else (surface.report, None)
+    found = surface.wang_yau if options.wang_yau else None
+    shown = found if isinstance(found, WangYau) else surface
     if options.band:
         why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
         print_error(f"{options.band} is not written: {why}")
     try:
-        _show(options, _with_check(data, report))
+        _show(options, _with_check(data, embedded_report(surface, found)))
     finally:
-        files = outputs.write(output=lambda path: mesh_writer(path, **(least or surface).mesh(number)))
+        files = outputs.write(output=lambda path: mesh_writer(path, **shown.mesh(number)))
     _end(options, files)
     return OK
 
@@ -258,7 +253,7 @@ def _sphere(options: argparse.Namespace) -> SurfaceData:
 def _decided(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
     """The data of a surface that is taken for a horizon where the options say so."""
     said = marginal(options)
-    return noted_near(data) if said is None else judged(data, said)
+    return classify_surface(data) if said is None else classify_horizon(data, said)
 
 
 def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from isoembed.cli.screen import UsageError
+from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import Writer
 from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES, SIDES, spelled
 from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS, PICTURE_ENDINGS
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from isoembed.plot.film import Film, Frame

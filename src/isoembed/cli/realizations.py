@@ -9,10 +9,11 @@ from isoembed.cli.outputs import print_written
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.embedding.certify import certify
+from isoembed.embedding.embedding import Embedding
 from isoembed.io import MESH_ENDINGS, read_metric, read_surface, write_atomically
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import surface_writer
-from isoembed.surface.embedding import Embedding
 
 EXAMPLES = (
     "isoembed realizations surface.ply metric.npz -o others",
@@ -97,15 +98,15 @@ def _table(found: Realizations) -> list[str]:
         f"{'':>4} {'distance':>9} {'nearest':>9} {'roughness':>10} {'fine':>9} {'radius':>8} {'isolation':>9}"
     ]
     for i, (surface, distance) in enumerate(zip(found.surfaces, found.distances, strict=True)):
-        proof = surface.certificate
+        proof = certify(surface)
         nearest = min((float(d) for j, d in enumerate(found.apart[i]) if j != i), default=None)
         numbers = [
             "-" if value is None else f"{value:.{digits}e}"
             for value, digits in (
                 (distance, 2),
                 (nearest, 2),
-                (surface.roughness, 3),
-                (surface.fine_roughness, 2),
+                (surface.surface.roughness, 3),
+                (surface.surface.fine_roughness, 2),
                 (proof.radius if proof.certified else None, 1),
                 (proof.isolation if proof.certified else None, 2),
             )

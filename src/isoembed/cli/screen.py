@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout, suppress
 from typing import Any, TextIO
 
+from isoembed.cli.advice import in_options
+
 
 class UsageError(ValueError):
     """A command line that is well formed but makes no sense."""
@@ -16,13 +18,19 @@ class OutputError(RuntimeError):
 
 
 def print_out(text: str) -> None:
-    """Print an answer.  A reader who has gone away (``| head``) is no failure of ours.
+    """Print an answer, with options in the place of Python arguments.
+
+    A reader who has gone away (``| head``) is no failure of ours.
 
     Raises
     ------
     OutputError
         Standard output is closed, or the system refused otherwise: no space.
     """
+    _print_out(in_options(text))
+
+
+def _print_out(text: str) -> None:
     if sys.stdout is None:
         raise OutputError("cannot write to standard output: it is closed")
     try:
@@ -51,13 +59,13 @@ def print_json(document: Any) -> None:
     """Print an answer as strict JSON."""
     from isoembed.strict_json import strict_json  # loads numpy
 
-    print_out(strict_json(document, indent=2))
+    _print_out(strict_json(document, indent=2))
 
 
 def print_error(message: str, kind: str = "error") -> None:
-    """Print ``isoembed: error: message``, or of another kind, in one line."""
+    """Print ``isoembed: error: message``, or of another kind, in one line, as `print_out` does."""
     if sys.stderr is not None:
-        line = " ".join(f"isoembed: {kind}: {message}".split())
+        line = " ".join(f"isoembed: {kind}: {in_options(message)}".split())
         with suppress(OSError):  # there is nobody left to tell
             print(_encodable(line, sys.stderr), file=sys.stderr, flush=True)
 

@@ -12,13 +12,16 @@ from isoembed.cli.screen import UsageError
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import input_ending
 from isoembed.relativity.series.slice_files import read_slice
-from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
-from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild, horizon_radius
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild, horizon_radius
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BoostedSchwarzschild,
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+    Superposed,
+)
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.relativity.spacetimes.translated import Translated
+from isoembed.relativity.spacetimes.transformed import Translated
 
 OF_SLICE = ("mass", "spin", "center", "velocity", "masses", "positions", "velocities")
 DEFAULTS = {"mass": 1.0, "spin": (0.0, 0.0, 0.0)}

@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from isoembed.surface.embedding import Embedding
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.report import report
 
 
 def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False) -> str:
@@ -11,14 +12,14 @@ def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False)
 
     Of one that failed the message is left out: it is the error.
     """
-    report = embedding.report
-    size, residual = report["input"], report["residual"]
-    convexity, smoothness = report["convexity"], report["smoothness"]
+    found = report(embedding)
+    size, residual = found["input"], found["residual"]
+    convexity, smoothness = found["convexity"], found["smoothness"]
     lines = [
-        f"{report['status']}: {'the best attempt' if failed else report['message']}",
+        f"{found['status']}: {'the best attempt' if failed else found['message']}",
         "",
-        f"method      {report['method']}, tolerance {report['tolerance']:.0e}",
-        *_space(report["space"]),
+        f"method      {found['method']}, tolerance {found['tolerance']:.0e}",
+        *_space(found["space"]),
         f"input       {size['vertices']} vertices, {size['edges']} edges, {size['faces']} faces, "
         f"{size['negative_deficits']} negative deficits",
         f"residual    {_error(residual['max'])} max, {residual['mean']:.2e} mean, {residual['std']:.2e} std "
@@ -28,11 +29,11 @@ def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False)
         f"smoothness  {smoothness['rough_edges']} edges bent against their neighborhood, "
         f"roughness {_short(smoothness['roughness'])}, bending energy {_short(smoothness['bending_energy'])}",
         f"rigidity    smallest singular value {_short(smoothness['smallest_singular_value'])}",
-        f"proof       {report['certificate']['reason']}",
-        *_sheet(report.get("sheet")),
-        f"area        {_measure(report, 'area')}",
-        *([] if "sheet" in report else [f"volume      {_measure(report, 'volume')}"]),
-        f"int H dA    {_measure(report, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
+        f"proof       {found['certificate']['reason']}",
+        *_sheet(found.get("sheet")),
+        f"area        {_measure(found, 'area')}",
+        *([] if "sheet" in found else [f"volume      {_measure(found, 'volume')}"]),
+        f"int H dA    {_measure(found, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
     ]
     if stages and embedding.stages:
         width = max(len("total"), *(len(stage.name) for stage in embedding.stages))

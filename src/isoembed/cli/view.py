@@ -10,13 +10,13 @@ from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.pictures import add_color_option, color_of
 from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
+from isoembed.embedding.embedding import Embedding
 from isoembed.io import read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.page import page_writer, write_page
-from isoembed.surface.embedding import Embedding
 
 EXAMPLES = (
     "isoembed view surface.ply",

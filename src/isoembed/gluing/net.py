@@ -220,7 +220,7 @@ def _remedy(sheets: Sequence[Polygon], sides: Any, corners: Any, difference: flo
         except InvalidMetric:
             return "; correct them"
     moved = 0.0 if net.correction is None else net.correction.largest
-    return f"; correct them, or allow it: --tolerance {word} (tolerance={word}) moves corners by {moved:.1g}"
+    return f"; correct them, or allow it: tolerance={word} moves corners by {moved:.1g}"
 
 
 def _glued(sheets: Sequence[Polygon], sides: Sequence[Any] | None, corners: Any, allowed: Tolerance) -> Net:

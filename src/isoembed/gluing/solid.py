@@ -3,16 +3,18 @@
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.gluing.net import Net
-from isoembed.linalg import SingularMatrix
 from isoembed.method import TOLERANCE, solve
 from isoembed.methods import configured
 from isoembed.metric.convexity import deficit_rounding
+from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.stopping import never
 from isoembed.progress.checkpoints import Checkpoint
 from isoembed.progress.stages import Listener, Log
-from isoembed.surface.embedding import Embedding
-from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.surface.length_newton import length_newton
+from isoembed.surface.rigidity import LengthSystem
 
 
 def embed_net(
@@ -46,7 +48,7 @@ def embed_net(
         No surface was found.
     """
     folded = None if net.folded is None else _folded(net, tolerance, progress)
-    if folded is not None and folded.concave_edges.any():
+    if folded is not None and folded.surface.concave_edges.any():
         return folded
     v = int(np.argmin(net.deficits))
     if net.deficits[v] >= -deficit_rounding(net.faces, net.face_lengths, net.curvature)[v]:
@@ -74,7 +76,7 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
         found = solve(net.simplicial(), configured("aim"), tolerance=tolerance, progress=progress)
     except NotEmbedded:
         return None
-    allowed = 1e-7 * found.metric.mean_length + 2 * found._vertex_error * found.metric.unit
+    allowed = 1e-7 * found.metric.mean_length + 2 * found.surface.vertex_error
 
     def is_flat(points: Floats) -> bool:
         across = np.linalg.svd(points - points.mean(axis=0))[2][2]
@@ -89,23 +91,18 @@ def _folded(net: Net, tolerance: float, progress: Listener | None) -> Embedding 
     metric = net.simplicial()
     if net.folded is None or len(net.folded) != metric.triangulation.n_vertices:
         return None
-    unit = metric.normalized
-    vertices, lengths = net.folded / metric.unit, unit.lengths
     log = Log(progress)
     with log.stage("folding") as recorder:
-        system = LengthSystem(metric.triangulation)
-        residuals = length_residuals(metric.triangulation, vertices, lengths)
         # Angles are known to a few digits at least: Newton's method gains as many at each of a few steps.
-        for _ in range(10):
-            recorder.iterations += 1
-            try:
-                moved = vertices - system.step(vertices, lengths, residuals)
-            except SingularMatrix:
-                break
-            after = length_residuals(metric.triangulation, moved, lengths)
-            if not np.abs(after).max() < np.abs(residuals).max() / 2:
-                break
-            vertices, residuals = moved, after
+        vertices = length_newton(
+            LengthSystem(metric.triangulation),
+            net.folded / metric.unit,
+            metric.normalized.lengths,
+            contraction(0.5),
+            converged=never,
+            max_iterations=10,
+            recorder=recorder,
+        ).point.x
     embedding = Embedding(
         metric, metric.unit * vertices, method="folding", tolerance=tolerance, stages=log.stages
     )

@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.faces import Faces, true_faces
 from isoembed.gluing.loops import joined
 from isoembed.gluing.net import Net, glue
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
-from isoembed.surface.embedding import Embedding
 from isoembed.thresholds import threshold
 
 
@@ -97,7 +97,7 @@ class Unfolding:
         InvalidParameter
             There is no such paper, or a sheet does not fit on it.
         """
-        # As those of `isoembed.surface.views`, this import is upward, and named in the contract.
+        # As those of `isoembed.embedding.embedding`, this import is upward, and named in the contract.
         from isoembed.plot.saving import save_unfolding
 
         save_unfolding(self, path, paper=paper, scale=scale)
@@ -143,7 +143,7 @@ def unfold(surface: Embedding) -> Unfolding:
         raise InvalidMetric(f"the surface is in {surface.metric.space.name} space: paper is flat")
     unit = surface.metric.unit
     vertices = surface.vertices / unit
-    faces = true_faces(surface.triangulation, vertices, surface._vertex_error)
+    faces = true_faces(surface.triangulation, vertices, surface.surface.vertex_error / surface.metric.unit)
     steps = vertices[faces.corners[faces.twins]] - vertices[faces.corners]
     lengths = np.linalg.norm(steps, axis=1)
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))

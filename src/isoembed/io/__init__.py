@@ -13,6 +13,7 @@ from isoembed.io.files import FileError, write_atomically
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.metric import metric_writer, read_metric, write_metric
+from isoembed.io.objects import to_pyvista, to_trimesh
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS, SURFACE_ENDINGS, check_output
 from isoembed.io.report import REPORT_ENDINGS, report_writer, write_report
 from isoembed.io.surface import mesh_writer, read_surface, surface_writer, write_surface
@@ -35,6 +36,8 @@ __all__ = [
     "read_surface",
     "report_writer",
     "surface_writer",
+    "to_pyvista",
+    "to_trimesh",
     "write_atomically",
     "write_checkpoint",
     "write_metric",

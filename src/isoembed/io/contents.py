@@ -2,12 +2,12 @@
 
 import os
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.gluing import Net
 from isoembed.io.metric import metric_of, read_tables
 from isoembed.io.net import holds_net, read_net
 from isoembed.io.surface import surface_of
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.surface.embedding import Embedding
 
 
 def read(path: str | os.PathLike[str], *, merge: float | None = None) -> Embedding | PolyhedralMetric | Net:

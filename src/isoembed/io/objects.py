@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.io.format import at_vertices, by_size, of_the_whole
 from isoembed.io.surface import polygon_faces, surface_data
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     import pyvista
@@ -16,7 +16,19 @@ if TYPE_CHECKING:
 
 
 def to_trimesh(embedding: Embedding) -> trimesh.Trimesh:
-    """See `Embedding.to_trimesh`."""
+    """Return a surface as an object of trimesh, with the same vertices and triangles.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        With ``mean_curvature`` and ``residual`` (V,) among its ``vertex_attributes``.  Of hyperbolic and
+        spherical space its vertices are conformal coordinates, and its ``metadata`` has the ``curvature``.
+
+    Raises
+    ------
+    ImportError
+        trimesh is not installed: ``pip install 'isoembed[trimesh]'``.
+    """
     try:
         import trimesh
     except ImportError:
@@ -32,7 +44,20 @@ def to_trimesh(embedding: Embedding) -> trimesh.Trimesh:
 
 
 def to_pyvista(embedding: Embedding) -> pyvista.PolyData:
-    """See `Embedding.to_pyvista`."""
+    """Return a surface as an object of PyVista: ``to_pyvista(surface).plot(scalars="mean_curvature")``.
+
+    Returns
+    -------
+    pyvista.PolyData
+        With ``mean_curvature`` and ``residual`` (V,) among its ``point_data``.  The faces of a
+        `ConvexPolyhedron` are polygons, but for those with flat vertices inside.  Of hyperbolic and spherical
+        space its points are conformal coordinates, and its ``field_data`` has the ``curvature``.
+
+    Raises
+    ------
+    ImportError
+        PyVista is not installed: ``pip install 'isoembed[pyvista]'``.
+    """
     try:
         import pyvista
     except ImportError:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.io.files import FileError, Tables, Writer, ending, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.metric import facts, metric_of, read_tables
@@ -18,9 +20,8 @@ from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.space.models import to_model
-from isoembed.surface.embedding import Embedding
+from isoembed.surface.flat_faces import FlatFaces
 from isoembed.surface.measures import volume
-from isoembed.surface.polyhedron import Polyhedron
 
 PLANE = 1e-12  # sizes of a polygon, that rounding puts its corners off a plane
 
@@ -86,10 +87,10 @@ def surface_of(tables: Tables, name: str) -> Embedding:
             length_errors=metric.length_errors,
         ).rounded_as(metric)
     surface = Embedding(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
-    if surface.concave_edges.any():
+    if surface.surface.concave_edges.any():
         return surface
     polyhedron = Polyhedron(metric, vertices, method="given", tolerance=TOLERANCE, message=message)
-    return surface if polyhedron.polygon_edges.all() else polyhedron
+    return surface if polyhedron.surface.flat_faces.edges.all() else polyhedron
 
 
 def mesh_writer(path: str | os.PathLike[str], vertices: ArrayLike, faces: Polygons, **data: Floats) -> Writer:
@@ -149,11 +150,13 @@ def polygon_faces(embedding: Embedding) -> Polygons:
     What is read again is the same surface: readers cut polygons, which are planar but for rounding, along
     diagonals of their choice.
     """
-    polygons, owners, faces = embedding.polygons, embedding.face_polygons, embedding.faces
-    if polygons is faces:
+    faces, found = embedding.faces, embedding.surface.flat_faces
+    if not isinstance(found, FlatFaces):
         return faces
+    polygons, owners = found.polygons, found.of_triangles
     triangles = np.split(faces[np.argsort(owners, kind="stable")], np.cumsum(np.bincount(owners))[:-1])
-    points = embedding._straight
+    normalized = embedding.vertices / embedding.metric.unit
+    points = to_model(embedding.metric.normalized.space, normalized, "projective")
     as_is = _cut_as(list(polygons), triangles, points)
     as_turned = _cut_as([np.roll(polygon, 1) for polygon in polygons], triangles, points)
     out: list[Indices] = []

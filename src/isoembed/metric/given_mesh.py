@@ -25,7 +25,7 @@ class MergingThresholds:
     """Thresholds of vertices that coincide."""
 
     usual: float = threshold(
-        1e-5, "mean edge lengths", "What `--merge` merges: rounding in single precision."
+        1e-5, "mean edge lengths", "Distance within which vertices coincide: rounding in single precision."
     )
     near: float = threshold(1e-2, "mean edge lengths", "Vertices on boundaries that may be meant to be one.")
 
@@ -113,7 +113,7 @@ def merging_advice(points: Floats, faces: ArrayLike, space: Space = EUCLIDEAN) -
         needed = "" if farthest <= MERGING.usual else rounded_up(farthest, 1)
         tolerance = needed or f"{MERGING.usual:g}"
         if _is_mended(points, faces, float(tolerance), space):
-            return f"; {fact}: {remedy} with {f'--merge {needed}'.strip()} (merge={tolerance})"
+            return f"; {fact}: {remedy} with merge={tolerance}"
     return f"; {found[0][0]}, but merging them does not close the surface" if found[0] else ""
 
 
@@ -183,7 +183,7 @@ def _side_advice(points: Floats, corners: Indices, sizes: Indices) -> str:
     k = int(np.argmax(short))
     return (
         f"; {_count(short.sum(), 'side has', 'sides have')} no length (the first from vertex {corners[k]} "
-        f"to {after[k]}): merge vertices that coincide with --merge (merge={MERGING.usual:g})"
+        f"to {after[k]}): merge vertices that coincide with merge={MERGING.usual:g}"
     )
 
 

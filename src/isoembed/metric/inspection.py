@@ -210,7 +210,7 @@ def _warnings(
             *("dual_areas", duals <= 0, "dual areas that are not positive"),
             lambda v: (
                 f"vertex {v}: the curvature k = deficit / dual area is undefined there, and methods "
-                "that flow by it (--method paper) may fail"
+                'that flow by it (method="paper") may fail'
             ),
         ),
         (

@@ -49,7 +49,7 @@ def _check(mesh: Any, names: tuple[str, str], who: str) -> None:
 
 
 def _space(data: Any) -> dict[str, Any]:
-    """The space that the vertices are in, as `Embedding.to_trimesh` and `Embedding.to_pyvista` say it."""
+    """The space that the vertices are in, as `isoembed.io.to_trimesh` and `isoembed.io.to_pyvista` say it."""
     if "curvature" not in data:
         return {}
     return {"curvature": float(np.ravel(data["curvature"])[0]), "model": "conformal"}

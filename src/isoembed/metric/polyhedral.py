@@ -186,7 +186,7 @@ class PolyhedralMetric:
         ----------
         mesh : trimesh.Trimesh
             A ``curvature`` in its ``metadata`` is that of the space whose conformal coordinates the vertices
-            are, as `Embedding.to_trimesh` writes it.
+            are, as `isoembed.io.to_trimesh` writes it.
         merge : float, optional
             As of `from_mesh`.
 
@@ -207,7 +207,7 @@ class PolyhedralMetric:
         ----------
         mesh : pyvista.PolyData
             Polygons are cut into triangles.  A ``curvature`` in its ``field_data`` is that of the space whose
-            conformal coordinates the points are, as `Embedding.to_pyvista` writes it.
+            conformal coordinates the points are, as `isoembed.io.to_pyvista` writes it.
         merge : float, optional
             As of `from_mesh`: sharp edges of PyVista's own bodies have their points twice.
 

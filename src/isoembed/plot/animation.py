@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.coloring import mean_curvature
@@ -20,7 +21,6 @@ from isoembed.plot.infinity import ball, draw_infinity
 from isoembed.plot.panel import Panel
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
 from isoembed.plot.view import Pose, View, camera
-from isoembed.surface.embedding import Embedding
 
 IMAGES_PER_SECOND = 10  # of a film in a file
 LONGEST = 6.0  # seconds from the first surface to the answer
@@ -106,11 +106,13 @@ def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
     """The heading and the caption of a surface."""
     surface = frame.surface(embedding)
     place = "" if frame.t is None else f"     t = {frame.t:.2f}"
-    inverted = int(surface.inverted_vertices.sum() + surface.partially_inverted_vertices.sum())
+    inverted = int(
+        surface.surface.inverted_vertices.sum() + surface.surface.partially_inverted_vertices.sum()
+    )
     return (
         f"{frame.stage}{place}",
         f"{embedding.triangulation.n_vertices:,} vertices     "
-        f"{int(surface.concave_edges.sum()):,} concave edges     "
+        f"{int(surface.surface.concave_edges.sum()):,} concave edges     "
         f"{inverted:,} inverted or partially inverted vertices",
     )
 

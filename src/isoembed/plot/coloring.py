@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons, flattened
 from isoembed.io.surface import vertex_residuals
 from isoembed.metric.curvature import area
 from isoembed.progress.stages import Log
 from isoembed.similar_names import did_you_mean
-from isoembed.surface.embedding import Embedding
+from isoembed.surface.flat_faces import FlatFaces
 
 if TYPE_CHECKING:
+    from isoembed.embedding.comparison import Comparison
     from isoembed.surface.changes import Changes
-    from isoembed.surface.comparison import Comparison
 
 
 SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: a residual of zero is shown as this
@@ -95,7 +96,7 @@ def residual(embedding: Embedding) -> Quantity:
 
 def concavity(embedding: Embedding) -> Quantity:
     """The share of the edges at each vertex that are concave; beyond 0.7 it is partially inverted."""
-    ends = embedding.metric.edges[embedding.concave_edges].ravel()
+    ends = embedding.metric.edges[embedding.surface.concave_edges].ravel()
     counts = np.bincount(ends, minlength=embedding.triangulation.n_vertices)
     return Quantity(
         "concave edges", "share of concave edges at a vertex", counts / embedding.triangulation.degrees
@@ -128,9 +129,9 @@ def sides(embedding: Embedding) -> Quantity | None:
 
     What lies in one line is one side.
     """
-    if embedding.polygons is embedding.faces:
+    if not isinstance(embedding.surface.flat_faces, FlatFaces):
         return None
-    counts = embedding.face_sides.astype(np.float64)
+    counts = embedding.surface.flat_faces.sides.astype(np.float64)
     return Quantity(SIDES, "number of sides of a face", counts, at="faces")
 
 
@@ -163,8 +164,8 @@ QUANTITIES = {
 
 def usual(embedding: Embedding) -> str:
     """What colors show where nothing is asked for: H is no property of polyhedra, whose edges have it all."""
-    is_polyhedron = embedding.polygons is not embedding.faces and len(embedding.polygons) <= FEW_FACES
-    return SIDES if is_polyhedron else MEAN_CURVATURE
+    faces = embedding.surface.flat_faces
+    return SIDES if isinstance(faces, FlatFaces) and len(faces) <= FEW_FACES else MEAN_CURVATURE
 
 
 def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
@@ -211,5 +212,5 @@ def face_means(values: Floats, faces: Polygons) -> Floats:
 
 def faces_counted(embedding: Embedding) -> str:
     """How many faces of which kind, as a caption says it."""
-    kind = "triangles" if embedding.polygons is embedding.faces else "faces"
-    return f"{len(embedding.polygons):,} {kind}"
+    faces = embedding.surface.flat_faces
+    return f"{len(faces):,} {'faces' if isinstance(faces, FlatFaces) else 'triangles'}"

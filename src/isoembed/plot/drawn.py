@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.io.format import Polygons
 from isoembed.io.title_line import WRITTEN
@@ -18,7 +19,6 @@ from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.pieces import Pieces, middles
 from isoembed.space import Space
 from isoembed.space.models import radius_of, to_model
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.segments import Segments
 
 MAX_BEND = 1e-3  # half diameters by which a straight piece of an edge may miss the arc
@@ -81,9 +81,9 @@ class Drawn:
 
     def face_values(self, shown: Quantity) -> Floats:
         """Values of what is drawn: each face has one, that of its pieces."""
-        surface = self.surface
-        values = shown.values if shown.at == "faces" else face_means(shown.values, surface.polygons)
-        return np.repeat(values[surface.face_polygons], self.pieces.per_face) if self.pieces.cuts else values
+        faces, pieces = self.surface.surface.flat_faces, self.pieces
+        values = shown.values if shown.at == "faces" else face_means(shown.values, faces.polygons)
+        return np.repeat(values[faces.of_triangles], pieces.per_face) if pieces.cuts else values
 
     def spread(self, shown: Quantity) -> Quantity:
         """A quantity at all vertices that are drawn; one of faces as it is."""
@@ -95,12 +95,12 @@ class Drawn:
         """The edges between faces as `put` has placed them; None where the outlines of faces are those."""
         if not self.pieces.cuts:
             return None
-        between = self.surface.polygon_edges[self.pieces.owners]
+        between = self.surface.surface.flat_faces.edges[self.pieces.owners]
         return Segments(placed[self.pieces.edges[between]], self.pieces.beside()[between])
 
     def seams_in_space(self) -> Segments:
         """The seams of a net in pieces, between points of space, and the triangles beside them."""
-        ends, beside = self.surface.seams
+        ends, beside = self.surface.surface.seams
         if self.space.is_euclidean or not len(ends):
             return Segments(ends, beside)
         ends = self.space.translated(ends, -self.center)
@@ -115,7 +115,7 @@ class Drawn:
         ends, beside = self.seams_in_space()
         placed = to_model(self.space, ends, WRITTEN)
         if not self.pieces.cuts:
-            return Segments(placed, self.surface.face_polygons[beside])
+            return Segments(placed, self.surface.surface.flat_faces.of_triangles[beside])
         corners = self.put(self.surface.vertices)[self.pieces.faces].mean(axis=1)
         own = beside[..., None] * self.pieces.per_face + np.arange(self.pieces.per_face)
         apart = np.linalg.norm(corners[own] - placed.mean(axis=1)[:, None, None], axis=3)

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Progress
 from isoembed.space.models import from_model
 from isoembed.surface.alignment import aligned
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import outward
 
 ANSWER = "answer"

@@ -6,10 +6,10 @@ import base64
 import io
 from html import escape
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import FileError
 from isoembed.plot.page import page_html
 from isoembed.plot.picture import figure
-from isoembed.surface.embedding import Embedding
 
 PAGE_VERTICES = 5000  # more, and the report takes seconds: no page is shown
 

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.report import report
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, write_atomically
 from isoembed.io.format import Polygons
@@ -38,15 +40,13 @@ from isoembed.plot.view import Pose, camera
 from isoembed.space import Space
 from isoembed.space.models import MODELS, NAMES
 from isoembed.strict_json import plain
-from isoembed.surface.embedding import Embedding
+from isoembed.surface.flat_faces import FlatFaces
 
 MAX_FRAMES = 40  # of a film in a page: more are not seen
 MAX_BYTES = 6_000_000  # of all frames of a page but the last; as text a third more
 
 
-LEAPT = (
-    "The method leaped to this surface: there is none on the way to it. With --method paper there are some."
-)
+LEAPT = "The method leaped to this surface: there is none on the way to it. The method 'paper' has some."
 ALONE = "This method has no surface before the answer."
 PAUSE = 140  # milliseconds from one frame to the next
 COLORS = 65  # the browser interpolates between them
@@ -114,8 +114,8 @@ def write_page(
 
 def _page(embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), caption: str = "") -> Document:
     data, arrays = _data(embedding, frames)
-    report = embedding.report
-    return Document(title, caption or _caption(embedding), report_html(report), report, data, arrays)
+    found = report(embedding)
+    return Document(title, caption or _caption(embedding), report_html(found), found, data, arrays)
 
 
 def _caption(embedding: Embedding) -> str:
@@ -153,7 +153,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
         return {
             "told": [],
             "mesh": 0,
-            "concave": packed.add(_bits(edges, surface.concave_edges)),
+            "concave": packed.add(_bits(edges, surface.surface.concave_edges)),
             "positions": add(pose.put(drawn.points(surface.vertices)).ravel()),
             "values": {q.name: shades(drawn.spread(q), add, surface.polygons) for q in of},
         }
@@ -189,11 +189,12 @@ def _bits(edges: Indices, mask: Mask) -> NDArray[np.uint8]:
 
 def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) -> dict[str, Any]:
     """The triangles that are drawn, and the faces that they are parts of."""
-    faceted = pieces.cuts > 0 or embedding.polygons is not embedding.faces
+    faces = embedding.surface.flat_faces
+    faceted = pieces.cuts > 0 or isinstance(faces, FlatFaces)
     return {
         "faces": packed.add(pieces.faces.ravel()),
-        "polygons": packed.add(np.repeat(embedding.face_polygons, pieces.per_face)) if faceted else None,
-        "outlines": packed.add(_bits(edges, embedding.polygon_edges)) if faceted else None,
+        "polygons": packed.add(np.repeat(faces.of_triangles, pieces.per_face)) if faceted else None,
+        "outlines": packed.add(_bits(edges, faces.edges)) if faceted else None,
         "solid": len(pieces.faces),
         "cuts": pieces.cuts,
         "own": packed.add(pieces.nearest()) if pieces.cuts else None,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.browser.ramp import diverging
@@ -20,7 +21,6 @@ from isoembed.plot.infinity import draw_infinity, window
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.panel import Panel
 from isoembed.plot.view import View
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.segments import Segments
 
 if TYPE_CHECKING:
@@ -346,7 +346,7 @@ def draw(
 
 def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
-    seams = "red: where the paper was glued" if len(embedding.seams.ends) else ""
+    seams = "red: where the paper was glued" if len(embedding.surface.seams.ends) else ""
     below = "     ".join(filter(None, (seams, said(embedding.space))))
     return (
         f"{t.n_vertices:,} vertices, {faces_counted(embedding)}     "

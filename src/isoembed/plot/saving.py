@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.net import NET_ENDINGS, net_writer
@@ -16,7 +17,6 @@ from isoembed.plot.endings import PAGE_ENDINGS, PICTURE_ENDINGS, SHEET_ENDINGS
 from isoembed.plot.page import page_writer
 from isoembed.plot.picture import picture_writer
 from isoembed.plot.sheets import sheets_writer
-from isoembed.surface.embedding import Embedding
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.report import report
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, NotEmbedded
 from isoembed.io.digest import file_digest, unchanged
 from isoembed.io.files import FileError
@@ -18,7 +20,6 @@ from isoembed.method import Method, solve
 from isoembed.progress.fingerprint import described
 from isoembed.runs.result import REFUSED, Result
 from isoembed.space import Space
-from isoembed.surface.embedding import Embedding
 
 
 @dataclass(frozen=True)
@@ -86,12 +87,14 @@ class EmbeddingTask:
                 if self.length_error is not None and not chosen:
                     found = found.with_length_errors(self.length_error)
             except NotEmbedded as error:
-                report = {**error.embedding.report, **error.report, **self.facts}
-                return Result(self.label, error.embedding.status, report)
+                told = {**report(error.embedding), **error.report, **self.facts}
+                return Result(self.label, error.embedding.status, told)
             except (FileError, InvalidMetric, InvalidParameter) as error:
                 return Result.without_answer(self.label, REFUSED, str(error), **self.facts)
         said = [str(note.message) for note in notes if issubclass(note.category, MeshNote)]
-        return Result(self.label, found.status, {**found.report, **self.facts, "notes": said}, _arrays(found))
+        return Result(
+            self.label, found.status, {**report(found), **self.facts, "notes": said}, _arrays(found)
+        )
 
 
 def _arrays(found: Embedding) -> dict[str, Any]:

@@ -13,8 +13,11 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, kron
 
 from isoembed.arrays import Floats, Mask
-from isoembed.linalg import SingularMatrix, factor_general
+from isoembed.linalg import factor_general
 from isoembed.metric.curvature import face_areas
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.newton import newton
+from isoembed.nonlinear.stopping import short_step
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints
@@ -91,47 +94,45 @@ def through_curve(
         return x
     form = csr_array(kron(2 * energy.form, np.eye(3), format="csr"))[free][:, free]
 
-    def value(vertices: Floats, epsilon: float) -> float:
-        r = lengths.residuals(vertices)[inner]
-        return float(r @ r) / 2 + epsilon * energy.value(vertices)
+    def minimized(start: Floats, epsilon: float, most: int, shortest: float) -> Floats:
+        """The minimum near a start, by Gauss-Newton steps, the last one no longer than this."""
 
-    def descend(vertices: Floats, epsilon: float) -> tuple[Floats, float]:
-        J = lengths.jacobian(vertices)[np.flatnonzero(inner)][:, free]
-        r = lengths.residuals(vertices)[inner]
-        gradient = J.T @ r + 2 * epsilon * (energy.form @ vertices).ravel()[free]
-        recorder.factorizations += 1
-        recorder.iterations += 1
-        step = np.zeros(vertices.size)
-        try:
+        def solve(vertices: Floats, r: Floats) -> Floats:
+            recorder.show(residual=float(np.abs(r).max()) / unit)
+            J = lengths.jacobian(vertices)[np.flatnonzero(inner)][:, free]
+            gradient = J.T @ r + 2 * epsilon * (energy.form @ vertices).ravel()[free]
+            recorder.factorizations += 1
+            recorder.iterations += 1
+            step = np.zeros(vertices.size)
+            # Singular where the lengths leave a motion free.
             step[free] = factor_general(J.T @ J + epsilon * form).solve(gradient)
-        except SingularMatrix:  # the lengths leave a motion free
-            return vertices, 0.0
-        part, before = 1.0, value(vertices, epsilon)
-        while part > 1e-3 and not value(vertices - part * step.reshape(-1, 3), epsilon) < before:
-            part /= 2
-        recorder.show(residual=float(np.abs(r).max()) / unit)
-        if part <= 1e-3:
-            return vertices, 0.0
-        return vertices - part * step.reshape(-1, 3), part * float(np.abs(step).max())
+            return step.reshape(-1, 3)
+
+        return newton(
+            start,
+            lambda x: lengths.residuals(x)[inner],
+            solve,
+            LineSearch(decrease=0.0, shortest=1e-3),
+            norm=lambda p: float(p.residual @ p.residual) / 2 + epsilon * energy.value(p.x),
+            converged=short_step(shortest),
+            max_iterations=most,
+        ).point.x
 
     for weight in WEIGHTS:
-        for _ in range(DESCENT):
-            x, moved = descend(x, weight * energy.area)
-            if moved < SETTLED * unit:
-                break
+        x = minimized(x, weight * energy.area, DESCENT, SETTLED * unit)
 
     def settled(vertices: Floats) -> Floats:
-        for _ in range(NEWTON):
-            vertices, moved = descend(vertices, 0.0)
-            if moved < 1e-14 * unit:
-                break
-        return vertices
+        return minimized(vertices, 0.0, NEWTON, 1e-14 * unit)
+
+    def squares(vertices: Floats) -> float:
+        r = lengths.residuals(vertices)[inner]
+        return float(r @ r)
 
     x = settled(x)
     for _ in range(ROUNDS):
         for start in _reflected(lengths, x, inner):
             y = settled(start)
-            if value(y, 0.0) < BETTER * value(x, 0.0):
+            if squares(y) < BETTER * squares(x):
                 x = y
                 break
         else:

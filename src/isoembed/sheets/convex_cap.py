@@ -19,16 +19,17 @@ from scipy.sparse import csr_array, vstack
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
-from isoembed.linalg import SingularMatrix, factor_general
+from isoembed.linalg import factor_general
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.newton import largest, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
 
 STEPS = 60  # of Newton's method at most
 EXACT = 1e-14  # largest residual, in mean edge lengths, that ends it
-HALVINGS = 12  # of a step at most
 
 
 def check_cap(metric: PolyhedralMetric) -> None:
@@ -119,26 +120,21 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
         flat = vertices.ravel()
         return np.concatenate([lengths.residuals(vertices), vertices[loop, 2] - heights, fixed @ flat - held])
 
-    vertices, missed = start, equations(start)
-    for _ in range(STEPS):
-        residual = float(np.abs(missed).max()) / metric.mean_length
-        recorder.show(residual=residual)
-        if residual < EXACT:
-            break
+    def solve(vertices: Floats, missed: Floats) -> Floats:
+        recorder.show(residual=float(np.abs(missed).max()) / metric.mean_length)
         matrix = vstack([lengths.jacobian(vertices), raised, fixed], format="csc")
         recorder.factorizations += 1
         recorder.iterations += 1
-        try:
-            step = factor_general(matrix).solve(missed).reshape(-1, 3)
-        except SingularMatrix:
-            break  # of vertices that are flat to rounding, which the polyhedron has in place
-        part, before = 1.0, np.linalg.norm(missed)
-        for _ in range(HALVINGS):
-            trial = equations(vertices - part * step)
-            if np.linalg.norm(trial) < (1 - 0.1 * part) * before:
-                break
-            part /= 2
-        else:
-            break  # at rounding, or astray: the residual tells
-        vertices, missed = vertices - part * step, trial
-    return vertices
+        return factor_general(matrix).solve(missed).reshape(-1, 3)
+
+    # It may end at rounding, or astray, which the residual tells, or where vertices are flat to rounding and
+    # the matrix is singular: the polyhedron has these in place.
+    return newton(
+        start,
+        equations,
+        solve,
+        LineSearch(decrease=0.1, shortest=2.0**-11),
+        norm=lambda p: float(np.linalg.norm(p.residual)),
+        converged=lambda p, *_: largest(p) < EXACT * metric.mean_length,
+        max_iterations=STEPS,
+    ).point.x

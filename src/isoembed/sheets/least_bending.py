@@ -16,6 +16,9 @@ from scipy.sparse.linalg import LinearOperator, cg
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.newton import Point, newton
+from isoembed.nonlinear.stopping import short_step
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints
@@ -26,6 +29,7 @@ DESCENT = 40  # Newton steps at most for each
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
 NEWTON = 60  # steps at most with the lengths as constraints
 AUGMENTED = 1e-6  # epsilon over the area in the matrix of these steps, at first
+SEARCH = LineSearch(decrease=0.1, shortest=2.0**-7)
 SMALLER = 4  # times that a tenth of epsilon is tried
 
 
@@ -59,13 +63,9 @@ def thinned(
     for stiffness in STIFFNESSES:
         epsilon = stiffness * energy.area
 
-        def value(y: Floats, epsilon: float = epsilon) -> float:
-            r = lengths.residuals(y)
-            return float(r @ r) / 2 + epsilon * energy.value(y)
-
-        reached = value(x)
-        for _ in range(DESCENT):
-            r, rows = lengths.residuals(x), edge_rows(t, x, metric.lengths)
+        def solve(x: Floats, r: Floats, epsilon: float = epsilon) -> Floats:
+            recorder.show(residual=float(np.abs(r).max()) / unit)
+            rows = edge_rows(t, x, metric.lengths)
             gradient = t.incidence @ (rows * r[:, None]) + 2 * epsilon * (energy.form @ x)
             recorder.factorizations += 1
             recorder.iterations += 1
@@ -75,18 +75,20 @@ def thinned(
                 recorder.factorizations += 1
                 stretched = np.maximum(r, 0.0) / metric.lengths
                 factor = system.penalized(rows, 2 * epsilon, tensions=stretched, held=held)
-            step = factor.solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
-            part = 1.0
-            while part > 1e-4 and not value(x - part * step) < reached:
-                part /= 2
-            moved = part * float(np.abs(step).max())
-            if part <= 1e-4:
-                break
-            x = x - part * step
-            reached = value(x)
-            recorder.show(residual=float(np.abs(r).max()) / unit)
-            if moved < SETTLED * unit:
-                break
+            return factor.solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
+
+        def value(p: Point, epsilon: float = epsilon) -> float:
+            return float(p.residual @ p.residual) / 2 + epsilon * energy.value(p.x)
+
+        x = newton(
+            x,
+            lengths.residuals,
+            solve,
+            LineSearch(decrease=0.0, shortest=1e-4),
+            norm=value,
+            converged=short_step(SETTLED * unit),
+            max_iterations=DESCENT,
+        ).point.x
     return LeastBending(x, lengths.residuals(x) / epsilon, np.inf)
 
 
@@ -118,13 +120,11 @@ def balanced(
             break
         d, dy = _constrained_step(t, factor, rows, g, r, epsilon)
         longest = float(np.linalg.norm(d, axis=1).max())
-        before = np.linalg.norm(g) / size + np.linalg.norm(r)
-        part = min(1.0, 0.5 * unit / longest) if longest > 0 else 1.0
-        for _ in range(8):
+        before = float(np.linalg.norm(g) / size + np.linalg.norm(r))
+        for part in SEARCH.parameters(min(1.0, 0.5 * unit / longest) if longest > 0 else 1.0):
             g, r = equations(x + part * d, y + part * dy)
-            if np.linalg.norm(g) / size + np.linalg.norm(r) < (1 - 0.1 * part) * before:
+            if SEARCH.accepts(float(np.linalg.norm(g) / size + np.linalg.norm(r)), before, part):
                 break
-            part /= 2
         else:
             break  # at rounding, or no minimum near
         x, y = x + part * d, y + part * dy

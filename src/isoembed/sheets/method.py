@@ -138,7 +138,7 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
         raise InvalidParameter("a convex cap needs no start: it is the only one")
     check_cap(metric)
     found = _raised(metric, np.zeros(len(metric.triangulation.boundaries[0])), tolerance, log, "plane")
-    concave = int(found.concave_edges.sum())
+    concave = int(found.surface.concave_edges.sum())
     if found.converged and not concave:
         return replace(found, uniqueness=CAP)
     if not concave:

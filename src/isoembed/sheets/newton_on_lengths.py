@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.linalg import SingularMatrix
+from isoembed.nonlinear.acceptance import contraction
+from isoembed.nonlinear.newton import newton
+from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import HeldTriangle, LengthSystem, VertexSystem, edge_rows
@@ -34,29 +36,23 @@ def nearest_with_lengths(lengths: LengthConstraints, start: Floats, recorder: St
     t, metric = lengths.triangulation, lengths.metric
     enough = t.n_edges > 3 * t.n_vertices - 6
     system = VertexSystem(t) if enough else LengthSystem(t)
-    x = best = start
-    r = lengths.residuals(x)
-    least = float(np.abs(r).max())
-    for _ in range(STEPS):
-        recorder.show(residual=least / metric.mean_length)
-        if least < EXACT * metric.mean_length:
-            break
+
+    def solve(x: Floats, r: Floats) -> Floats:
+        recorder.show(residual=float(np.abs(r).max()) / metric.mean_length)
         recorder.factorizations += 1
         recorder.iterations += 1
-        try:
-            if isinstance(system, VertexSystem):
-                rows = edge_rows(t, x, metric.lengths)
-                held = HeldTriangle.of(x, t.faces[0])
-                forces = t.incidence @ (rows * r[:, None])
-                step = system.penalized(rows, 0.0, held=held).solve(forces.ravel(), sweeps=2).reshape(-1, 3)
-            else:
-                step = system.step(x, metric.lengths, r)
-        except SingularMatrix:
-            break
-        x = x - step
-        r = lengths.residuals(x)
-        missed = float(np.abs(r).max())
-        if not missed < least:
-            break
-        best, least = x, missed
-    return best
+        if isinstance(system, LengthSystem):
+            return system.step(x, metric.lengths, r)
+        rows = edge_rows(t, x, metric.lengths)
+        forces = t.incidence @ (rows * r[:, None])
+        factor = system.penalized(rows, 0.0, held=HeldTriangle.of(x, t.faces[0]))
+        return factor.solve(forces.ravel(), sweeps=2).reshape(-1, 3)
+
+    return newton(
+        start,
+        lengths.residuals,
+        solve,
+        contraction(1.0),
+        converged=below(EXACT * metric.mean_length),
+        max_iterations=STEPS,
+    ).point.x

@@ -1,5 +1,6 @@
 """Embeddings of surfaces with boundary or of higher genus."""
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import Any
@@ -7,11 +8,56 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
-from isoembed.strict_json import plain
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.measures import face_normals
+from isoembed.surface.surface import Surface
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SheetSurface(Surface):
+    """Surface with boundary, or of higher genus, whose curvature is that of its bending energy.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Normalized: its bending energy is by polynomials fitted to the neighbors of each vertex.
+    """
+
+    _: KW_ONLY
+    metric: PolyhedralMetric
+
+    @cached_property
+    def _energy(self) -> BendingEnergy:
+        return BendingEnergy(self.metric)
+
+    @cached_property
+    def bending_energy(self) -> float:
+        """Integral of H^2 dA, from polynomials fitted to the neighbors of each vertex."""
+        return self._energy.bending(self._normalized)
+
+    @cached_property
+    def second_form_energy(self) -> float:
+        """Integral of k1^2 + k2^2 dA."""
+        return self._energy.square_integral(self._normalized)
+
+    @cached_property
+    def mean_curvature(self) -> Floats:
+        """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,): positive where it bends inward."""
+        faces, x = self.faces, self._normalized
+        normals = np.zeros_like(x)
+        for corner in faces.T:
+            np.add.at(normals, corner, face_normals(faces, x))
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        along = np.einsum("vi,vi->v", self._energy.curvature_vectors(x), normals)
+        return frozen(-along / self.unit)
+
+    @property
+    def integrated_mean_curvature(self) -> float:
+        """Integral of H dA, in the unit of the lengths."""
+        return float(self.mean_curvature @ self._energy.areas) * self.unit**2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -63,42 +109,18 @@ class SheetEmbedding(Embedding):
             return ""
         return f"; bending is not at a minimum: its forces are balanced to {self.imbalance:.0e} only"
 
-    @cached_property
-    def _bending(self) -> BendingEnergy:
-        return BendingEnergy(self.metric.normalized)
+    def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
+        return super()._made_surface(SheetSurface, metric=self.metric.normalized, **more)
 
-    @cached_property
-    def bending_energy(self) -> float:
-        """Integral of H^2 dA, from polynomials fitted to the neighbors of each vertex."""
-        return self._bending.bending(self._normalized)
-
-    @cached_property
+    @property
     def second_form_energy(self) -> float:
         """Integral of k1^2 + k2^2 dA."""
-        return self._bending.square_integral(self._normalized)
-
-    @cached_property
-    def mean_curvature(self) -> Floats:
-        """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,): positive where it bends inward."""
-        faces, x = self.metric.faces, self._normalized
-        normals = np.zeros_like(x)
-        for corner in faces.T:
-            np.add.at(normals, corner, face_normals(faces, x))
-        normals /= np.linalg.norm(normals, axis=1)[:, None]
-        along = np.einsum("vi,vi->v", self._bending.curvature_vectors(x), normals)
-        return frozen(-along / self.metric.unit)
+        assert isinstance(self.surface, SheetSurface)
+        return self.surface.second_form_energy
 
     @property
-    def integrated_mean_curvature(self) -> float:
-        """Integral of H dA, in the unit of the lengths."""
-        return float(self.mean_curvature @ self._bending.areas) * self.metric.unit**2
-
-    @property
-    def report(self) -> dict[str, Any]:
-        """The report of an embedding, and under ``sheet`` what was asked at the boundary and the bending.
-
-        Without a volume, unless the surface is closed, and without a certificate.
-        """
+    def _reported(self) -> Mapping[str, Any]:
+        """What was asked at the boundary, and the bending, under ``sheet``."""
         t = self.triangulation
         found = {
             "condition": self.condition,
@@ -107,4 +129,4 @@ class SheetEmbedding(Embedding):
             "squares_of_principal_curvatures": self.second_form_energy,
             "imbalance": self.imbalance,
         }
-        return {**super().report, "sheet": dict(plain(found))}
+        return {"sheet": found}

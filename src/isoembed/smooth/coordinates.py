@@ -11,8 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
+from isoembed.nonlinear.acceptance import Damping
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.stopping import settled
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import OVERSAMPLING
 from isoembed.smooth.sphere_map import SphereMap
@@ -108,30 +110,29 @@ class _Vertices:
     def lowered(self, start: _Smoothed, harmonics: Harmonics) -> _Smoothed:
         """The map in some harmonics for which the energy is least, near a given one."""
         C = resized(start.coordinates.coefficients, start.coordinates.harmonics, harmonics)
-        best, damping = self.smoothed(SphereMap(harmonics, C)), 1e-3  # Levenberg-Marquardt
-        for _ in range(25):
-            J = self._jacobian(best, harmonics)
-            root = np.sqrt(self._penalty)[:, None]
-            normal, gradient = J.T @ J, J.T @ (root * best.coefficients).ravel()
+        root = np.sqrt(self._penalty)[:, None]
+
+        def step(at: _Smoothed) -> Curve[_Smoothed]:
+            J = self._jacobian(at, harmonics)
+            normal, gradient = J.T @ J, J.T @ (root * at.coefficients).ravel()
             # Alike for x, y and z.
             scale = np.repeat(np.diag(normal).reshape(-1, 3).max(axis=1), 3)
-            before = best
-            while damping < 1e6:  # above it no step helps
-                step = np.linalg.solve(normal + damping * np.diag(scale), -gradient).reshape(-1, 3)
-                trial = self._tried(harmonics, best.coordinates.coefficients + step)
-                if trial is not None and trial.energy < best.energy:
-                    best, damping = trial, damping / 8.0
-                    break
-                damping *= 5.0
-            if not best.energy < 0.99 * before.energy:
-                break
-        return best
 
-    def _tried(self, harmonics: Harmonics, coefficients: Floats) -> _Smoothed | None:
-        try:
-            return self.smoothed(SphereMap(harmonics, coefficients))
-        except InvalidParameter:  # it folds
-            return None
+            def damped(damping: float) -> _Smoothed:
+                step = np.linalg.solve(normal + damping * np.diag(scale), -gradient).reshape(-1, 3)
+                # Maps that fold raise InvalidParameter.
+                return self.smoothed(SphereMap(harmonics, at.coordinates.coefficients + step))
+
+            return damped
+
+        return descend(
+            self.smoothed(SphereMap(harmonics, C)),
+            step,
+            Damping(1e-3, softer=1 / 8, largest=1e6),
+            value=lambda at: at.energy,
+            converged=settled(0.01),
+            max_iterations=25,
+        ).point
 
     def _jacobian(self, at: _Smoothed, harmonics: Harmonics) -> Floats:
         """Derivatives (3 size, 3 m) of the weighted coefficients by those of a map in m harmonics."""

@@ -21,12 +21,14 @@ from scipy.linalg import cho_factor, cho_solve
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 from isoembed.space import EUCLIDEAN, Space
 
 OVERSAMPLING = 1.25  # nodes over coefficients, each way
 SYMMETRIC_ANGLES = 8  # nodes about an axis of symmetry
+SEARCH = LineSearch(decrease=0.0, shortest=2.0**-10)
 LEVEL = 1.0 + 1e-6  # allowed growth of the error, which does not fall at the minimum
 NEAR = 1e-3  # step over coefficients that keeps the normal equations
 REFINEMENTS = 2  # of displacements
@@ -176,14 +178,12 @@ class IsometrySystem:
                     break
                 before, solve = np.inf, None
                 continue
-            length = 1.0
-            while True:
+            for length in SEARCH.parameters():
                 trial = C + length * step
                 attained, new_tangents, new_residuals = self._strained(trial, stretch)
-                if attained <= LEVEL * error or length < 1e-3:
+                if SEARCH.accepts(attained, LEVEL * error, length):
                     break
-                length *= 0.5
-            if not attained <= LEVEL * error:
+            else:
                 break
             stalled = attained > max(0.9 * error, 1e-3)  # slow, and lengths are resolved
             C, error, tangents, residuals = trial, attained, new_tangents, new_residuals

@@ -14,12 +14,14 @@ from functools import cached_property
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.smooth.isometry import MetricSamples, Tangents, check_start, flat_tangents, tangents_in
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.space import EUCLIDEAN, Space
 
 ITERATIVE_OVERSAMPLING = 1.3  # nodes over coefficients, each way
+SEARCH = LineSearch(decrease=0.0, shortest=2.0**-7)
 EXACT = 1e-5  # relative gradient and residual of deformations, which no later step corrects
 
 
@@ -85,15 +87,13 @@ class MatrixFreeIsometry:
                 break
             damping = eased * error / np.sqrt(4.0 * np.pi)
             step = self._least_squares(C, tangents, -residuals[..., None], damping)[..., 0]
-            length = 1.0
-            while True:
+            for length in SEARCH.parameters():
                 trial = C + length * step
                 tangents, residuals = self._strained(trial, stretch)
                 attained = float(np.linalg.norm(residuals))
-                if attained < error or length < 1e-2:
+                if SEARCH.accepts(attained, error, length):
                     break
-                length *= 0.5
-            if not attained < error:
+            else:
                 break
             slow = slow + 1 if attained > 0.8 * error else 0
             C, error = trial, attained

@@ -1,13 +1,133 @@
-"""Flat faces of a triangulated surface: triangles joined where no crease is between them."""
+"""Faces of a triangulated surface: the triangles, or flat faces of several, with no crease between them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.components import components
-from isoembed.mesh.triangulation import Triangulation
+from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.curvature import FLAT_ANGLE, bend_errors, dihedral_angles, turning_errors
-from isoembed.surface.measures import face_normals
+from isoembed.surface.measures import edge_lengths, face_normals
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleFaces:
+    """Faces that are the triangles.
+
+    Attributes
+    ----------
+    triangulation : Triangulation
+    of_triangles : ndarray of int, shape (F,)
+        The face that each triangle is part of.
+    """
+
+    triangulation: Triangulation
+    of_triangles: Indices
+
+    @property
+    def polygons(self) -> Indices | Sequence[Indices]:
+        """The vertices around each face, counterclockwise seen from outside."""
+        return self.triangulation.faces
+
+    @property
+    def sides(self) -> Indices:
+        """How many sides each face has."""
+        return np.full(len(self.triangulation.faces), 3)
+
+    @property
+    def edges(self) -> Mask:
+        """Edges between two faces, shape (E,): the others are diagonals, which might lie elsewhere."""
+        return np.ones(self.triangulation.n_edges, dtype=np.bool_)
+
+    def __len__(self) -> int:
+        return len(self.polygons)
+
+
+@dataclass(frozen=True, eq=False)
+class FlatFaces(TriangleFaces):
+    """Faces of a convex polyhedron, each of one triangle or of several that lie in one plane.
+
+    Triangles are in one face where the dihedral angle between them is below 1e-7 radians.  Those that
+    rounding may turn by more are in the face that they are bent least to.  Where the coordinates that the
+    lengths come from were rounded, angles that this may have made do not count either.
+
+    Attributes
+    ----------
+    triangulation, of_triangles
+        As of `TriangleFaces`.
+    lengths : ndarray, shape (E,)
+        Lengths of the edges of the triangles.
+    flat : ndarray of bool, shape (V,)
+        The vertices inside faces and edges.
+    """
+
+    lengths: Floats
+    flat: Mask
+
+    @classmethod
+    def of(
+        cls, triangulation: Triangulation, vertices: Floats, space: Space, error: float, flat: Mask
+    ) -> Self:
+        """Faces of a convex polyhedron.
+
+        Parameters
+        ----------
+        triangulation : Triangulation
+        vertices : ndarray, shape (V, 3)
+        space : Space
+        error : float
+            Of the vertices, from rounded coordinates.
+        flat : ndarray of bool, shape (V,)
+        """
+        faces = frozen(coplanar_faces(triangulation, vertices, space, error))
+        return cls(triangulation, faces, edge_lengths(triangulation.edges, vertices, space), flat)
+
+    @cached_property
+    def polygons(self) -> tuple[Indices, ...]:
+        """The vertices around each face, counterclockwise seen from outside.
+
+        Flat vertices on an edge of the polyhedron are in the outlines, those inside a face are not.
+        """
+        t = self.triangulation
+        start, faces = t.faces.ravel(), self.of_triangles
+        polygons: list[Indices] = [np.zeros(0, dtype=np.int64)] * (int(faces.max()) + 1)
+        lengths = self.lengths[t.face_edges.ravel()]
+        ways = outlines(t, self.edges[t.face_edges.ravel()])
+        for way in sorted(ways, key=lambda way: float(lengths[way].sum())):  # holes first
+            polygons[faces[way[0] // 3]] = frozen(start[way])
+        return tuple(polygons)
+
+    @cached_property
+    def sides(self) -> Indices:
+        """How many sides each face has, flat vertices on its outline left aside."""
+        flat = self.flat[np.concatenate(self.polygons)]
+        ends = np.cumsum([len(polygon) for polygon in self.polygons])
+        return frozen(np.diff(np.cumsum(~flat)[ends - 1], prepend=0).astype(np.int64))
+
+    @cached_property
+    def edges(self) -> Mask:
+        """Edges between two faces, shape (E,): the others are diagonals, which might lie elsewhere."""
+        left, right = self.of_triangles[self.triangulation.edge_faces].T
+        return frozen(left != right)
+
+    def __len__(self) -> int:
+        return int(self.of_triangles.max()) + 1
+
+    def vertex_shares(self, areas: Floats) -> Floats:
+        """The vertices' shares, (V,), of the areas of the triangles, (F,).
+
+        Each face's area goes in equal parts to the vertices in it, wherever its diagonals are.
+        """
+        whole = np.bincount(self.of_triangles, areas)
+        polygon = np.repeat(self.of_triangles, 3)
+        polygon, vertex = np.unique(np.column_stack([polygon, self.triangulation.faces.ravel()]), axis=0).T
+        shares = whole / np.bincount(polygon)
+        return np.bincount(vertex, shares[polygon]).astype(np.float64)
 
 
 def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:

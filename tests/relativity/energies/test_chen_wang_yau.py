@@ -16,9 +16,9 @@ from isoembed.relativity import (
     SurfaceData,
     chen_wang_yau,
     embed_surface,
+    embedded_report,
     energy_table,
     wang_yau,
-    wang_yau_report,
 )
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.space import Hyperbolic, Space, Spherical
@@ -124,8 +124,8 @@ def test_where_tau_is_not_critical_it_is_said():
 def test_reports():
     data = KerrDeSitterSphere(3.0, 1.0, 0.5, -0.3).data()
     surface = embed_surface(data, space=Hyperbolic(0.1))
-    report, found = wang_yau_report(surface)
-    assert found is None and report["wang_yau"] == chen_wang_yau(data, surface.embedding).energy.value
+    report = embedded_report(surface, surface.wang_yau)
+    assert report["wang_yau"] == chen_wang_yau(data, surface.embedding).energy.value
     assert report["rest_frame"]["momentum"][0] == pytest.approx(report["wang_yau"], rel=1e-12)
     assert report["space"] == {"name": "hyperbolic", "curvature": -0.1}
     assert "int V" in report["conventions"]["wang_yau"]

@@ -13,8 +13,8 @@ from isoembed.relativity import (
     StarSurface,
     SurfaceData,
     embed_surface,
+    embedded_report,
     wang_yau,
-    wang_yau_report,
 )
 from isoembed.smooth import PulledBack, embed_smooth
 from spacelike import round_sphere
@@ -84,8 +84,8 @@ def test_a_horizon():
         assert "limit int k0 dA / 8 pi" in found.notes[0] and len(found.notes) == 1
     with pytest.raises(InvalidParameter, match="grows without bound for every tau but 0"):
         wang_yau(surface.data, lambda u: u[:, 2], embedding=surface.embedding)
-    report, least = wang_yau_report(surface)
-    assert least is not None and report["wang_yau"] == report["liu_yau"]
+    report = embedded_report(surface, surface.wang_yau)
+    assert report["wang_yau"] == report["liu_yau"]
     assert report["minimum"]["least_second_derivative"] is None
 
 

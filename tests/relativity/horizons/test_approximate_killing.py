@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from isoembed.relativity.horizons.approximate_killing import rotations
-from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr import KerrNewmanHorizon, KerrNewmanSphere
+from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable
 from isoembed.smooth.two_metric import PulledBack

@@ -10,9 +10,9 @@ from scipy.integrate import quad
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.conformal_multipoles import conformal_multipoles, multipole_lines
 from isoembed.relativity.horizons.finder import find_horizon
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist
 from isoembed.relativity.spacetimes.kerr import KerrNewmanHorizon
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.grid_metric import GridMetric

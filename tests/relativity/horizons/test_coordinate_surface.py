@@ -7,9 +7,9 @@ import mapped_shapes
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.meshing.sphere import fibonacci_directions
-from isoembed.relativity import Horizon, KerrSchild, read_horizon
+from isoembed.relativity import KerrSchild, horizon_data, read_horizon
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.horizons.coordinate_surface import coordinate_surface
+from isoembed.relativity.horizons.horizon import coordinate_surface
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from mapped_shapes import mesh
@@ -52,10 +52,10 @@ def test_horizon_of_a_mesh(tmp_path):
     x, faces, _ = mesh(spheroid.points, 300)
     outside = np.array([2.5, 0.0, 0.0])
     found = CoordinateShape(x, faces, outside, fields={"expansion": np.zeros(300)})
-    horizon = Horizon.of(found, hole)
-    assert horizon.data.marginal
-    assert horizon.facts["points"] == 300
-    np.testing.assert_allclose(horizon.facts["center"], 0.0, atol=1e-5)
+    data, facts = horizon_data(found, hole)
+    assert data.marginal
+    assert facts.report["points"] == 300
+    np.testing.assert_allclose(facts.report["center"], 0.0, atol=1e-5)
 
 
 def test_curvature_in_the_file_is_compared_where_the_vertices_are(tmp_path):
@@ -63,7 +63,7 @@ def test_curvature_in_the_file_is_compared_where_the_vertices_are(tmp_path):
     a = np.array([3.0, 2.0, 1.0])
     K = 1.0 / (np.prod(a) * np.sum(x**2 / a**4, axis=1)) ** 2
     found = CoordinateShape(x, faces, np.array([0.5, 0.0, 0.0]), fields={"gaussian_curvature": K})
-    check = Horizon.of(found, KerrSchild(1e-30, (0.0, 0.0, 0.0)), marginal=False).curvature_check
+    check = horizon_data(found, KerrSchild(1e-30, (0.0, 0.0, 0.0)), marginal=False)[1].curvature_check
     assert check.agrees
     assert check.relative < 1e-6
 

@@ -8,10 +8,13 @@ from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons import finder
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
 from isoembed.relativity.horizons.newton import NoConvergence
-from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BoostedSchwarzschild,
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+)
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 
 
@@ -186,7 +189,7 @@ def test_a_horizon_that_exists_and_is_not_resolved(monkeypatch):
     def fails(*_, **__):
         raise NoConvergence("the residual falls no more")
 
-    monkeypatch.setattr(finder, "star_horizon", fails)
+    monkeypatch.setattr(finder, "horizon_near", fails)
     with pytest.raises(
         NoHorizon, match="a horizon exists between two surfaces, and no horizon was resolved"
     ) as failure:

@@ -6,7 +6,7 @@ import pytest
 from gridded import sampled
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.finder import find_horizon
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 
 KERR = KerrSchild(1.0, (0.2, 0.3, 0.3))

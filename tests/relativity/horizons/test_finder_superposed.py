@@ -5,8 +5,7 @@ import pytest
 
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.finder import find_horizons
-from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist
+from isoembed.relativity.spacetimes.schwarzschild import BoostedSchwarzschild, BrillLindquist, Superposed
 
 
 def test_two_holes_in_motion():

@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import pytest
 
-from isoembed.relativity.horizons.constant_expansion import leaf_of
+from isoembed.relativity.horizons.constant_expansion import constant_expansion_surface
 from isoembed.relativity.horizons.finder import find_horizon, find_horizons
 from isoembed.relativity.horizons.foliation import foliate, inside, least_expansion
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist
+from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 
 
@@ -18,7 +18,7 @@ def pair(d):
 def least(d, near):
     """The leaf of least expansion near a horizon of a slice nearby."""
     outer, inner = (
-        leaf_of(pair(d), leaf, symmetric=True)
+        constant_expansion_surface(pair(d), leaf, symmetric=True)
         for leaf in (StarSurface(near.center, near.harmonics, s * near.coefficients) for s in (1.2, 0.9))
     )
     return least_expansion(pair(d), outer, inner, symmetric=True, settled=1e-6)

@@ -7,7 +7,7 @@ from finder_files import grchombo_stats, grchombo_text, lopsided
 from isoembed.io.files import FileError
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.relativity import KerrSchild, read_horizon
-from isoembed.relativity.horizons.horizon import Horizon
+from isoembed.relativity.horizons.horizon import horizon_data
 
 ORIGIN = np.array([16.25, 16.0, 15.5])
 STATS = grchombo_stats([(0.0, 0, (0.0, 0.0, 0.0)), (0.75, 12, ORIGIN), (1.0, 13, (1.0, 2.0, 3.0))])
@@ -59,7 +59,7 @@ def test_without_a_table_the_origin_is_assumed_and_said(tmp_path):
         f"the radii in {path} are assumed to be about (0, 0, 0): there is no stats_AH2.dat with their origin"
     )
     assert shape.notes == (note,)
-    assert note in Horizon.of(shape, KerrSchild(1.0, (0.0, 0.0, 0.0))).data.notes
+    assert note in horizon_data(shape, KerrSchild(1.0, (0.0, 0.0, 0.0)))[0].notes
 
 
 def test_radii_at_a_pole_are_averaged(tmp_path):

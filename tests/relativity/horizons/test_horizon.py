@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidParameter
-from isoembed.relativity import CoordinateShape, Horizon, KerrNewmanHorizon, KerrSchild
+from isoembed.relativity import CoordinateShape, KerrNewmanHorizon, KerrSchild, horizon_data
 
 METRIC = KerrNewmanHorizon(1.0, 0.5).data()
 POINTS = CoordinateShape.star_shaped(2.0 * np.array([*np.eye(3), *-np.eye(3)]), "six points", np.zeros(3))
@@ -24,4 +24,4 @@ POINTS = CoordinateShape.star_shaped(2.0 * np.array([*np.eye(3), *-np.eye(3)]), 
 )
 def test_refusals(found, given, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
-        Horizon.of(found, name="a.npz", **given)
+        horizon_data(found, name="a.npz", **given)

@@ -11,7 +11,6 @@ from isoembed.errors import NotEmbedded
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity import (
     CoordinateShape,
-    Horizon,
     HorizonShape,
     KerrNewmanHorizon,
     KerrNewmanSphere,
@@ -20,10 +19,11 @@ from isoembed.relativity import (
     SurfaceData,
     energy_table,
     find_spin,
+    horizon_data,
     unembedded_report,
 )
 from isoembed.relativity.horizons.circumferences import Circumferences
-from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
+from isoembed.relativity.horizons.horizon_shape import shape_lines
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
 from isoembed.relativity.horizons.multipoles import Multipoles
 from isoembed.smooth import AngleMetric, GridMetric, Harmonics
@@ -247,8 +247,7 @@ def test_without_a_symmetry_meridians_are_bounded():
     assert (low, high) == pytest.approx((short, long), rel=1e-5)  # both are meridians
     assert short < found.polar.value < long
     assert found.equatorial.value == pytest.approx(4.4 * ellipe(1.0 - (1.0 / 1.1) ** 2), rel=1e-9)
-    report = SurfaceData(metric, marginal=True)
-    assert "without symmetry" in shape_lines(shape_report(report, None))[0]
+    assert "without symmetry" in shape_lines(HorizonShape.of(SurfaceData(metric, marginal=True)).report)[0]
 
 
 def test_uncertain_lengths_make_uncertain_numbers():
@@ -263,7 +262,7 @@ def test_a_surface_that_is_a_little_off_the_horizon():
     geometry = KerrSchild(1.0, (0.0, 0.0, 0.6))
     spheroid = geometry.spheroid(geometry.horizon)
     surface = StarSurface.from_radius(lambda u: spheroid(u) * (1.001 + 0.001 * u[:, 2] ** 2))
-    data = Horizon.of(surface_points(surface), geometry, marginal=True).data
+    data = horizon_data(surface_points(surface), geometry, marginal=True)[0]
     assert 0.0 < data.displacement < 0.02
     shape = HorizonShape.of(data, find_spin(data))
     for found, exact in (

@@ -5,12 +5,10 @@ import pytest
 
 from gridded import sampled
 from isoembed.errors import InvalidParameter, NoHorizon
-from isoembed.relativity.horizons import ladder
+from isoembed.relativity.horizons import radial_image
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon
-from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
-from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild, PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry
 
@@ -68,7 +66,7 @@ def test_a_grid_that_is_too_coarse():
 
 
 def test_the_degree_does_not_suffice(monkeypatch):
-    monkeypatch.setattr(ladder, "HIGHEST_SYMMETRIC", 8)
+    monkeypatch.setattr(radial_image, "HIGHEST_DEGREES", (8, 8))
     horizon = find_horizon(KerrSchild(1.0, (0.0, 0.6, 0.6)))
     assert horizon.residual > 1e-6
     assert horizon.notes[0].startswith("in degree 8 the expansion is still")

@@ -10,10 +10,13 @@ from isoembed.relativity.horizons import expansion_operator
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, inner_horizon
 from isoembed.relativity.horizons.stability_spectrum import spectrum_lines, stability_spectrum
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.kerr import KerrNewmanHorizon
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+)
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.smooth.harmonics import Harmonics
 

@@ -9,7 +9,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.relativity.horizons.finder import find_horizon
 from isoembed.relativity.series.slice_files import read_slice
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from patch_data import Grid, plain, write_amrex
 

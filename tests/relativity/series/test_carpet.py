@@ -12,7 +12,7 @@ from carpet_data import CURVATURE, METRIC, Level, cube, write_carpet  # noqa: E4
 from isoembed.io.files import FileError  # noqa: E402
 from isoembed.relativity.series.carpet_files import carpet_slices  # noqa: E402
 from isoembed.relativity.series.slice_files import slices_in_file  # noqa: E402
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild  # noqa: E402
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild  # noqa: E402
 
 KERR = KerrSchild(1.0, (0.1, 0.2, 0.5))
 UPRIGHT = KerrSchild(1.0, (0.0, 0.0, 0.6))

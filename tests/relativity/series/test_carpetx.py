@@ -10,8 +10,8 @@ pytest.importorskip("openpmd_api")
 from carpet_data import METRIC, Level, write_carpetx
 from isoembed.io.files import FileError
 from isoembed.relativity.series.carpetx import carpetx_slices
-from isoembed.relativity.series.simulation import simulation
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.series.moments import simulation
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 
 KERR = KerrSchild(1.0, (0.1, 0.2, 0.5))
 UPRIGHT = KerrSchild(1.0, (0.0, 0.0, 0.6))

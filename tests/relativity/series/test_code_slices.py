@@ -19,7 +19,7 @@ from isoembed.relativity.series.slice_files import (  # noqa: E402
     slices_in_folder,
     slices_of_pattern,
 )
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild  # noqa: E402
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild  # noqa: E402
 from isoembed.relativity.spacetimes.star_surface import StarSurface  # noqa: E402
 from patch_data import Grid, Tree, grchombo, plain, write_amrex, write_athenak, write_chombo, z4c  # noqa: E402
 

@@ -20,8 +20,7 @@ from finder_files import (
 )
 from isoembed.io.files import FileError
 from isoembed.relativity import KerrSchild
-from isoembed.relativity.series.moments import moments
-from isoembed.relativity.series.simulation import simulation
+from isoembed.relativity.series.moments import moments, simulation
 
 SLICE = KerrSchild(1.0, (0.0, 0.0, 0.0))
 TIMES = {0: 0.0, 32: 0.25, 64: 0.5}

@@ -18,7 +18,7 @@ from isoembed.io.files import FileError  # noqa: E402
 from isoembed.relativity.horizons.ahfinderdirect import read_ahfinderdirect  # noqa: E402
 from isoembed.relativity.series.carpet_files import carpet_slices  # noqa: E402
 from isoembed.relativity.series.kuibit_data import GridDataSlice, kuibit_shape  # noqa: E402
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild  # noqa: E402
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild  # noqa: E402
 
 KERR = KerrSchild(1.0, (0.1, 0.2, 0.5))
 LEVELS = (Level(0.4, (cube(4.8),)), Level(0.2, (cube(3.0),), 2))

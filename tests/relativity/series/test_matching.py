@@ -7,7 +7,7 @@ import pytest
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.relativity.series.matching import matched
-from isoembed.relativity.series.moment import ListedShape, ListedSlice
+from isoembed.relativity.series.moment import ListedSlice, Moment
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class Named:
 
 
 def shape(series, iteration=None, time=None):
-    return ListedShape(series, iteration, time, Named(f"{series}-{iteration}-{time}"))
+    return Moment(series, time, iteration, Named(f"{series}-{iteration}-{time}"))
 
 
 def slice_(iteration=None, time=None):

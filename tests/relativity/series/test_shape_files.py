@@ -59,13 +59,13 @@ def test_points_with_an_axis_of_time(tmp_path, faces):
     assert [(one.series, one.iteration, one.time) for one in listed] == [
         ("run", None, time) for time in TIMES
     ]
-    shapes = [pickle.loads(pickle.dumps(one.source)).read() for one in listed]
+    shapes = [pickle.loads(pickle.dumps(one.shape)).read() for one in listed]
     for shape, time in zip(shapes, TIMES, strict=True):
         np.testing.assert_array_equal(shape.points, points(time))
         np.testing.assert_array_equal(shape.fields["height"], shape.points[:, 2])
         np.testing.assert_array_equal(shape.center, [time, 0.0, 0.0] if not faces else shape.center)
         assert shape.time == time and shape.is_hull is not faces
-    assert shapes[1].source == f"{tmp_path}/run.h5 (horizon, index 1)" == listed[1].source.name
+    assert shapes[1].source == f"{tmp_path}/run.h5 (horizon, index 1)" == listed[1].shape.name
 
 
 def test_horizons_in_groups(tmp_path):
@@ -76,20 +76,20 @@ def test_horizons_in_groups(tmp_path):
     assert [one.series for one in listed] == ["ah1"] * 3 + ["finds/ah2"] * 12
     last = listed[-1]
     assert (last.iteration, last.time) == (64 * 11, 2.75)
-    data = last.source.read()
+    data = last.shape.read()
     assert isinstance(data, SurfaceData)
     np.testing.assert_array_equal(data.metric.q_tt, metrics[11].q_tt)
     np.testing.assert_allclose(data.mean_curvature(np.eye(3)), 0.6, rtol=1e-12)
-    assert len({one.source.digest() for one in listed}) == 15
+    assert len({one.shape.digest() for one in listed}) == 15
 
 
 def test_the_hash_of_a_horizon_is_that_of_its_own_data(tmp_path):
     with h5py.File(tmp_path / "run.h5", "w") as file:
         write_points(file)
-    before = [one.source.digest() for one in shapes_in_files([tmp_path / "run.h5"])]
+    before = [one.shape.digest() for one in shapes_in_files([tmp_path / "run.h5"])]
     with h5py.File(tmp_path / "run.h5", "r+") as file:
         file["points"][2, 5, 1] += 1e-14
-    after = [one.source.digest() for one in shapes_in_files([tmp_path / "run.h5"])]
+    after = [one.shape.digest() for one in shapes_in_files([tmp_path / "run.h5"])]
     assert before[:2] == after[:2] and before[2] != after[2]
 
 
@@ -112,13 +112,13 @@ def test_axes_of_time_that_are_none(tmp_path, change, sentence):
         horizon_times(tmp_path / "run.h5")
     (listed,) = shapes_in_files([tmp_path / "run.h5"])  # what reading says is a row
     with pytest.raises(FileError, match=r"points has the shape \(3, 12, 3\), not \(V, 3\)"):
-        listed.source.read()
+        listed.shape.read()
 
 
 def test_a_file_that_has_become_shorter(tmp_path):
     with h5py.File(tmp_path / "run.h5", "w") as file:
         write_points(file)
-    last = shapes_in_files([tmp_path / "run.h5"])[-1].source
+    last = shapes_in_files([tmp_path / "run.h5"])[-1].shape
     with h5py.File(tmp_path / "run.h5", "w") as file:
         write_points(file)
         del file["time"]
@@ -150,17 +150,17 @@ def test_all_surfaces_of_spectre_at_all_times(tmp_path):
     assert [(one.series, one.time) for one in listed] == [
         (name, time) for name in ("AhA", "AhB") for time in (0.1, 0.2, 0.3)
     ]
-    shape = listed[-1].source.read()
+    shape = listed[-1].shape.read()
     assert (shape.time, shape.name) == (0.3, "AhB")
     np.testing.assert_allclose(np.linalg.norm(shape.points, axis=1), 1.3)
-    assert len({one.source.digest() for one in listed}) == 3  # the surfaces are the same
+    assert len({one.shape.digest() for one in listed}) == 3  # the surfaces are the same
 
 
 @pytest.mark.shared
 def test_spectre_s_own_file():
     listed = shapes_in_files([SHARED / "real" / "spectre_SurfaceTestData.h5"])
     assert [(one.series, one.time) for one in listed] == [("AhA", time) for time in (0.0, 0.01, 0.02, 0.03)]
-    assert listed[2].source.read().time == 0.02
+    assert listed[2].shape.read().time == 0.02
 
 
 @pytest.mark.shared
@@ -185,7 +185,7 @@ def test_a_file_that_changes_while_it_is_read(tmp_path, monkeypatch, many):
             for name in list(group):
                 del group[name]
             group["points"] = time
-    source = shapes_in_files([path])[0].source
+    source = shapes_in_files([path])[0].shape
 
     def read_and_change(file):
         shape = read_horizon(file)
@@ -207,4 +207,4 @@ def test_names_that_are_no_text_and_links_to_nowhere(tmp_path):
         file["AhA.vol/lost"] = h5py.SoftLink("/nowhere")
     first, second = shapes_in_files([tmp_path / "a.h5"])
     assert (first.series, second.series) == ("AhA", "AhB")
-    assert first.source.digest() == second.source.digest()
+    assert first.shape.digest() == second.shape.digest()

@@ -13,9 +13,8 @@ from kuibit.simdir import SimDir  # noqa: E402
 from carpet_data import Level, cube, write_carpet  # noqa: E402
 from horizon_texts import diagnostics_text, shape_text  # noqa: E402
 from isoembed.io.files import FileError  # noqa: E402
-from isoembed.relativity.series.moments import moments  # noqa: E402
-from isoembed.relativity.series.simulation import simulation  # noqa: E402
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild  # noqa: E402
+from isoembed.relativity.series.moments import moments, simulation  # noqa: E402
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild  # noqa: E402
 from places import SHARED  # noqa: E402
 
 HOLE = KerrSchild(1.0, (0.0, 0.0, 0.0))
@@ -50,7 +49,7 @@ def test_horizons_and_slices_of_all_restarts(run):
     assert {shape.iteration: shape.time for shape in shapes} == pytest.approx(
         {n: 0.1 * n / 16 for n in range(0, 257, 64)}
     )
-    [twice] = [shape.source.read() for shape in shapes if shape.iteration == 128]
+    [twice] = [shape.shape.read() for shape in shapes if shape.iteration == 128]
     np.testing.assert_allclose(np.linalg.norm(twice.points, axis=1), 2.1)
     assert [(each.iteration, each.time) for each in slices] == [(0, 0.0), (128, 0.8), (256, 1.6)]
 
@@ -94,7 +93,7 @@ def test_a_run_of_the_einstein_toolkit(tmp_path):
     surface = tmp_path / "surface01_00000000.vtk.gz"
     surface.write_bytes((SHARED / "real" / "kuibit" / surface.name).read_bytes())
     [shape] = simulation(tmp_path)[0]
-    assert (shape.series, shape.iteration, len(shape.source.read().points)) == ("surface01", 0, 2812)
+    assert (shape.series, shape.iteration, len(shape.shape.read().points)) == ("surface01", 0, 2812)
 
 
 def test_without_kuibit_one_sentence_says_how_to_get_it(run, monkeypatch):

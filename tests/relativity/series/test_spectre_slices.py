@@ -8,9 +8,8 @@ import pytest
 from elements import gauss, gauss_lobatto, shell
 from isoembed.io.files import FileError
 from isoembed.relativity.series.moments import moments
-from isoembed.relativity.series.slice_files import read_slice
-from isoembed.relativity.series.spectre_slices import spectre_slices
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.series.slice_files import read_slice, spectre_slices
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.spectre_volume import read_spectre_volume, volume_times
 
 h5py = pytest.importorskip("h5py")

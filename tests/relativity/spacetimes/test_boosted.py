@@ -7,8 +7,12 @@ from hypothesis import strategies as st
 
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.spacetimes.boosted import BoostedSchwarzschild, Superposed
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BoostedSchwarzschild,
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    Superposed,
+)
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import CallableGeometry, complex_step, stationary_curvature
 

@@ -8,11 +8,15 @@ from hypothesis import strategies as st
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.energies.embedded import embed_surface
 from isoembed.relativity.energies.quadrature import intrinsic_energies
-from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid, _Interpolation
-from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.grid_noise import PERIOD, noise_levels, sampled_noise
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.cartesian_grid import (
+    PERIOD,
+    CartesianGrid,
+    _Interpolation,
+    noise_levels,
+    sampled_noise,
+)
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild, PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 
 HOLE, SPHERE = IsotropicSchwarzschild(1.0), StarSurface.sphere((0, 0, 0), 2.5)

@@ -6,9 +6,9 @@ import pytest
 from elements import gauss, gauss_lobatto, shell
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies.embedded import embed_surface
-from isoembed.relativity.spacetimes.conformally_flat import IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.element_grid import Element, ElementGrid
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 
 HOLE = KerrSchild(1.0, (0.0, 0.3, 0.4))

@@ -12,10 +12,13 @@ import mapped_shapes
 import zoo
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+)
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable
 from isoembed.smooth.harmonics import Harmonics
@@ -83,9 +86,9 @@ class TestClosedForms:
     def test_in_flat_space(self, shape):
         surface = MappedSurface.from_map(shape)
         normals, k = mapped_shapes.differences(shape, U)
-        frame = surface.frame(FLAT, U)
-        np.testing.assert_allclose(frame.normal[1], normals, atol=1e-11)
-        np.testing.assert_allclose(frame.mean_curvature(), k, rtol=1e-7)
+        local = surface.local_geometry(FLAT, U)
+        np.testing.assert_allclose(local.normal[1], normals, atol=1e-11)
+        np.testing.assert_allclose(local.mean_curvature, k, rtol=1e-7)
 
     @pytest.mark.parametrize("shape", SHAPES[:2])
     def test_in_a_conformally_flat_slice(self, shape):
@@ -167,9 +170,9 @@ def banana():
 def integrals(surface, geometry):
     """The area and the integral of k."""
     u, weights = gauss_rule(48, 96)
-    frame = surface.frame(geometry, u)
-    areas = weights * area_density(frame.q)
-    return areas.sum(), areas @ frame.mean_curvature()
+    local = surface.local_geometry(geometry, u)
+    areas = weights * area_density(local.q)
+    return areas.sum(), areas @ local.mean_curvature
 
 
 class TestMeshes:

@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.rotated_frame import RotatedFrame
-from isoembed.relativity.spacetimes.scaled_curvature import ScaledCurvature
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist, IsotropicSchwarzschild
 from isoembed.relativity.spacetimes.star_surface import StarSurface
-from isoembed.relativity.spacetimes.translated import Translated
+from isoembed.relativity.spacetimes.transformed import RotatedFrame, ScaledCurvature, Translated
 
 ROTATION = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
 ROTATION *= np.linalg.det(ROTATION)

@@ -5,7 +5,7 @@ import pytest
 
 from gridded import sampled
 from isoembed.io.files import FileError
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.slice_file import (
     GAMMA,
     Instant,

@@ -6,11 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.relativity.spacetimes.boyer_lindquist import BoyerLindquist
 from isoembed.relativity.spacetimes.checks import check_slice
-from isoembed.relativity.spacetimes.conformally_flat import BrillLindquist, IsotropicSchwarzschild
-from isoembed.relativity.spacetimes.kerr_schild import KerrSchild
-from isoembed.relativity.spacetimes.painleve_gullstrand import PainleveGullstrand
+from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import (
+    BrillLindquist,
+    IsotropicSchwarzschild,
+    PainleveGullstrand,
+)
 from isoembed.relativity.spacetimes.three_geometry import (
     AnalyticCallable,
     CallableGeometry,

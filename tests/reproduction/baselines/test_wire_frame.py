@@ -27,7 +27,7 @@ def test_a_wire_frame_from_a_sphere_has_the_lengths_and_is_crumpled():
     found = wire_frame(problem.metric, sphere_layout(problem.metric))
     assert found.converged  # measured on the vertices
     assert misfit(found.vertices, problem.vertices) > 0.02
-    assert found.concave_edges.sum() > 120  # of 594; the true mesh has 100
+    assert found.surface.concave_edges.sum() > 120  # of 594; the true mesh has 100
 
 
 def test_layouts_are_spheres_of_the_same_area_and_scale():

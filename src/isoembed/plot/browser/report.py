@@ -29,7 +29,7 @@ def report_html(report: Mapping[str, Any]) -> str:
     Parameters
     ----------
     report : mapping
-        `Embedding.report`.
+        `isoembed.report`.
     """
     given, residual, convexity = report["input"], report["residual"], report["convexity"]
     paths = [("along the given edges", residual["paths"])] if "paths" in residual else []

@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.errors import InvalidMetric, InvalidParameter, NoMinimum, NotEmbedded
 from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.energies.chen_wang_yau import ChenWangYau, chen_wang_yau
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import smooth_energies
-from isoembed.relativity.horizons.horizon_shape import shape_report
+from isoembed.relativity.energies.wang_yau_energy import wang_yau
+from isoembed.relativity.energies.wang_yau_result import WangYau
+from isoembed.relativity.horizons.horizon_shape import HorizonShape
 from isoembed.relativity.horizons.spin import Spin, find_spin, spin_report, torques
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.reprs import html_table, short_repr
@@ -105,26 +108,24 @@ class EmbeddedSurface:
         """The angular momentum and its axis; None where K(., n) is not known."""
         return find_spin(self.data)
 
+    @cached_property
+    def wang_yau(self) -> WangYau | ChenWangYau | str:
+        """The least Wang-Yau energy that is found, or why there is none.
+
+        In hyperbolic and spherical space, slices of anti-de Sitter and de Sitter space, it is that of tau = 0
+        (`isoembed.relativity.chen_wang_yau`), whose surface is the embedded one.
+        """
+        try:
+            if self.space.is_euclidean:
+                return wang_yau(self.data, "optimal", embedding=self.embedding)
+            return chen_wang_yau(self.data, self.embedding, curvature_error=self.curvature_error)
+        except (InvalidParameter, NotEmbedded, NoMinimum) as error:
+            return str(error)
+
     @property
     def report(self) -> dict[str, Any]:
         """Plain numbers, for JSON: the energies and how the surface was embedded."""
-        found = self.embedding
-        return {
-            "status": self.status,
-            "name": self.data.name,
-            **self.energies.report,
-            "spin": spin_report(self.data, self.spin),
-            **shape_report(self.data, self.spin),
-            "space": space_report(self.space, self.least),
-            "embedding": {
-                "degree": found.harmonics.degree,
-                "order": found.harmonics.order,
-                "residual": found.residual,
-                "least_gaussian_curvature": found.least_curvature,
-                "volume": found.volume,
-            },
-            "conventions": conventions(self.space),
-        }
+        return embedded_report(self)
 
     def mesh(self, vertices: int) -> dict[str, NDArray[Any]]:
         """A triangulation of the embedded surface, with data at its vertices.
@@ -263,3 +264,50 @@ def space_report(space: Space, least: LeastHyperbolic | None = None) -> dict[str
         else None
     )
     return {"name": space.name, "curvature": space.curvature, **({"least": found} if found else {})}
+
+
+def embedded_report(
+    surface: EmbeddedSurface, wang_yau: WangYau | ChenWangYau | str | None = None
+) -> dict[str, Any]:
+    """Report of an embedded surface, plain numbers for JSON.
+
+    Parameters
+    ----------
+    surface : EmbeddedSurface
+    wang_yau : WangYau, ChenWangYau or str, optional
+        `EmbeddedSurface.wang_yau`, or why there is none, where it was asked for.
+    """
+    data, embedding = surface.data, surface.embedding
+    energies, more, notes = surface.energies.report, dict[str, Any](), tuple[str, ...]()
+    if isinstance(wang_yau, str):
+        more, notes = {"wang_yau": None}, (wang_yau,)
+        energies["errors"]["wang_yau"] = None
+    elif wang_yau is not None:
+        energy, notes = wang_yau.energy, wang_yau.notes
+        energies["errors"]["wang_yau"] = energy.error
+        energies["error_estimate"] = max(energies["error_estimate"], energy.error)
+        kind = "minimum" if isinstance(wang_yau, WangYau) else "rest_frame"
+        more = {"wang_yau": energy.value, kind: wang_yau.report}
+    return {
+        "status": surface.status,
+        "name": data.name,
+        **energies,
+        **intrinsic_entries(data, surface.spin),
+        "space": space_report(surface.space, surface.least),
+        "embedding": {
+            "degree": embedding.harmonics.degree,
+            "order": embedding.harmonics.order,
+            "residual": embedding.residual,
+            "least_gaussian_curvature": embedding.least_curvature,
+            "volume": embedding.volume,
+        },
+        "conventions": conventions(surface.space),
+        **more,
+        "notes": [*energies["notes"], *notes],
+    }
+
+
+def intrinsic_entries(data: SurfaceData, spin: Spin | None) -> dict[str, Any]:
+    """Entries of the spin and, of a horizon, of its intrinsic shape."""
+    shape = HorizonShape.of(data, spin).report if data.marginal else {}
+    return {"spin": spin_report(data, spin), **shape}

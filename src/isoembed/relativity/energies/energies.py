@@ -1,4 +1,4 @@
-"""Quasi-local energies of a surface from its embedding and its mean curvature in the slice.
+"""Hawking, Brown-York and Kijowski-Liu-Yau energies, from embedding and mean curvature of a surface.
 
 Units are geometric, G = c = 1; ``k = k1 + k2`` in the slice, ``k0 = k1 + k2 = 2 H`` in Euclidean space,
 ``|H|^2 = k^2 - p^2`` the squared norm of the mean curvature vector.

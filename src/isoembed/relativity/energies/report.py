@@ -1,29 +1,21 @@
-"""Reports of energies: of surfaces, embedded or not, of triangles and of horizons."""
+"""Reports of quasi-local energies as JSON and text: of surfaces, embedded or not, and of triangles."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
-from isoembed.errors import InvalidParameter, NoMinimum, NotEmbedded
-from isoembed.relativity.energies.chen_wang_yau import ChenWangYau, chen_wang_yau
-from isoembed.relativity.energies.embedded import (
-    CONVENTIONS,
-    EmbeddedSurface,
-    conventions,
-    space_report,
-)
+from isoembed.embedding.embedding import Embedding
+from isoembed.errors import NotEmbedded
+from isoembed.relativity.energies.embedded import CONVENTIONS, conventions, intrinsic_entries, space_report
 from isoembed.relativity.energies.energies import Energies
 from isoembed.relativity.energies.quadrature import intrinsic_energies
-from isoembed.relativity.energies.wang_yau_energy import wang_yau
-from isoembed.relativity.energies.wang_yau_result import WangYau
 from isoembed.relativity.horizons.conformal_multipoles import multipole_lines
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
-from isoembed.relativity.horizons.horizon_shape import shape_lines, shape_report
-from isoembed.relativity.horizons.spin import find_spin, spin_report
+from isoembed.relativity.horizons.horizon_shape import shape_lines
+from isoembed.relativity.horizons.spin import find_spin
 from isoembed.relativity.horizons.stability_spectrum import spectrum_lines
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.surface.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths
 
@@ -143,8 +135,7 @@ def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
         "hindrance": error.embedding.hindrance or None,
         "name": data.name,
         **intrinsic_energies(data, spin).report,
-        "spin": spin_report(data, spin),
-        **shape_report(data, spin),
+        **intrinsic_entries(data, spin),
         "space": space_report(error.embedding.space),
     }
 
@@ -174,34 +165,7 @@ def mesh_report(
     }
 
 
-def wang_yau_report(surface: EmbeddedSurface) -> tuple[dict[str, Any], WangYau | None]:
-    """Report of an embedded surface with its least Wang-Yau energy, or why none was found; and that energy.
-
-    In hyperbolic and spherical space, which are slices of anti-de Sitter and de Sitter space, it is that of
-    tau = 0 (`isoembed.relativity.chen_wang_yau`), whose surface is the embedded one.
-    """
-    report = surface.report
-    found: WangYau | ChenWangYau
-    try:
-        if surface.space.is_euclidean:
-            found = wang_yau(surface.data, "optimal", embedding=surface.embedding)
-        else:
-            found = chen_wang_yau(surface.data, surface.embedding, curvature_error=surface.curvature_error)
-    except (InvalidParameter, NotEmbedded, NoMinimum) as error:
-        report["wang_yau"] = report["errors"]["wang_yau"] = None
-        report["notes"].append(str(error))
-        return report, None
-    report["wang_yau"], report["errors"]["wang_yau"] = found.energy.value, found.energy.error
-    report["error_estimate"] = max(report["error_estimate"], found.energy.error)
-    report["notes"] += found.notes
-    if isinstance(found, ChenWangYau):
-        report["rest_frame"] = found.report
-        return report, None
-    report["minimum"] = found.report
-    return report, found
-
-
 def checked_report(report: dict[str, Any], check: CurvatureCheck | None) -> dict[str, Any]:
-    """The report of a surface with how its curvature compares with that in its file, if it is there."""
+    """A report with the comparison of the curvature with that in the file, if it is there."""
     notes = report["notes"] + list(check.notes if check else ())
     return {**report, "notes": notes, "curvature_check": check and check.report}

@@ -1,4 +1,4 @@
-"""The Wang-Yau energy E(tau) of one surface, with its first and second derivatives in the time function tau.
+"""Wang-Yau functional E(tau) of one surface, with its derivatives in the time function tau.
 
 With |H|^2 = k^2 - p^2, W^2 = 1 + |grad tau|^2, S^2 = |H|^2 W^2 + (lap tau)^2 and theta the angle of
 sinh theta = -lap tau / (|H| W),
@@ -98,6 +98,9 @@ class Functional:
     ) -> Functional:
         """The functional of a surface.
 
+        Raises `InvalidParameter`: k is not given, or the mean curvature vector is not spacelike and outward;
+        the message says where.
+
         Parameters
         ----------
         data : SurfaceData
@@ -108,11 +111,6 @@ class Functional:
             That tau.
         harmonics, time : Harmonics
             Of X, and of the time functions.
-
-        Raises
-        ------
-        InvalidParameter
-            k is not given, or the mean curvature vector is not spacelike and outward; the message says where.
         """
         # Twice the degree, against aliasing.
         n = max(int(np.ceil(2.0 * (harmonics.degree + 1))), time.degree + 1)

@@ -1,4 +1,4 @@
-"""Search for the time function of least Wang-Yau energy, and the way to a given one."""
+"""Minimization of the Wang-Yau energy over time functions, and continuation to a given one."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Horizons from files: formats of simulation codes, and the shapes that they hold."""
+"""Horizons: the finder, files of simulation codes, spin, multipoles, circumferences, stability."""

@@ -86,6 +86,9 @@ def horizon_and_iteration(path: Path) -> tuple[str, int | None]:
 def shape_of_patches(origin: Floats, arrows: dict[str, Floats], source: str) -> CoordinateShape:
     """Closed surface of the patches of an inflated cube, with or without ghost zones, completed by symmetry.
 
+    Raises `FileError`: patches are missing that no symmetry supplies, or none of those that may completes a
+    smooth surface.
+
     Parameters
     ----------
     origin : ndarray, shape (3,)
@@ -93,11 +96,6 @@ def shape_of_patches(origin: Floats, arrows: dict[str, Floats], source: str) -> 
         The points of each patch relative to the origin, by the axis that the patch is around: "+z".
     source : str
         For messages.
-
-    Raises
-    ------
-    FileError
-        Patches are missing that no symmetry supplies, or none of those that may completes a smooth surface.
     """
     halves = _halves(arrows, origin, source)
     trimmed = {name: _trimmed(name, arrow, halves) for name, arrow in arrows.items()}

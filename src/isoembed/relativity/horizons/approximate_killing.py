@@ -87,6 +87,8 @@ class Rotations:
 def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     """The rotations that shear a metric least, with potentials in harmonics.
 
+    Raises `InvalidMetric`: the metric is not positive definite.
+
     Parameters
     ----------
     metric : TwoMetric
@@ -94,11 +96,6 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
         Of the harmonics; the nodes are twice as dense, which leaves as many harmonics to the metric.
     axisymmetric : bool
         The metric is symmetric about the z-axis: it takes a few orders only.
-
-    Raises
-    ------
-    InvalidMetric
-        The metric is not positive definite.
 
     Notes
     -----

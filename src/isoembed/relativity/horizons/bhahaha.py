@@ -31,9 +31,10 @@ def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
     """Read the shape of a horizon from a file of BHaHAHA.
 
     The file holds one row ``x y z`` for each point: rings of constant theta, each closed by its first point
-    and followed by a blank line.  The angles about the center are theta = (i + 1/2) pi / n_theta and
-    phi = -pi + (j + 1/2) 2 pi / n_phi.  The file does not name the center: it is the point from which the
-    points are seen at these angles.
+    and followed by a blank line.  The angles about the center are theta = (i + 1/2) pi / n_theta and phi =
+    -pi + (j + 1/2) 2 pi / n_phi.  The file does not name the center: it is the point from which the points
+    are seen at these angles.  Raises `FileError`: the file cannot be read, is cut short or malformed; the
+    message names the line where it can.
 
     Parameters
     ----------
@@ -44,11 +45,6 @@ def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
     -------
     CoordinateShape
         With the time in the comments of the file, and the iteration in its name.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, is cut short or malformed; the message names the line where it can.
     """
     with opened(path) as file:
         table = read_text_table(file)

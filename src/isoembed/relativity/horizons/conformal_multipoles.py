@@ -163,10 +163,10 @@ def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMu
     """
     order = checked_order(n)
     symmetric = is_axisymmetric(data.metric) and _momentum_is_axisymmetric(data)
-    ladder = tuple(d for d in (SYMMETRIC_DEGREES if symmetric else DEGREES) if d >= order)
+    degrees = tuple(d for d in (SYMMETRIC_DEGREES if symmetric else DEGREES) if d >= order)
     K = spectral_curvature(data.metric, data.relative_error)
-    found = _moments(data, K, ladder[0], order, symmetric)
-    for degree in ladder[1:]:
+    found = _moments(data, K, degrees[0], order, symmetric)
+    for degree in degrees[1:]:
         before, found = found, _moments(data, K, degree, order, symmetric)
         change = np.abs(found - before).max(axis=2)
         if change.max() <= max(SETTLED, data.relative_error):

@@ -1,4 +1,4 @@
-"""Surface of constant expansion with a given mean radius, and its derivative in the mean radius."""
+"""Leaf of a foliation by constant expansion: a surface with a given mean radius, and its derivative."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.relativity.horizons.ladder import in_degree, level_of
 from isoembed.relativity.horizons.newton import Solution, solve
+from isoembed.relativity.horizons.radial_image import discretized, in_degree
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
@@ -22,7 +22,7 @@ RESIDUAL, PRECISE_RESIDUAL = 1e-6, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Leaf:
+class ConstantExpansionSurface:
     """A surface of constant expansion.
 
     Attributes
@@ -71,10 +71,13 @@ class Leaf:
         return StarSurface(self.surface.center, self.surface.harmonics, f + (mean - f[0]) * self.tangent)
 
 
-def leaf_of(
+def constant_expansion_surface(
     geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool, enough: float = RESIDUAL
-) -> Leaf:
+) -> ConstantExpansionSurface:
     """The surface of constant expansion with the mean radius of a guess.
+
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
+    `isoembed.relativity.horizons.newton.solve`.
 
     Parameters
     ----------
@@ -84,18 +87,14 @@ def leaf_of(
         About z: slice and surface.
     enough : float
         Residual, as a displacement over the radius, at which to stop.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        See `isoembed.relativity.horizons.newton.solve`.
     """
     highest = HIGHEST_DEGREES[int(symmetric)]
     while True:
-        level = level_of(geometry, guess)
-        solution = solve(level, guess.coefficients, None, enough)
-        f, harmonics, theta = solution.shape.f, guess.harmonics, solution.shape.local.expansion
-        errors, R = np.abs(level.expansion_errors(solution.shape)), level.areal_radius(solution.shape)
+        discretization = discretized(geometry, guess)
+        solution = solve(discretization, guess.coefficients, None, enough)
+        at, harmonics = solution.iterate, guess.harmonics
+        f, theta = at.f, at.local.expansion
+        errors, R = np.abs(discretization.expansion_errors(at)), discretization.areal_radius(at)
         high = harmonics.labels[0] > 0.75 * harmonics.degree
         tail = np.abs(f[high]).max() / f[0]
         spread = 0.5 * R * float(np.ptp(theta))
@@ -112,7 +111,7 @@ def leaf_of(
         guess = in_degree(StarSurface(guess.center, harmonics, f), degree, symmetric)
     rate, tangent = _tangent(solution)
     by_slice = solution.equations.projected(errors[:, None])[:, 0]
-    return Leaf(
+    return ConstantExpansionSurface(
         surface=StarSurface(guess.center, harmonics, f),
         expansion=solution.expansion,
         least=float((theta - errors).min()),
@@ -121,7 +120,7 @@ def leaf_of(
         areal_radius=R,
         rate=rate,
         tangent=tangent,
-        speed=float(np.abs(level.transform.values(tangent[:, None])).max()) * np.sqrt(4.0 * np.pi),
+        speed=float(np.abs(discretization.transform.values(tangent[:, None])).max()) * np.sqrt(4.0 * np.pi),
         noise=solution.noise,
     )
 
@@ -144,7 +143,7 @@ def clearance(geometry: ThreeGeometry, surface: StarSurface) -> float:
 def _tangent(solution: Solution) -> tuple[float, Floats]:
     """The derivatives of the expansion and of the coefficients in that of degree zero."""
     equations = solution.equations
-    one = np.zeros(len(solution.shape.f))
+    one = np.zeros(len(solution.iterate.f))
     one[0] = 1.0
     rates = -equations.solved(replace(equations, free=False).applied(one))
     rate, rates[0] = float(rates[0]), 1.0

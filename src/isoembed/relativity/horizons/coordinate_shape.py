@@ -122,6 +122,10 @@ def triangulate_star_shaped(
 ) -> tuple[Indices, Indices]:
     """Closed surface of scattered points all of which can be seen from its center.
 
+    Raises `FileError`: the points are fewer than four or lie in a plane, one is not finite or is the center,
+    two are in one direction, a polygon is turned around, or some directions have no points; the message names
+    the first such point or the direction.
+
     Parameters
     ----------
     points : ndarray, shape (n, 3)
@@ -140,13 +144,6 @@ def triangulate_star_shaped(
         The distinct points.
     faces : ndarray of int, shape (F, 3)
         Triangles between these, outward: the convex hull of the directions.
-
-    Raises
-    ------
-    FileError
-        The points are fewer than four or lie in a plane, one is not finite or is the center, two are in one
-        direction, a polygon is turned around, or some directions have no points; the message names the first
-        such point or the direction.
     """
     check_solid(points, source)
     arrow = points - center
@@ -198,10 +195,7 @@ def triangulate_star_shaped(
 def check_solid(points: Floats, source: str) -> None:
     """Refuse points (n, 3) through which there is no closed surface around anything.
 
-    Raises
-    ------
-    FileError
-        They are fewer than four, not finite, or in a plane; the message names the file.
+    Raises `FileError`: they are fewer than four, not finite, or in a plane; the message names the file.
     """
     bad = ~np.isfinite(points).all(axis=1)
     if bad.any():

@@ -1,4 +1,4 @@
-"""Horizon test: whether the expansion of outgoing light rays is zero, nearly zero, or not zero."""
+"""Horizon classification: whether the expansion of outgoing light rays is zero, nearly zero, or not."""
 
 from __future__ import annotations
 
@@ -110,8 +110,10 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     )
 
 
-def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None = None) -> SurfaceData:
-    """Data of a surface that is taken for a horizon or not, with errors and notes accordingly.
+def classify_horizon(
+    data: SurfaceData, marginal: bool | None, test: ExpansionTest | None = None
+) -> SurfaceData:
+    """Classification of a surface as a horizon or not: its data with errors and notes accordingly.
 
     Parameters
     ----------
@@ -126,8 +128,8 @@ def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None 
             return replace(data, marginal=marginal)
         return _noted(
             data,
-            "not treated as a horizon, because k is unknown: if it is one, --marginal (marginal=True) gives "
-            "its Hawking and its Kijowski-Liu-Yau energy",
+            "not treated as a horizon, because k is unknown: if it is one, marginal=True gives its "
+            " Hawking and its Kijowski-Liu-Yau energy",
         )
     test = test or expansion_test(data)
     expansion = f"the expansion is {test.largest_expansion:.2g} +- {test.expansion_error:.1g}"
@@ -152,15 +154,14 @@ def judged(data: SurfaceData, marginal: bool | None, test: ExpansionTest | None 
         _noted(
             data,
             f"treated as a horizon that was located inexactly: {expansion}, and {away}; the errors include "
-            "the possibility that it is not a horizon; --marginal and --not-marginal (marginal=True, False) "
-            "decide",
+            "the possibility that it is not a horizon; marginal=True or marginal=False decides",
         ),
         doubtful=True,
     )
 
 
-def noted_near(data: SurfaceData) -> SurfaceData:
-    """Data of a surface with a note if it may be a horizon."""
+def classify_surface(data: SurfaceData) -> SurfaceData:
+    """Classification of a surface as no horizon: its data with a note if it may be one."""
     if data.mean_curvature is None:
         return data
     test = expansion_test(data)
@@ -169,7 +170,7 @@ def noted_near(data: SurfaceData) -> SurfaceData:
     return _noted(
         data,
         f"this may be a horizon, as the expansion is {test.largest_expansion:.2g} +- "
-        f"{test.expansion_error:.1g}: if it is one, --marginal (marginal=True) gives its energies",
+        f"{test.expansion_error:.1g}: if it is one, marginal=True gives its energies",
     )
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -12,17 +14,15 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.foliation import Foliation, crossing, foliate, inside
-from isoembed.relativity.horizons.found_horizon import FoundHorizon, mapped_horizon, star_horizon
-from isoembed.relativity.horizons.ladder import is_symmetric
-from isoembed.relativity.horizons.mapped_ladder import swept_mapped
+from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near, refined_horizon
 from isoembed.relativity.horizons.newton import NoConvergence
-from isoembed.relativity.horizons.search_places import Place, places_of
-from isoembed.relativity.horizons.sheet import Sheet
+from isoembed.relativity.horizons.normal_image import foliated_inwards
+from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.smooth.two_metric import angle_frame
 
 NODES = (16, 32)  # heights and angles at which a guess is tried
 # First spheres, over the guess: small ones for grids and among holes, large ones around fast holes.
@@ -87,7 +87,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         return replace(first, notes=(*first.notes, note))
     guess.expansion(geometry, gauss_rule(*NODES)[0])  # refuses a guess that leaves the slice
     try:
-        return _near(geometry, guess, 0.0)
+        return horizon_near(geometry, guess)
     except FAILURES as error:
         why = str(error)
     if isinstance(guess, StarSurface):
@@ -140,7 +140,7 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface
     True
     """
     try:
-        return _near(geometry, guess, expansion)
+        return horizon_near(geometry, guess, expansion)
     except FAILURES as error:
         raise NoHorizon(
             f"no surface of expansion {expansion:.6g} was found near the guess: {error}"
@@ -166,8 +166,8 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
     geometry, surface = outer.geometry, outer.surface
     try:
         # First degree of surfaces inside a horizon.
-        start = Sheet.of(surface, 24, symmetric=is_symmetric(geometry, surface)).even()
-        inner = mapped_horizon(geometry, swept_mapped(geometry, start), 0.0)
+        start = HarmonicMap.projected(surface, 24, symmetric=is_symmetric(geometry, surface))
+        inner = refined_horizon(geometry, foliated_inwards(geometry, start.reparametrized()))
     except FAILURES as error:
         raise NoHorizon(f"no inner horizon was found where it was looked for: {error}") from None
     if inner.outer:  # Newton's method may lead back to the one outside
@@ -176,14 +176,6 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
             f"{inner.area:.6g}, is stable, with the eigenvalue {inner.stability:.3g} / R^2"
         )
     return inner
-
-
-def _near(geometry: ThreeGeometry, guess: Surface, expansion: float) -> FoundHorizon:
-    """The surface near a guess, by Newton's method alone."""
-    symmetric = is_symmetric(geometry, guess)
-    if isinstance(guess, StarSurface):
-        return star_horizon(geometry, guess, expansion, symmetric=symmetric)
-    return mapped_horizon(geometry, Sheet.of(guess, guess.harmonics.degree, symmetric=symmetric), expansion)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +199,7 @@ def _search(geometry: ThreeGeometry) -> _Search:
     """The horizons around groups of holes, the largest groups first."""
     found: list[tuple[frozenset[int], FoundHorizon]] = []  # with the holes inside
     failures: list[tuple[Place, NoHorizon]] = []
-    places = list(places_of(geometry))
+    places = list(_places(geometry))
     for place in places:
         if any(place.holes & taken for taken, _ in found):
             continue
@@ -242,7 +234,7 @@ def _holes_inside(geometry: ThreeGeometry, surface: Surface) -> frozenset[int]:
     n, order = surface.harmonics.degree + NODES[0], surface.harmonics.order
     u, weights = gauss_rule(n, 2 * (order + NODES[0]))
     jet = surface.jet(u)
-    normals = np.cross(*(np.einsum("nij,nj->ni", jet.first, e) for e in angle_frame(u)))
+    normals = np.cross(jet.first[:, 0], jet.first[:, 1])
     inside = []
     for i, (_, position) in enumerate(getattr(geometry, "black_holes", ())):
         away = jet.x - np.array(position)
@@ -287,12 +279,8 @@ def _inside_sphere(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
 def _foliated(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizon:
     """The horizon to which a foliation leads, in a frame where it needs the fewest harmonics.
 
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        There is no surface of constant expansion near the first one.
-    NoHorizon
-        There is no change of sign, or the horizon beside it is not resolved.
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is no surface of constant expansion
+    near the first one; `NoHorizon`: there is no change of sign, or the horizon beside it is not resolved.
     """
     if is_symmetric(geometry, start):
         return _from_foliation(geometry, start, True)
@@ -319,17 +307,14 @@ def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool
 def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon:
     """The stable horizon between barriers, which exists.
 
-    Raises
-    ------
-    NoHorizon
-        It was not resolved; the message names the barriers.
+    Raises `NoHorizon`: it was not resolved; the message names the barriers.
     """
     assert foliation.barriers is not None
     outer, inner = foliation.barriers
     for closeness in (1e-4, 1e-6, 1e-8):
         try:
             outer, inner, guess = crossing(geometry, outer, inner, symmetric=symmetric, closeness=closeness)
-            horizon = star_horizon(geometry, guess, 0.0, symmetric=symmetric)
+            horizon = horizon_near(geometry, guess, symmetric=symmetric)
         except FAILURES as error:
             why = str(error)
             continue
@@ -379,7 +364,7 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
     """The surface of least expansion, where that is zero to rounding: a horizon of stability zero."""
     assert foliation.minimum is not None
     try:
-        horizon = star_horizon(geometry, foliation.minimum.surface, 0.0, symmetric=symmetric)
+        horizon = horizon_near(geometry, foliation.minimum.surface, symmetric=symmetric)
     except FAILURES:
         return None
     if horizon.residual > 1e-9 or abs(horizon.stability) > 1e-4:
@@ -407,3 +392,76 @@ def _none(foliation: Foliation) -> NoHorizon:
         evidence,
         error,
     )
+
+
+@dataclass(frozen=True)
+class Place:
+    """A sphere around black holes.
+
+    Attributes
+    ----------
+    center : three floats
+    radius : float
+    holes : frozenset of int
+        Their indices; empty for a sphere in a grid.
+    """
+
+    center: tuple[float, float, float]
+    radius: float
+    holes: frozenset[int] = frozenset()
+
+
+def _places(geometry: ThreeGeometry) -> Iterator[Place]:
+    """Spheres around all that there is in a slice, and around groups of its holes, the largest first.
+
+    Groups whose sphere reaches another hole are left out, as are those of holes further apart than twice
+    their mass: in Brill-Lindquist's slices a common horizon ends at .77 of it.  Raises `InvalidParameter`:
+    the slice does not say where its holes are.
+    """
+    holes = tuple(getattr(geometry, "black_holes", ()))
+    box = getattr(geometry, "box", None)
+    if box is not None:
+        low, high = (np.array(corner) for corner in box)
+        x, y, z = (0.5 * (low + high)).tolist()
+        yield Place((x, y, z), 0.9 * 0.5 * float((high - low).min()))  # room to the edge of the grid
+        return
+    if not holes:
+        raise InvalidParameter(
+            "the slice does not say where its black holes are: give a guess, such as a sphere around them"
+        )
+    everything = frozenset(range(len(holes)))
+    # More holes have too many groups to try all of them.
+    sizes = range(len(holes) - 1, 0, -1) if len(holes) <= 8 else (1,)
+    groups = [everything]
+    groups += [frozenset(group) for size in sizes for group in combinations(sorted(everything), size)]
+    for group in groups:
+        place = _around(holes, group)
+        if place is not None:
+            yield place
+
+
+def _around(holes: Sequence[tuple[float, Sequence[float]]], group: frozenset[int]) -> Place | None:
+    """A sphere around some holes, as far from the others as it can be."""
+    masses = np.array([holes[i][0] for i in sorted(group)])
+    at = np.array([holes[i][1] for i in sorted(group)], dtype=float)
+    center = masses @ at / masses.sum()
+    extent = float(np.linalg.norm(at - center, axis=1).max())
+    others = [holes[i][1] for i in range(len(holes)) if i not in group]
+    room = min((float(np.linalg.norm(center - other)) for other in others), default=np.inf) - extent
+    apart = others and len(group) > 1 and not _linked(masses, at)
+    if room <= 0.0 or apart:
+        return None
+    # Three masses beyond the outermost hole, but less than halfway to the nearest hole outside.
+    radius = extent + min(3.0 * float(masses.sum()) + extent, 0.45 * room)
+    x, y, z = center.tolist()
+    return Place((x, y, z), radius, group)
+
+
+def _linked(masses: np.ndarray, at: np.ndarray) -> bool:
+    """Whether the holes hang together by distances that are not too long."""
+    # Holes that are farther apart than twice their mass have no common horizon.
+    near = np.linalg.norm(at[:, None] - at[None], axis=2) <= 2.0 * masses.sum()
+    reached = near[0]
+    for _ in at:
+        reached = near[reached].any(axis=0)
+    return bool(reached.all())

@@ -27,16 +27,16 @@ from isoembed.relativity.horizons.constant_expansion import (
     HIGHEST_DEGREES,
     PRECISE_RESIDUAL,
     TRUNCATION,
-    Leaf,
+    ConstantExpansionSurface,
+    constant_expansion_surface,
     hole_heights,
-    leaf_of,
 )
-from isoembed.relativity.horizons.ladder import about, in_degree, recentered
 from isoembed.relativity.horizons.newton import NoConvergence
-from isoembed.relativity.spacetimes.scaled_curvature import ScaledCurvature
+from isoembed.relativity.horizons.radial_image import about, in_degree, recentered
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.transformed import ScaledCurvature
 from isoembed.smooth.transforms import resized
 
 SHORTEST_STEP = 1e-4  # over the mean radius
@@ -54,11 +54,11 @@ class Foliation:
 
     Attributes
     ----------
-    leaves : tuple of Leaf
+    leaves : tuple of ConstantExpansionSurface
         One inside the other, or one outside the other where the first one is trapped.
-    barriers : tuple of two Leaf, or None
+    barriers : tuple of two ConstantExpansionSurface, or None
         The one of positive expansion and the one of negative expansion between which it changes sign.
-    minimum : Leaf or None
+    minimum : ConstantExpansionSurface or None
         The leaf of least expansion, or of the least ``c R / 2``, if that has a minimum on the way.
     minimum_error : float
         Its error, by the slice and by the degree.
@@ -66,14 +66,14 @@ class Foliation:
         The reason why there are no more.
     """
 
-    leaves: tuple[Leaf, ...]
-    barriers: tuple[Leaf, Leaf] | None = None
-    minimum: Leaf | None = None
+    leaves: tuple[ConstantExpansionSurface, ...]
+    barriers: tuple[ConstantExpansionSurface, ConstantExpansionSurface] | None = None
+    minimum: ConstantExpansionSurface | None = None
     minimum_error: float = 0.0
     end: str = ""
 
     @property
-    def least(self) -> Leaf:
+    def least(self) -> ConstantExpansionSurface:
         """The leaf of the least ``c R / 2``."""
         leaves = self.leaves if self.minimum is None else (*self.leaves, self.minimum)
         return min(leaves, key=lambda leaf: abs(leaf.normalized_expansion))
@@ -94,6 +94,9 @@ def foliate(
 ) -> Foliation:
     """Leaves from a surface inwards to a horizon, or outwards from a trapped one.
 
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is no surface of constant expansion
+    near the first one.
+
     Parameters
     ----------
     geometry : ThreeGeometry
@@ -102,11 +105,6 @@ def foliate(
         About z: slice and surface.
     longest_step : float
         Longest displacement of a leaf from the one before, over the mean radius.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        There is no surface of constant expansion near the first one.
     """
     leaves = [_first(geometry, start, symmetric)]
     outward = leaves[0].expansion <= 0.0
@@ -116,7 +114,7 @@ def foliate(
         last = leaves[-1]
         try:
             guess = recentered(last.displaced(step if outward else -step), symmetric)
-            leaf = leaf_of(geometry, guess, symmetric=symmetric)
+            leaf = constant_expansion_surface(geometry, guess, symmetric=symmetric)
             missed = _prediction_error(geometry, last, guess, leaf, step)
         except (NoConvergence, InvalidMetric, InvalidParameter) as failure:
             step *= 0.5
@@ -170,24 +168,27 @@ def foliate(
 
 
 def crossing(
-    geometry: ThreeGeometry, outer: Leaf, inner: Leaf, *, symmetric: bool, closeness: float
-) -> tuple[Leaf, Leaf, StarSurface]:
+    geometry: ThreeGeometry,
+    outer: ConstantExpansionSurface,
+    inner: ConstantExpansionSurface,
+    *,
+    symmetric: bool,
+    closeness: float,
+) -> tuple[ConstantExpansionSurface, ConstantExpansionSurface, StarSurface]:
     """Barriers closer to the horizon between two of them, and a prediction of the horizon.
+
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
+    `isoembed.relativity.horizons.newton.solve`.
 
     Parameters
     ----------
     geometry : ThreeGeometry
-    outer, inner : Leaf
+    outer, inner : ConstantExpansionSurface
         Of positive and of negative expansion.
     symmetric : bool
         About z: slice and surface.
     closeness : float
         The distance of the horizon from one of them, in mean radii, as the rate of the expansion predicts it.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        See `isoembed.relativity.horizons.newton.solve`.
     """
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
     xtol = closeness * largest / max(outer.speed, inner.speed)
@@ -199,24 +200,27 @@ def crossing(
 
 
 def least_expansion(
-    geometry: ThreeGeometry, outer: Leaf, inner: Leaf, *, symmetric: bool, settled: float
-) -> tuple[Leaf, float]:
+    geometry: ThreeGeometry,
+    outer: ConstantExpansionSurface,
+    inner: ConstantExpansionSurface,
+    *,
+    symmetric: bool,
+    settled: float,
+) -> tuple[ConstantExpansionSurface, float]:
     """The leaf of least expansion between two others, and the error of its expansion.
+
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
+    `isoembed.relativity.horizons.newton.solve`.
 
     Parameters
     ----------
     geometry : ThreeGeometry
-    outer, inner : Leaf
+    outer, inner : ConstantExpansionSurface
         Where the expansion falls inwards, and where it grows inwards.
     symmetric : bool
         About z: slice and surface.
     settled : float
         Relative change of the least expansion with the degree that is none.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        See `isoembed.relativity.horizons.newton.solve`.
     """
     highest = HIGHEST_DEGREES[int(symmetric)]
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
@@ -228,7 +232,7 @@ def least_expansion(
         if degree >= highest:
             return lowest, lowest.error + lowest.greatest - lowest.least + rounding
         finer = in_degree(lowest.surface, min(highest, int(DEGREE_GROWTH * degree)), symmetric)
-        there = leaf_of(geometry, finer, symmetric=symmetric, enough=PRECISE_RESIDUAL)
+        there = constant_expansion_surface(geometry, finer, symmetric=symmetric, enough=PRECISE_RESIDUAL)
         new = _stationary(geometry, there, symmetric)
         change = abs(new.expansion - lowest.expansion)
         if change <= max(settled * abs(new.expansion), new.error, rounding):
@@ -246,7 +250,9 @@ def inside(inner: Surface, outer: StarSurface) -> bool:
     return bool(np.all(distance <= outer.radius(away / distance[:, None]) + slack))
 
 
-def _minimum_error(before: Leaf, lowest: Leaf, after: Leaf) -> float:
+def _minimum_error(
+    before: ConstantExpansionSurface, lowest: ConstantExpansionSurface, after: ConstantExpansionSurface
+) -> float:
     """Error of the expansion of a leaf whose c R / 2 is less than that of its neighbors.
 
     The variation of the expansion over the leaf, and as much as c R / 2 differs from that of a neighbor: a
@@ -256,7 +262,7 @@ def _minimum_error(before: Leaf, lowest: Leaf, after: Leaf) -> float:
     return lowest.greatest - lowest.least + 2.0 * max(differences) / lowest.areal_radius
 
 
-def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> Leaf:
+def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> ConstantExpansionSurface:
     """The leaf near a first surface, about its own centroid.
 
     Around a hole in motion leaves are displaced by a part of their radius that grows with the speed, too far
@@ -264,11 +270,11 @@ def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> Leaf
     """
     surface = in_degree(start, max(FIRST_DEGREE, start.harmonics.degree), symmetric)
     for factor in (1.0,) if geometry.time_symmetric else (0.0, 0.25, 0.5, 0.75, 1.0):
-        leaf = leaf_of(ScaledCurvature(geometry, factor), surface, symmetric=symmetric)
+        leaf = constant_expansion_surface(ScaledCurvature(geometry, factor), surface, symmetric=symmetric)
         surface = recentered(leaf.surface, symmetric)
     if surface is leaf.surface:
         return leaf
-    return leaf_of(geometry, surface, symmetric=symmetric)
+    return constant_expansion_surface(geometry, surface, symmetric=symmetric)
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,23 +283,27 @@ class _Family:
 
     geometry: ThreeGeometry
     symmetric: bool
-    known: list[Leaf]
+    known: list[ConstantExpansionSurface]
 
-    def at(self, mean: float) -> Leaf:
+    def at(self, mean: float) -> ConstantExpansionSurface:
         nearest = min(self.known, key=lambda leaf: abs(leaf.surface.coefficients[0] - mean))
         if nearest.surface.coefficients[0] != mean:
             guess = nearest.of_mean(mean)
-            nearest = leaf_of(self.geometry, guess, symmetric=self.symmetric, enough=PRECISE_RESIDUAL)
+            nearest = constant_expansion_surface(
+                self.geometry, guess, symmetric=self.symmetric, enough=PRECISE_RESIDUAL
+            )
             self.known.append(nearest)
         return nearest
 
 
 def _family(
-    geometry: ThreeGeometry, outer: Leaf, inner: Leaf, symmetric: bool
+    geometry: ThreeGeometry, outer: ConstantExpansionSurface, inner: ConstantExpansionSurface, symmetric: bool
 ) -> tuple[_Family, float, float]:
     """The leaves between two others, and the coefficients of degree zero of these, the outer one first."""
     if inner.surface.center != outer.surface.center:
-        inner = leaf_of(geometry, about(inner.surface, outer.surface.center), symmetric=symmetric)
+        inner = constant_expansion_surface(
+            geometry, about(inner.surface, outer.surface.center), symmetric=symmetric
+        )
     family = _Family(geometry, symmetric, [outer, inner])
     return family, float(outer.surface.coefficients[0]), float(inner.surface.coefficients[0])
 
@@ -301,17 +311,17 @@ def _family(
 def _root(f: Callable[[float], float], a: float, b: float, xtol: float) -> float:
     """The root between a and b by Brent's method.
 
-    Raises
-    ------
-    NoConvergence
-        The signs at the ends are the same: leaves found anew are not those that they were.
+    Raises `NoConvergence`: the signs at the ends are the same: leaves found anew are not those that they
+    were.
     """
     if f(a) * f(b) > 0.0:
         raise NoConvergence("no change of sign is left between two surfaces of constant expansion")
     return float(brentq(f, a, b, xtol=xtol, rtol=1e-15))
 
 
-def _stationary(geometry: ThreeGeometry, leaf: Leaf, symmetric: bool) -> Leaf:
+def _stationary(
+    geometry: ThreeGeometry, leaf: ConstantExpansionSurface, symmetric: bool
+) -> ConstantExpansionSurface:
     """The leaf near a given one where the rate of the expansion is zero, in one degree."""
     family = _Family(geometry, symmetric, [leaf])
     mean = float(leaf.surface.coefficients[0])
@@ -334,14 +344,15 @@ def _enclosed(geometry: ThreeGeometry, surface: StarSurface) -> list[bool]:
 
 
 def _prediction_error(
-    geometry: ThreeGeometry, last: Leaf, guess: StarSurface, leaf: Leaf, step: float
+    geometry: ThreeGeometry,
+    last: ConstantExpansionSurface,
+    guess: StarSurface,
+    leaf: ConstantExpansionSurface,
+    step: float,
 ) -> float:
     """The difference of a leaf from its prediction, over the displacement from the leaf before.
 
-    Raises
-    ------
-    NoConvergence
-        The leaves cross each other, or pass over a black hole.
+    Raises `NoConvergence`: the leaves cross each other, or pass over a black hole.
     """
     old = resized(guess.coefficients[:, None], guess.harmonics, leaf.surface.harmonics)[:, 0]
     u, _ = gauss_rule(leaf.surface.harmonics.degree + 2, 2 * leaf.surface.harmonics.order + 1)
@@ -354,7 +365,7 @@ def _prediction_error(
     return float(np.abs(change).max()) / (step * last.surface.mean_radius)
 
 
-def _noisy(leaf: Leaf) -> str:
+def _noisy(leaf: ConstantExpansionSurface) -> str:
     if leaf.noise <= 0.01:
         return ""
     return f"; the slice may displace the surface by {100.0 * leaf.noise:.2g} % there"

@@ -1,4 +1,4 @@
-"""Surfaces of constant expansion that were found: what they are, how right, and how stable."""
+"""Horizons that were found: surfaces of constant expansion with residual, errors and stability."""
 
 from __future__ import annotations
 
@@ -9,19 +9,17 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.evidence import Evidence
-from isoembed.relativity.horizons.ladder import climbed, shape_apart
-from isoembed.relativity.horizons.mapped_ladder import climbed_mapped, mapped_shape_apart
 from isoembed.relativity.horizons.newton import NoConvergence
-from isoembed.relativity.horizons.sheet import Sheet
+from isoembed.relativity.horizons.normal_image import NormalImage
+from isoembed.relativity.horizons.radial_image import RadialImage, is_symmetric
+from isoembed.relativity.horizons.refinement import End, Image, Refined, refined
 from isoembed.relativity.horizons.stability import principal_eigenvalue
-from isoembed.relativity.horizons.surface_level import Level, Shape
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.reprs import short_repr
-from isoembed.smooth.scattered_fit import deviating
-from isoembed.smooth.transforms import resized
 
 
 @short_repr
@@ -87,81 +85,43 @@ class FoundHorizon:
         return replace(data, notes=(*data.notes, *self.notes))
 
 
-def star_horizon(
-    geometry: ThreeGeometry, start: StarSurface, expansion: float, *, symmetric: bool
+def horizon_near(
+    geometry: ThreeGeometry, guess: Surface, expansion: float = 0.0, *, symmetric: bool | None = None
 ) -> FoundHorizon:
-    """The star-shaped surface near a guess, with what it may be off.
+    """The surface of constant expansion near a guess, by Newton's method alone, with its errors.
 
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        There is none, or it is known too badly.
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is none, or it is known too badly.
+
+    Parameters
+    ----------
+    geometry : ThreeGeometry
+    guess : StarSurface or another Surface
+        A star-shaped one is displaced along the radius, others are along their normals.
+    expansion : float
+    symmetric : bool, optional
+        Whether slice and guess are symmetric about the z-axis, where that is known.
     """
-    rung, steps, ended = climbed(geometry, start, expansion, symmetric=symmetric)
-    surface, shape = rung.surface, rung.solution.shape
-    shifts = _shifts(rung.level, shape, shape_apart(geometry, surface), expansion)
-    harmonics = surface.harmonics
-    known = replace(
-        surface,
-        misfit=_size(shifts),
-        deviations=resized(shifts.T, harmonics, deviating(harmonics)).T,
+    known = is_symmetric(geometry, guess) if symmetric is None else symmetric
+    kind = RadialImage if isinstance(guess, StarSurface) else NormalImage
+    return refined_horizon(geometry, kind.of(guess, symmetric=known), expansion)  # type: ignore[arg-type]
+
+
+def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.0) -> FoundHorizon:
+    """The same from an image of the sphere; see `horizon_near`."""
+    found = refined(geometry, start, expansion)
+    at, discretization = found.solution.iterate, found.discretization
+    surface = found.image.surface(_shifts(found, geometry, expansion))
+    R = discretization.areal_radius(at)
+    left = (
+        f"in degree {found.image.degree} the expansion is still {found.residual:.2g} / R, R the areal radius"
     )
-    return _described(known, rung.level, shape, expansion, rung.residual, (steps, ended))
-
-
-def mapped_horizon(geometry: ThreeGeometry, start: Sheet, expansion: float) -> FoundHorizon:
-    """The surface near a guess, of any shape, with what it may be off.
-
-    Raises
-    ------
-    NoConvergence, InvalidMetric, InvalidParameter
-        There is none, or it is known too badly.
-    """
-    rung, steps, ended = climbed_mapped(geometry, start, expansion)
-    sheet, shape, level = rung.sheet, rung.solution.shape, rung.level
-    shifts = _shifts(level, shape, mapped_shape_apart(geometry, rung), expansion)
-    there = [sheet.moved(rung.direction, f, level.transform.harmonics) for f in shifts]
-    deviations = [
-        resized(each.coefficients - sheet.coefficients, sheet.harmonics, deviating(sheet.harmonics))
-        for each in there
-    ]
-    surface = MappedSurface(
-        sheet.harmonics, sheet.coefficients, misfit=_size(shifts), deviations=np.stack(deviations)
-    )
-    return _described(surface, level, shape, expansion, rung.residual, (steps, ended))
-
-
-def _shifts(level: Level, shape: Shape, apart: tuple[Level, Shape], expansion: float) -> Floats:
-    """Changes of f (2, size) that the slice's error, and what is left of the expansion, make."""
-    equations = level.equations(shape)
-    by_slice = equations.projected(level.expansion_errors(shape)[:, None])[:, 0]
-    other, there = apart
-    left = other.equations(there).projected((there.local.expansion - expansion)[:, None])[:, 0]
-    return np.stack([equations.solved(by_slice), equations.solved(left)]) * np.sqrt(2.0)
-
-
-def _size(shifts: Floats) -> float:
-    return float(np.sqrt(np.mean(np.sum(shifts**2, axis=1)) / (4.0 * np.pi)))
-
-
-def _described(
-    surface: StarSurface | MappedSurface,
-    level: Level,
-    shape: Shape,
-    expansion: float,
-    residual: float,
-    how: tuple[int, str],
-) -> FoundHorizon:
-    steps, ended = how
-    degree, R = surface.harmonics.degree, level.areal_radius(shape)
-    left = f"in degree {degree} the expansion is still {residual:.2g} / R, R the areal radius"
     off = surface.misfit / surface.mean_radius
     if off > 0.01:  # farther away it is another surface
         raise NoConvergence(f"{left}, and the slice may displace the surface by {100.0 * off:.2g} %")
-    if residual > 0.01 and ended != "enough":  # not the expansion that was asked for
+    if found.residual > 0.01 and found.end is not End.RESOLVED:  # not the expansion that was asked for
         raise NoConvergence(f"{left}, and no higher degree was tried")
-    stability = principal_eigenvalue(level.equations(shape), R) * R * R
-    notes = [f"{left}: no higher degree was tried"] if ended == "exhausted" else []
+    stability = principal_eigenvalue(discretization.equations(at), R) * R * R
+    notes = [f"{left}: no higher degree was tried"] if found.end is End.EXHAUSTED else []
     if expansion == 0.0 and abs(stability) <= 1e-7:  # the stability eigenvalue is zero
         notes.append(
             f"degenerate: its stability eigenvalue is {stability:.1g} / R^2, zero to rounding, as that of an "
@@ -169,11 +129,21 @@ def _described(
         )
     return FoundHorizon(
         surface=surface,
-        geometry=level.geometry,
+        geometry=geometry,
         expansion=expansion,
-        residual=residual,
+        residual=found.residual,
         stability=stability,
         area=4.0 * np.pi * R * R,
-        iterations=steps,
+        iterations=found.steps,
         notes=tuple(notes),
     )
+
+
+def _shifts(found: Refined, geometry: ThreeGeometry, expansion: float) -> Floats:
+    """Changes of f (2, size) that the slice's error, and what is left of the expansion, make."""
+    at, discretization = found.solution.iterate, found.discretization
+    equations = discretization.equations(at)
+    by_slice = equations.projected(discretization.expansion_errors(at)[:, None])[:, 0]
+    other, there = found.image.apart(geometry)
+    left = other.equations(there).projected((there.local.expansion - expansion)[:, None])[:, 0]
+    return np.stack([equations.solved(by_slice), equations.solved(left)]) * np.sqrt(2.0)

@@ -49,7 +49,8 @@ def read_grchombo(path: str | os.PathLike[str]) -> CoordinateShape:
     The columns are theta, or cos(theta) where the header says ``z/r``, phi, and the radius; any others are
     skipped.  Origin and time are in the table ``stats_AH<number>.dat``, in the same folder or the one above.
     Where there is no such table, the origin is assumed to be (0, 0, 0), and a note says so.  Each pole is in
-    the file once for every phi: its radius is the mean of these.
+    the file once for every phi: its radius is the mean of these.  Raises `FileError`: the file cannot be
+    read, is cut short or malformed, or the table has no row for it.
 
     Parameters
     ----------
@@ -60,11 +61,6 @@ def read_grchombo(path: str | os.PathLike[str]) -> CoordinateShape:
     -------
     CoordinateShape
         Its iteration is None: the number in the file name counts outputs of the finder.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, is cut short or malformed, or the table has no row for it.
     """
     with opened(path) as file:
         header, name = HEADER.match(file.head), NAME.fullmatch(file.path.name)
@@ -86,10 +82,7 @@ def read_grchombo(path: str | os.PathLike[str]) -> CoordinateShape:
 def finder_output(path: str | os.PathLike[str]) -> FinderOutput | None:
     """Time and origin of a coordinate file; None where there is no table that could have them.
 
-    Raises
-    ------
-    FileError
-        The table is malformed, or has no row for this file.
+    Raises `FileError`: the table is malformed, or has no row for this file.
     """
     if (table := stats_path(path)) is None:
         return None
@@ -111,10 +104,7 @@ def stats_path(path: str | os.PathLike[str]) -> Path | None:
 def finder_outputs(path: Path) -> dict[int, FinderOutput]:
     """The rows of a table stats_AH<number>.dat by the numbers of their coordinate files, of several the last.
 
-    Raises
-    ------
-    FileError
-        It cannot be read or is malformed.
+    Raises `FileError`: it cannot be read or is malformed.
     """
     with opened(path) as file:
         table = read_text_table(file)

@@ -1,4 +1,4 @@
-"""Horizons, from files or found: their data in the slice, and what the file and the expansion say of them."""
+"""Horizons, from files or found, in their slice: the smooth surface through points, data and facts."""
 
 from __future__ import annotations
 
@@ -6,119 +6,165 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from isoembed.errors import InvalidParameter
+import numpy as np
+
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.horizons.coordinate_surface import coordinate_surface
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
-from isoembed.relativity.horizons.expansion import expansion_test, judged
+from isoembed.relativity.horizons.expansion import ExpansionTest, classify_horizon, expansion_test
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
+from isoembed.relativity.spacetimes.checks import written
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
+from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.reprs import short_repr
 
 GivenHorizon = CoordinateShape | SurfaceData | Surface | FoundHorizon
-"""What a horizon is made of."""
+"""Representations of a horizon that `horizon_data` takes."""
 
 
 @short_repr
 @dataclass(frozen=True)
-class Horizon:
-    """Surface in its slice, from a file or found.
+class HorizonFacts:
+    """Facts about a surface as a horizon, from its file, from the finder and from its expansion.
 
     Attributes
     ----------
-    data : SurfaceData
-    facts : dict
-        What the file or the finder, and the expansion say of it as a horizon, for JSON; empty of a metric
-        without k.
+    marginal : bool
+        Whether the surface is treated as a horizon.
+    test : ExpansionTest or None
+        None of a metric without k.
+    surface : Surface or None
+        None of a metric on a grid.
+    points : CoordinateShape or None
+        Contents of the file.
+    found : FoundHorizon or None
+        Result of the finder.
     curvature_check : CurvatureCheck or None
-        How far the curvature in the file is from that of the metric in use, where the file has it.
+        Difference of the curvature in the file from that of the metric in use, where the file has it.
     """
 
-    data: SurfaceData
-    facts: dict[str, Any]
+    marginal: bool
+    test: ExpansionTest | None = None
+    surface: Surface | None = None
+    points: CoordinateShape | None = None
+    found: FoundHorizon | None = None
     curvature_check: CurvatureCheck | None = None
 
-    @classmethod
-    def of(
-        cls,
-        found: GivenHorizon,
-        geometry: ThreeGeometry | None = None,
-        *,
-        axis: Sequence[float] | None = None,
-        marginal: bool | None = None,
-        name: str = "",
-    ) -> Horizon:
-        """The surface that a file holds, or that was found.
-
-        Parameters
-        ----------
-        found : CoordinateShape, SurfaceData, StarSurface, MappedSurface or FoundHorizon
-            From `isoembed.relativity.read_horizon` or `isoembed.relativity.find_horizon`, for one.
-        geometry : ThreeGeometry, optional
-            The slice; a grid has its metric, what was found its slice, coordinates and surfaces need one.
-        axis : sequence of 3 floats, optional
-            That the angular momentum is asked about, in the coordinates of a slice, besides the one that is
-            found.
-        marginal : bool, optional
-            Whether it is a horizon; by default `expansion_test` decides, and a metric without k is none.
-        name : str
-
-        Raises
-        ------
-        InvalidParameter
-            The geometry is missing, or there is a metric already; there is an axis without coordinates; or
-            the points are not star-shaped and there are no triangles.
-        """
-        if isinstance(found, SurfaceData | FoundHorizon):
-            if geometry is not None:
-                raise InvalidParameter(f"{name or 'this'} holds a metric of its own: it needs no geometry")
-            of = _with_metric if isinstance(found, SurfaceData) else _found
-            return of(found, axis, marginal, name)  # type: ignore[arg-type] # as it is asked
-        if geometry is None:
-            contents = getattr(found, "contents", f"{name or 'this'} is a surface in coordinates")
-            raise InvalidParameter(f"{contents}: name its geometry")
-        surface = found if isinstance(found, Surface) else coordinate_surface(found)
-        data = surface.data(geometry, axis, name=name)
-        test = expansion_test(data)
-        data = judged(data, marginal, test)
-        facts = {
-            "center": list(surface.center),
-            **{"mean_coordinate_radius": surface.mean_radius, "misfit": surface.misfit},
-            **test.report,
-            "marginal": data.marginal,
-        }
-        if isinstance(found, Surface):
-            return cls(data, facts, CurvatureCheck.of(data))
-        of_file = {"time": found.time, "iteration": found.iteration, "points": len(found.points)}
-        directions = surface.directions if isinstance(surface, MappedSurface) else None
-        return cls(data, of_file | facts, CurvatureCheck.of(data, found, directions))
+    @property
+    def report(self) -> dict[str, Any]:
+        """Plain numbers, for JSON; empty of a metric without k."""
+        facts: dict[str, Any] = {}
+        if (file := self.points) is not None:
+            facts = {"time": file.time, "iteration": file.iteration, "points": len(file.points)}
+        if self.surface is not None:
+            radius = self.surface.mean_radius
+            facts |= {"center": list(self.surface.center), "mean_coordinate_radius": radius}
+        if (found := self.found) is not None:
+            facts |= {"degree": found.degree, "residual": found.residual}
+            facts |= {"stability": found.stability, "outer": found.outer}
+            facts["outermost"] = found.outermost and found.outermost.report
+        elif self.surface is not None:
+            facts["misfit"] = self.surface.misfit
+        return {**facts, **self.test.report, "marginal": self.marginal} if self.test else facts
 
 
-def _with_metric(
-    found: SurfaceData, axis: Sequence[float] | None, marginal: bool | None, name: str
-) -> Horizon:
-    if axis is not None:
-        raise InvalidParameter(f"{name} holds no coordinates that an axis could be given in")
-    test = None if found.mean_curvature is None else expansion_test(found)
-    data = judged(replace(found, name=name), marginal, test)
-    facts = {**test.report, "marginal": data.marginal} if test else {}
-    return Horizon(data, facts, CurvatureCheck.of(data))
+def horizon_data(
+    found: GivenHorizon,
+    geometry: ThreeGeometry | None = None,
+    *,
+    axis: Sequence[float] | None = None,
+    marginal: bool | None = None,
+    name: str = "",
+) -> tuple[SurfaceData, HorizonFacts]:
+    """Data of a surface from a file, or of one that was found, in its slice.
 
+    Parameters
+    ----------
+    found : CoordinateShape, SurfaceData, StarSurface, MappedSurface or FoundHorizon
+        From `isoembed.relativity.read_horizon` or `isoembed.relativity.find_horizon`, for one.
+    geometry : ThreeGeometry, optional
+        The slice; a grid has its metric, what was found its slice, coordinates and surfaces need one.
+    axis : sequence of 3 floats, optional
+        Axis of the angular momentum that is reported besides the one that is found, in the coordinates of a
+        slice.
+    marginal : bool, optional
+        Whether it is a horizon; by default `expansion_test` decides, and a metric without k is none.
+    name : str
 
-def _found(found: FoundHorizon, axis: Sequence[float] | None, marginal: bool | None, name: str) -> Horizon:
-    data = found.data(axis, name)
+    Raises
+    ------
+    InvalidParameter
+        The geometry is missing, or there is a metric already; there is an axis without coordinates; or the
+        points are not star-shaped and there are no triangles.
+    """
+    if isinstance(found, SurfaceData | FoundHorizon):
+        if geometry is not None:
+            raise InvalidParameter(f"{name or 'this'} holds a metric of its own: it needs no geometry")
+        if isinstance(found, FoundHorizon):
+            data = found.data(axis, name)
+            test = expansion_test(data)
+            data = data if marginal is None else classify_horizon(data, marginal, test)
+            return data, HorizonFacts(data.marginal, test, found.surface, found=found)
+        if axis is not None:
+            raise InvalidParameter(f"{name} holds no coordinates that an axis could be given in")
+        measured = None if found.mean_curvature is None else expansion_test(found)
+        data = classify_horizon(replace(found, name=name), marginal, measured)
+        return data, HorizonFacts(data.marginal, measured, curvature_check=CurvatureCheck.of(data))
+    if geometry is None:
+        contents = getattr(found, "contents", f"{name or 'this'} is a surface in coordinates")
+        raise InvalidParameter(f"{contents}: name its geometry")
+    points = None if isinstance(found, Surface) else found
+    surface = found if isinstance(found, Surface) else coordinate_surface(found)
+    data = surface.data(geometry, axis, name=name)
     test = expansion_test(data)
-    if marginal is not None:
-        data = judged(data, marginal, test)
-    facts = {
-        **{"center": list(found.surface.center), "mean_coordinate_radius": found.surface.mean_radius},
-        **{"degree": found.degree, "residual": found.residual},
-        **{"stability": found.stability, "outer": found.outer},
-        "outermost": None if found.outermost is None else found.outermost.report,
-        **test.report,
-        "marginal": data.marginal,
-    }
-    return Horizon(data, facts)
+    data = classify_horizon(data, marginal, test)
+    directions = surface.directions if points and isinstance(surface, MappedSurface) else None
+    check = CurvatureCheck.of(data, points, directions)
+    return data, HorizonFacts(data.marginal, test, surface, points, curvature_check=check)
+
+
+def coordinate_surface(found: CoordinateShape) -> StarSurface | MappedSurface:
+    """Smooth surface through the points of a file, with its notes.
+
+    Triangles of the file are used where the center does not see all of them from inside, and where a surface
+    in mapped coordinates fits their corners much better.  Raises `InvalidParameter`: the points are not
+    star-shaped about the center, and there are no triangles; or the triangles are too few for a smooth
+    surface.
+    """
+    surface = _fitted(found)
+    return replace(surface, notes=(*found.notes, *surface.notes)) if found.notes else surface
+
+
+def _fitted(found: CoordinateShape) -> StarSurface | MappedSurface:
+    if found.is_hull:
+        star = StarSurface.from_points(found.points, found.center.tolist(), found.faces)
+        # Points with a larger misfit are not star-shaped.
+        if star.misfit > 0.1 * star.mean_radius:
+            relative = 100.0 * star.misfit / star.mean_radius
+            raise InvalidParameter(
+                f"{found.source or 'the points'}: a surface r(u) about the center {written(found.center)} "
+                f"misses the points by {star.misfit:.2g}, {relative:.2g} % of its radius: they are not "
+                "star-shaped about it, and other shapes take triangles (faces) between the points"
+            )
+        return star
+    if not _is_seen(found):
+        return MappedSurface.from_mesh(found.points, found.faces)
+    star = StarSurface.from_points(found.points, found.center.tolist())
+    # Such a fit needs no comparison with a mapped surface.
+    if star.misfit <= 1e-4 * star.mean_radius:
+        return star
+    try:
+        mapped = MappedSurface.from_mesh(found.points, found.faces)
+    except (InvalidMetric, InvalidParameter):  # degenerate triangles, or too few: the points are enough
+        return star
+    return mapped if mapped.misfit < 0.1 * star.misfit else star  # a mapped surface must fit ten times better
+
+
+def _is_seen(found: CoordinateShape) -> bool:
+    """Whether the center sees all triangles from inside."""
+    arrows = found.points - found.center
+    a, b, c = (arrows / np.abs(arrows).max())[found.faces].transpose(1, 0, 2)
+    return bool((np.einsum("fi,fi->f", a, np.cross(b, c)) > 0.0).all())

@@ -38,7 +38,7 @@ UNREAD = (
     ),
     (
         r"::\w+ it=\d+ tl=\d+",
-        "; it looks like output of Carpet on its grids: a slice for --geometry is made of it by "
+        "; it looks like output of Carpet on its grids: a slice for geometry= is made of it by "
         "interpolation onto one Cartesian grid",
     ),
     (

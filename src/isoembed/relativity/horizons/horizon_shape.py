@@ -62,11 +62,6 @@ class HorizonShape:
         return {"circumferences": self.circumferences.report, "multipoles": self.multipoles.report}
 
 
-def shape_report(data: SurfaceData, spin: Spin | None) -> dict[str, Any]:
-    """The report of the shape of a horizon with this spin; empty of another surface."""
-    return HorizonShape.of(data, spin).report if data.marginal else {}
-
-
 def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
     """Invariant coordinate of the symmetry about the spin or z, or of the rotation nearest to a symmetry."""
     metric, error = data.metric, data.relative_error

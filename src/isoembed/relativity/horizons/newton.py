@@ -8,7 +8,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
-from isoembed.relativity.horizons.surface_level import Equations, Level, Shape
+from isoembed.relativity.horizons.discretization import Discretization, Equations, Iterate
 
 ROUNDING = 1e-7  # residual over the radius below which it may cease to fall: 2e-9 in degree 512
 PATIENCE = 10
@@ -25,7 +25,7 @@ class Solution:
 
     Attributes
     ----------
-    shape : Shape
+    iterate : Iterate
     expansion : float
     equations : Equations
         At a surface nearby.
@@ -34,47 +34,47 @@ class Solution:
         Displacement by the slice's error, over the radius, root-mean-square, where it is smooth.
     """
 
-    shape: Shape
+    iterate: Iterate
     expansion: float
     equations: Equations
     steps: int
     noise: float
 
 
-def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0) -> Solution:
+def solve(
+    discretization: Discretization, f: Floats, expansion: float | None, enough: float = 0.0
+) -> Solution:
     """Surface of constant expansion near a given one.
+
+    Raises `NoConvergence`: the residual falls no more, or less than tenfold in ten steps; `InvalidMetric` or
+    `InvalidParameter`: the slice is not known on the first surface.
 
     Parameters
     ----------
-    level : Level
+    discretization : Discretization
     f : ndarray, shape (size,)
         Coefficients of the first surface.
     expansion : float, optional
         Without it the mean of f is held, and the expansion found.
     enough : float
         Residual, as a displacement over the radius, at which to stop.
-
-    Raises
-    ------
-    NoConvergence
-        The residual falls no more, or less than tenfold in ten steps.
-    InvalidMetric, InvalidParameter
-        The slice is not known on the first surface.
     """
     free = expansion is None
-    shape = level.shape(f)
+    at = discretization.iterate(f)
     if expansion is None:
-        expansion = float(level.transform.weights @ shape.local.expansion / (4.0 * np.pi))
-    equations, sizes = _linearized(level, shape, free), list[float]()
-    noise = float(np.linalg.norm(equations.projected(level.expansion_errors(shape)[:, None]))) / _size(shape)
+        expansion = float(discretization.transform.weights @ at.local.expansion / (4.0 * np.pi))
+    equations, sizes = _linearized(discretization, at, free), list[float]()
+    noise = (
+        float(np.linalg.norm(equations.projected(discretization.expansion_errors(at)[:, None]))) / at.radius
+    )
     enough = max(enough, 0.02 * noise, 1e-15)  # well below the error of the slice, or rounding
     while True:
-        right, step = _residual(equations, shape, expansion), len(sizes)
-        size = float(np.linalg.norm(right)) / _size(shape)
+        right, step = _residual(equations, at, expansion), len(sizes)
+        size = float(np.linalg.norm(right)) / at.radius
         falls = not sizes or size <= 0.5 * sizes[-1]
         sizes.append(size)
         if size <= enough or (size <= ROUNDING and not falls):
-            return Solution(shape, expansion, equations, step, noise)
+            return Solution(at, expansion, equations, step, noise)
         if step >= PATIENCE and size > 0.1 * sizes[step - PATIENCE]:
             raise NoConvergence(f"the residual {size:.2g} falls too slowly")
         change = equations.solved(right)
@@ -82,35 +82,40 @@ def solve(level: Level, f: Floats, expansion: float | None, enough: float = 0.0)
         if free:
             change[0] = 0.0
         try:
-            part, shape, left = _moved(level, shape, change, expansion, rate, equations)
+            part, at, left = _moved(discretization, at, change, expansion, rate, equations)
         except NoConvergence:
             if size <= ROUNDING:
-                return Solution(shape, expansion, equations, step, noise)
+                return Solution(at, expansion, equations, step, noise)
             raise
         expansion -= part * rate
         if left > 0.1 * size:  # a step that gains a digit keeps the linearization
-            equations = _linearized(level, shape, free)
+            equations = _linearized(discretization, at, free)
 
 
-def _linearized(level: Level, shape: Shape, free: bool) -> Equations:
-    equations = level.equations(shape)
+def _linearized(discretization: Discretization, at: Iterate, free: bool) -> Equations:
+    equations = discretization.equations(at)
     if equations.linear.tilt.min() <= 0.0:
         raise NoConvergence("the surface folds over")
     return replace(equations, free=free)
 
 
 def _moved(
-    level: Level, shape: Shape, change: Floats, expansion: float, rate: float, equations: Equations
-) -> tuple[float, Shape, float]:
+    discretization: Discretization,
+    at: Iterate,
+    change: Floats,
+    expansion: float,
+    rate: float,
+    equations: Equations,
+) -> tuple[float, Iterate, float]:
     """Part of a step that makes the residual smaller, the surface there and its residual over the radius."""
-    radius = _size(shape)
-    size = float(np.linalg.norm(_residual(equations, shape, expansion))) / radius
-    longest = float(np.abs(level.transform.values(change[:, None])).max())
+    radius = at.radius
+    size = float(np.linalg.norm(_residual(equations, at, expansion))) / radius
+    longest = float(np.abs(discretization.transform.values(change[:, None])).max())
     part = min(1.0, 0.3 * radius / longest) if longest > 0.0 else 1.0  # longest displacement, over the radius
     why = f"the residual {size:.2g} falls no more"
     while part >= 1.0 / 16.0:
         try:
-            trial = level.shape(shape.f - part * change)
+            trial = discretization.iterate(at.f - part * change)
         except (InvalidMetric, InvalidParameter) as error:
             why = str(error)
         else:
@@ -121,12 +126,6 @@ def _moved(
     raise NoConvergence(why)
 
 
-def _residual(equations: Equations, shape: Shape, expansion: float) -> Floats:
+def _residual(equations: Equations, at: Iterate, expansion: float) -> Floats:
     """The projection (size,) of what the expansion is more than the given one."""
-    return equations.projected((shape.local.expansion - expansion)[:, None])[:, 0]
-
-
-def _size(shape: Shape) -> float:
-    """The radius of a surface in coordinates."""
-    x = shape.surface.value
-    return float(np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1))))
+    return equations.projected((at.local.expansion - expansion)[:, None])[:, 0]

@@ -115,12 +115,7 @@ def spectre_tables(
 def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[tuple[float, str]]]:
     """Times of the surfaces of a file, in order, and the names of their observations, by surface.
 
-    There are none in a file of another kind.
-
-    Raises
-    ------
-    FileError
-        It cannot be read.
+    There are none in a file of another kind.  Raises `FileError`: it cannot be read.
     """
     with _surfaces(path) as surfaces:
         return {name: found.observations() for name, found in surfaces.items()}

@@ -63,13 +63,7 @@ class HarmonicTable:
 
     @classmethod
     def in_text(cls, file: InputFile) -> "HarmonicTable":
-        """The table of a text file.
-
-        Raises
-        ------
-        FileError
-            It is malformed; the message names the line.
-        """
+        """The table of a text file.  Raises `FileError`: it is malformed; the message names the line."""
         table = read_text_table(file)
         legend = [match[1] for match in map(COLUMN.match, table.comments) if match]
         if len(legend) != table.numbers.shape[1]:
@@ -102,7 +96,8 @@ def harmonic_shape(row: dict[str, NDArray[Any]], source: str, time: float) -> Co
     """Points of the surface that a row of coefficients describes.
 
     They are at Gauss-Legendre nodes in theta and even angles phi, twice as many each way as determine the
-    coefficients.
+    coefficients.  Raises `FileError`: columns are missing, the frame is not the inertial one, a number is not
+    finite, a coefficient beyond Lmax is not 0, or the radius is not positive everywhere.
 
     Parameters
     ----------
@@ -111,12 +106,6 @@ def harmonic_shape(row: dict[str, NDArray[Any]], source: str, time: float) -> Co
     source : str
         For messages.
     time : float
-
-    Raises
-    ------
-    FileError
-        Columns are missing, the frame is not the inertial one, a number is not finite, a coefficient beyond
-        Lmax is not 0, or the radius is not positive everywhere.
     """
     centers = [name for name in row if CENTER.fullmatch(name)]
     if len(centers) != 3 or "Lmax" not in row:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from isoembed.arrays import Floats
-from isoembed.relativity.horizons.surface_level import Equations
+from isoembed.relativity.horizons.discretization import Equations
 
 SETTLED = 1e-11  # change of an eigenvalue, over its size and 1 / R^2, that is rounding of the operator
 

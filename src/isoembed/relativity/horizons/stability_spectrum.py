@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, SupportsIndex
 
 import numpy as np
@@ -25,17 +26,13 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import checked_count
-from isoembed.relativity.horizons.expansion_operator import (
-    Fields,
-    LinearizedExpansion,
-    LocalSurface,
-    linearized,
-)
+from isoembed.relativity.horizons.discretization import DEALIASING
+from isoembed.relativity.horizons.expansion_operator import LinearizedExpansion, linearized
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
-from isoembed.relativity.horizons.sheet import Sheet
 from isoembed.relativity.horizons.stability import SETTLED
-from isoembed.relativity.horizons.surface_family import Jet, SurfaceFamily
-from isoembed.relativity.horizons.surface_level import DEALIASING
+from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
+from isoembed.relativity.spacetimes.jet import SurfaceFamily
+from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -135,8 +132,8 @@ def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> Stabilit
     if not isinstance(horizon, FoundHorizon):
         raise InvalidParameter(f"the horizon is a {type(horizon).__name__}, not a FoundHorizon")
     n = checked_eigenvalues(n)
-    ladder: tuple[int, ...] = SYMMETRIC_DEGREES if _is_symmetric(horizon.surface) else DEGREES
-    degrees = tuple(degree for degree in ladder if (degree - 1) ** 2 >= 2 * n + MARGIN)
+    allowed: tuple[int, ...] = SYMMETRIC_DEGREES if _is_symmetric(horizon.surface) else DEGREES
+    degrees = tuple(degree for degree in allowed if (degree - 1) ** 2 >= 2 * n + MARGIN)
     operator = _Operator.of(horizon, degrees[0], n)
     found = operator.spectrum(n)
     known = _by_data(operator, found, horizon)
@@ -198,40 +195,25 @@ class _Found:
         return np.asarray(distances[linear_sum_assignment(distances)])
 
 
-@dataclass(frozen=True, eq=False)
-class _Displacements:
-    """Displacements of a surface: along the normals, or the radius where it is star-shaped."""
+def _family(surface: StarSurface | MappedSurface, heights: int, around: int) -> SurfaceFamily:
+    """Displacements of a surface at the nodes of a rule: along normals, or radial of a star-shaped one."""
+    if isinstance(surface, MappedSurface):
+        map = HarmonicMap(surface.harmonics, surface.coefficients)
+        return SurfaceFamily(map.jet_at_nodes(heights), map.normals().jet_at_nodes(heights))
+    transform, c = SphereTransform(surface.harmonics, heights, around), surface.coefficients[:, None]
+    star = SurfaceFamily.star(surface.center, transform.u)
+    radius = transform.values(c)[:, 0], transform.gradients(c)[..., 0], transform.hessians(c)[..., 0]
+    return replace(star, base=star.at(*radius))
 
-    family: SurfaceFamily
 
-    @classmethod
-    def of(cls, surface: StarSurface | MappedSurface, heights: int, around: int) -> _Displacements:
-        """Those at the nodes of a rule."""
-        if isinstance(surface, MappedSurface):
-            sheet = Sheet(surface.harmonics.degree, _is_symmetric(surface), surface.coefficients)
-            return cls(SurfaceFamily(sheet.jet(heights), sheet.normals().jet(heights)))
-        transform, c = SphereTransform(surface.harmonics, heights, around), surface.coefficients[:, None]
-        star = SurfaceFamily.star(surface.center, transform.u)
-        radius = transform.values(c)[:, 0], transform.gradients(c)[..., 0], transform.hessians(c)[..., 0]
-        return cls(SurfaceFamily(star.at(*radius), star.direction))
+def _linearized(family: SurfaceFamily, geometry: ThreeGeometry) -> LinearizedExpansion:
+    return linearized(family, LocalGeometry.of(geometry, family.base))
 
-    def longer(self, factor: float) -> _Displacements:
-        """The same displacements, but for a factor, which the operator does not see."""
-        D = self.family.direction
-        longer = Jet(factor * D.value, factor * D.first, factor * D.second)
-        return _Displacements(SurfaceFamily(self.family.base, longer))
 
-    def linearized(self, geometry: ThreeGeometry) -> tuple[LocalSurface, LinearizedExpansion]:
-        """The surface in a slice, and how its expansion changes."""
-        surface = self.family.base
-        fields = Fields.of(geometry, surface.value)
-        local = LocalSurface.of(fields, surface.first, surface.second)
-        return local, linearized(geometry, self.family, surface, fields, local)
-
-    def coefficients(self, geometry: ThreeGeometry) -> Floats:
-        """The functions (7, N) that make a `LinearizedExpansion`."""
-        L = self.linearized(geometry)[1]
-        return np.vstack([L.second.T, L.first.T, L.zeroth, L.tilt])
+def _coefficients(family: SurfaceFamily, geometry: ThreeGeometry) -> Floats:
+    """The functions (7, N) that make a `LinearizedExpansion`."""
+    L = _linearized(family, geometry)
+    return np.vstack([L.second.T, L.first.T, L.zeroth, L.tilt])
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +226,8 @@ class _Operator:
         Of the eigenfunctions.
     weights : ndarray, shape (N,)
         Of the nodes: those of one meridian where there is symmetry.
-    displacements : _Displacements
+    family : SurfaceFamily
+        Displacements of the surface.
     linear : LinearizedExpansion
         At the nodes.
     symmetric : bool
@@ -255,7 +238,7 @@ class _Operator:
 
     transform: SphereTransform
     weights: Floats
-    displacements: _Displacements
+    family: SurfaceFamily
     linear: LinearizedExpansion
     symmetric: bool
     areal_radius: float
@@ -268,14 +251,15 @@ class _Operator:
         symmetric = _is_symmetric(surface)
         heights = int(DEALIASING * max(degree, surface.harmonics.degree)) + 2
         around = 1 if symmetric else 2 * heights
-        displacements = _Displacements.of(surface, heights, around)
-        local, linear = displacements.linearized(horizon.geometry)
+        family = _family(surface, heights, around)
+        local = LocalGeometry.of(horizon.geometry, family.base)
         weights = gauss_rule(heights, around)[1]
         R = float(np.sqrt(weights @ local.density / (4.0 * np.pi)))
         # Of n eigenvalues on a disk with two sides, which is the flattest surface, none has a higher order.
         order = min(degree, int(np.sqrt(2.0 * n)) + 4) if symmetric else degree
         transform = SphereTransform(Harmonics(degree, order), heights, max(around, 2 * order + 1))
-        return cls(transform, weights, displacements, linear, symmetric, R, horizon.stability - 1.0)
+        linear = linearized(family, local)
+        return cls(transform, weights, family, linear, symmetric, R, horizon.stability - 1.0)
 
     def changed(self, change: Floats) -> _Operator:
         """The operator whose coefficients (7, N) differ by a change."""
@@ -365,9 +349,10 @@ def _by_data(operator: _Operator, found: _Found, horizon: FoundHorizon) -> Float
     """
     n = found.n
     # Differences along displacements twice as long, of sixth order, have 64 times the error, or nearly so.
-    coarser = operator.displacements.longer(2.0).linearized(horizon.geometry)[1]
+    longer = replace(operator.family, direction=operator.family.direction.scaled(2.0))
+    coarser = _linearized(longer, horizon.geometry)
     by_differences = found.apart(replace(operator, linear=coarser).spectrum(n), 1) / 32.0
-    uncertain = horizon.geometry.error(operator.displacements.coefficients)
+    uncertain = horizon.geometry.error(partial(_coefficients, operator.family))
     errors = UNCERTAIN * found.apart(operator.changed(uncertain).spectrum(n), 1)
     for moved in _deviating(horizon.surface):
         there = _Operator.of(replace(horizon, surface=moved), operator.transform.harmonics.degree, n)

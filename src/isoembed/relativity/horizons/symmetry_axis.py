@@ -9,12 +9,12 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
-from isoembed.relativity.horizons.ladder import HIGHEST_DEGREE, is_symmetric
+from isoembed.relativity.horizons.radial_image import HIGHEST_DEGREES, is_symmetric
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
-from isoembed.relativity.spacetimes.rotated_frame import RotatedFrame
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.transformed import RotatedFrame
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.scattered_fit import deviating
 from isoembed.smooth.sphere_transform import SphereTransform
@@ -42,7 +42,7 @@ class Axis:
         otherwise a map whose directions are those of the frame.
         """
         rotation, origin = self.frame.rotation, self.frame.origin
-        if isinstance(found, StarSurface) and found.harmonics.degree <= HIGHEST_DEGREE:
+        if isinstance(found, StarSurface) and found.harmonics.degree <= HIGHEST_DEGREES[0]:
             center = (origin + rotation @ np.array(found.center)).tolist()
             harmonics = Harmonics(found.harmonics.degree, found.harmonics.degree)
             fit = deviating(found.harmonics)
@@ -89,12 +89,8 @@ def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
 
     Candidates are the dipole and the principal axes of the expansion on the sphere; one is taken if the
     expansion of several surfaces does not change around it.  None is known where there is none that is seen,
-    or where all directions are equal.
-
-    Raises
-    ------
-    InvalidMetric, InvalidParameter
-        The sphere leaves the slice.
+    or where all directions are equal.  Raises `InvalidMetric` or `InvalidParameter`: the sphere leaves the
+    slice.
     """
     center = np.array(sphere.center)
     u, weights = gauss_rule(128, 256)  # resolves the expansion around fast holes to rounding

@@ -59,10 +59,7 @@ class HorizonAtIndex(InputFile):
     def arrays(self) -> dict[str, Tables]:
         """The arrays of the one horizon.
 
-        Raises
-        ------
-        FileError
-            The file is damaged, or has no such group or index.
+        Raises `FileError`: the file is damaged, or has no such group or index.
         """
         with self.hdf5() as file:
             group = file[self.group] if self.group else file
@@ -82,10 +79,7 @@ class HorizonAtIndex(InputFile):
 def horizon_times(path: str | os.PathLike[str]) -> dict[str, tuple[list[float], list[int] | None]]:
     """Times and iterations of the horizons in a file with axes of time, by group; empty for other files.
 
-    Raises
-    ------
-    FileError
-        The file cannot be read, or there are not as many iterations as times.
+    Raises `FileError`: the file cannot be read, or there are not as many iterations as times.
     """
     found = {}
     with InputFile(path) as given:

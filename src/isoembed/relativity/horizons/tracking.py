@@ -10,10 +10,9 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.relativity.horizons.finder import find_horizons
 from isoembed.relativity.horizons.foliation import inside
-from isoembed.relativity.horizons.found_horizon import FoundHorizon, mapped_horizon, star_horizon
-from isoembed.relativity.horizons.ladder import is_symmetric
+from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near
 from isoembed.relativity.horizons.newton import NoConvergence
-from isoembed.relativity.horizons.sheet import Sheet
+from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
@@ -129,19 +128,14 @@ def _continued(geometry: ThreeGeometry, before: FoundHorizon) -> FoundHorizon | 
     """The stable horizon of a slice near one of the slice before, if Newton's method leads to one."""
     surface = before.surface
     try:
-        if not isinstance(surface, StarSurface):
-            symmetric = is_symmetric(geometry, surface)
-            start = Sheet.of(surface, surface.harmonics.degree, symmetric=symmetric)
-            horizon = mapped_horizon(geometry, start, 0.0)
-        elif is_symmetric(geometry, surface):
-            horizon = star_horizon(geometry, surface, 0.0, symmetric=True)
-        else:
+        symmetric, axis = is_symmetric(geometry, surface), None
+        if isinstance(surface, StarSurface) and not symmetric:
             axis = symmetry_axis(geometry, StarSurface.sphere(surface.center, surface.mean_radius))
-            if axis is None:
-                horizon = star_horizon(geometry, surface, 0.0, symmetric=False)
-            else:
-                seen = axis.averaged(surface)
-                horizon = axis.horizon(star_horizon(axis.frame, seen, 0.0, symmetric=True))
+        if axis is None:
+            horizon = horizon_near(geometry, surface, symmetric=symmetric)
+        else:
+            assert isinstance(surface, StarSurface)
+            horizon = axis.horizon(horizon_near(axis.frame, axis.averaged(surface), symmetric=True))
     except (NoConvergence, InvalidMetric, InvalidParameter):
         return None
     return horizon if horizon.outer else None

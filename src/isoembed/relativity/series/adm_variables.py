@@ -111,10 +111,7 @@ def rank(there: Collection[str], known: Sequence[Variables]) -> int:
 def variables_in(there: Collection[str], known: Sequence[Variables], name: str) -> Variables:
     """The first of several kinds of variables that are all there.
 
-    Raises
-    ------
-    FileError
-        None of them is complete; the message names what the most complete one lacks.
+    Raises `FileError`: none of them is complete; the message names what the most complete one lacks.
     """
     if (first := rank(there, known)) < len(known):
         return known[first]

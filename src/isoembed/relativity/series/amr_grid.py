@@ -21,7 +21,7 @@ from isoembed.io.files import FileError
 from isoembed.relativity.series.refined_grid import Block, Component, Layout, Level
 from isoembed.relativity.spacetimes.cartesian_grid import ERROR_FACTOR, STENCIL, CartesianGrid, wider
 from isoembed.relativity.spacetimes.checks import refuse_points, written
-from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 
 CUBE = 32  # points along the edge of a cube that is read at once: 7 MB with its margin
 KEPT = 64  # cubes that stay in memory when no point of the latest evaluation is in them
@@ -102,12 +102,8 @@ class AMRGrid:
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`.
 
-        Raises
-        ------
-        InvalidParameter
-            A point is in no level with the points around it that the interpolation takes.
-        FileError
-            The files cannot be read, or have changed.
+        Raises `InvalidParameter`: a point is in no level with the points around it that the interpolation
+        takes; `FileError`: the files cannot be read, or have changed.
         """
         return self._values("metric", x, (3, 3))
 
@@ -254,14 +250,10 @@ class AMRGrid:
 
 
 @dataclass(frozen=True, eq=False)
-class _Wider:
+class _Wider(DerivedGeometry):
     """The same through two points more along each axis, or through two less where they are missing."""
 
     grid: AMRGrid
-
-    @property
-    def time_symmetric(self) -> bool:
-        return False
 
     def metric(self, x: Floats) -> Floats:
         return self.grid._values("metric", x, (3, 3), more=True)
@@ -271,6 +263,3 @@ class _Wider:
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         return self.grid._values("extrinsic_curvature", x, (3, 3), more=True)
-
-    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        return self.grid.error(quantity)

@@ -58,11 +58,7 @@ def amrex_slices(paths: Iterable[Path]) -> list[ListedFile]:
     """The slices of plot files, those with different variables of the same time together.
 
     Plot files with none of the variables that make a slice are left out where others of that time have some.
-
-    Raises
-    ------
-    FileError
-        A file cannot be read.
+    Raises `FileError`: a file cannot be read.
     """
     found: dict[tuple[int, float], list[_Header]] = {}
     for path in paths:

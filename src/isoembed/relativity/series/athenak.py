@@ -69,12 +69,8 @@ def is_athenak(path: Path) -> bool:
 def athenak_slices(paths: Iterable[Path]) -> list[ListedFile]:
     """The slices of files; any file in a folder ``rank_...`` stands for those of all processes.
 
-    Of files of the same moment those count that have all variables, and ``adm`` before ``z4c``.
-
-    Raises
-    ------
-    FileError
-        A file cannot be read.
+    Of files of the same moment those count that have all variables, and ``adm`` before ``z4c``.  Raises
+    `FileError`: a file cannot be read.
     """
     found: dict[Path, list[Path]] = {}
     for path in paths:

@@ -83,12 +83,8 @@ class CarpetSlice:
         """Hash of the data sets of the iteration on all levels: of their places, and of every eighth plane.
 
         The data of an iteration are often gigabytes, of which a horizon needs a small part: to read them all,
-        only to see that nothing has changed, would take seconds for each horizon.
-
-        Raises
-        ------
-        FileError
-            A file cannot be read, or changes meanwhile.
+        only to see that nothing has changed, would take seconds for each horizon.  Raises `FileError`: a file
+        cannot be read, or changes meanwhile.
         """
         sha = hashlib.sha256(repr((self.iteration, self.symmetry, self.flaw)).encode())
         with _Reader(self) as reader:
@@ -105,10 +101,8 @@ class CarpetSlice:
     def read(self, low: Floats, high: Floats) -> CartesianGrid:
         """The finest refinement level that covers the box: see `covering_grid`.
 
-        Raises
-        ------
-        FileError
-            A file cannot be read or changes meanwhile, fields are missing, or no level covers the box.
+        Raises `FileError`: a file cannot be read or changes meanwhile, fields are missing, or no level covers
+        the box.
         """
         if self.flaw:
             raise FileError(self.flaw)

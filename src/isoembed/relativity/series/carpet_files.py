@@ -20,6 +20,7 @@ from isoembed.io.files import FileError
 from isoembed.relativity.series.carpet import CarpetPart, CarpetSlice, opened_unchanged
 from isoembed.relativity.series.grid_symmetry import symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
+from isoembed.relativity.series.source import SliceSource
 from isoembed.relativity.spacetimes.slice_file import GAMMA, K
 
 CARPET_FILE = re.compile(
@@ -40,8 +41,10 @@ CONFORMAL = re.compile(r"^\s*admbase::metric_type\s*=\s*\"?static conformal", re
 METADATA = "Parameters and Global Attributes"
 
 
-def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
+def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]:
     """Slices in files of Carpet; of an iteration that is in several folders that of the last restart.
+
+    Raises `FileError`: there are such files, but none that can be read.
 
     Parameters
     ----------
@@ -53,11 +56,6 @@ def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     -------
     list of ListedSlice
         By iteration.  A slice of which something is missing or damaged is among them: reading it says what.
-
-    Raises
-    ------
-    FileError
-        There are such files, but none that can be read.
     """
     by_folder: dict[Path, _Folder] = {}
     for path in sorted(map(Path, paths), key=natural):
@@ -71,7 +69,7 @@ def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     return [_listed(iteration, folders) for iteration in iterations]
 
 
-def _listed(iteration: int, folders: list[_Folder]) -> ListedSlice:
+def _listed(iteration: int, folders: list[_Folder]) -> ListedSlice[SliceSource]:
     """The slice of an iteration, each field of it from the last folder that has it, whole ones preferred."""
     there = [folder for folder in folders if iteration in folder.times]
     there.sort(key=lambda folder: not folder.flaw)  # stable: the last is whole if one is

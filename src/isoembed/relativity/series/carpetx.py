@@ -30,6 +30,7 @@ from isoembed.relativity.series.carpet import SAMPLED
 from isoembed.relativity.series.grid_symmetry import IDENTITY, AxisMap, symmetry_in
 from isoembed.relativity.series.moment import ListedSlice
 from isoembed.relativity.series.refined_grid import Component, covering_grid
+from isoembed.relativity.series.source import SliceSource
 from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.slice_file import GAMMA, K
 
@@ -38,8 +39,10 @@ FILE = re.compile(r"(?!checkpoint).*\.bp[45]?")
 DATA = "data.0"
 
 
-def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
+def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]:
     """Slices in openPMD files of CarpetX; of an iteration that is in several of them that of the last.
+
+    Raises `FileError`: there are such files, but none that can be read, or openpmd-api is not installed.
 
     Parameters
     ----------
@@ -50,13 +53,8 @@ def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     -------
     list of ListedSlice
         By iteration.  Those of damaged files are not among them.
-
-    Raises
-    ------
-    FileError
-        There are such files, but none that can be read, or openpmd-api is not installed.
     """
-    listed: dict[int, ListedSlice] = {}
+    listed: dict[int, ListedSlice[SliceSource]] = {}
     flaws = []
     for path in paths:
         folder = Path(path).parent
@@ -72,7 +70,7 @@ def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice]:
     return [listed[iteration] for iteration in sorted(listed)]
 
 
-def _slices_in(path: str) -> Iterator[ListedSlice]:
+def _slices_in(path: str) -> Iterator[ListedSlice[SliceSource]]:
     with _opened(path) as series:
         for iteration, there in series.iterations.items():
             if any(MESH.fullmatch(mesh) for mesh in there.meshes):
@@ -107,10 +105,7 @@ class CarpetXSlice:
     def digest(self) -> str:
         """Hash of the places of all data of the iteration, and of every eighth plane of them.
 
-        Raises
-        ------
-        FileError
-            The file cannot be read, or changes meanwhile.
+        Raises `FileError`: the file cannot be read, or changes meanwhile.
         """
         sha = hashlib.sha256(repr((self.iteration, self.symmetry)).encode())
         with _opened(self.path) as series:
@@ -125,10 +120,8 @@ class CarpetXSlice:
     def read(self, low: Floats, high: Floats) -> CartesianGrid:
         """The finest refinement level that covers the box: see `covering_grid`.
 
-        Raises
-        ------
-        FileError
-            The file cannot be read or changes meanwhile, fields are missing, or no level covers the box.
+        Raises `FileError`: the file cannot be read or changes meanwhile, fields are missing, or no level
+        covers the box.
         """
         with _opened(self.path) as series:
             return covering_grid(_Reader(self, series), low, high)

@@ -41,13 +41,7 @@ DATA, OFFSETS = "data:datatype=0", "data:offsets=0"
 
 
 def is_chombo(path: Path) -> bool:
-    """Whether an HDF5 file is of Chombo.
-
-    Raises
-    ------
-    FileError
-        It cannot be read.
-    """
+    """Whether an HDF5 file is of Chombo.  Raises `FileError`: it cannot be read."""
     with InputFile(path) as file:
         return GLOBAL in file.names
 
@@ -55,10 +49,7 @@ def is_chombo(path: Path) -> bool:
 def chombo_slices(paths: Iterable[Path]) -> list[ListedFile]:
     """The slices of files, one of each moment where others lack variables.
 
-    Raises
-    ------
-    FileError
-        One of them cannot be read.
+    Raises `FileError`: one of them cannot be read.
     """
     out = []
     for path in paths:

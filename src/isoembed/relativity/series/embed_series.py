@@ -42,7 +42,7 @@ def embed_series(
     ----------
     moments : iterable of Moment or of tuples
         As from `isoembed.relativity.moments`, or tuples (time, shape, geometry): the time, or None; a horizon
-        as `Horizon.of` takes it, or its file; its slice, a file of one, grid data of kuibit by the names
+        as `horizon_data` takes it, or its file; its slice, a file of one, grid data of kuibit by the names
         gxx ... kzz, or None where the horizon needs none.  They are taken one
         after the other; by an executor, as `isoembed.runs.Workers` has room for them, or all at once.
     vertices : int
@@ -50,7 +50,7 @@ def embed_series(
     wang_yau : bool
         Whether to report the least Wang-Yau energy, too.
     axis, marginal
-        See `Horizon.of`.
+        See `horizon_data`.
     space : Space or "hyperbolic"
         See `isoembed.relativity.embed_surface`.
     folder : path, optional

@@ -63,6 +63,8 @@ def is_pattern(text: str) -> bool:
 def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
     """Files whose names a pattern makes, with the iteration and the time in them.
 
+    Raises `InvalidParameter`: the pattern has other fields, or a format that is none.
+
     Parameters
     ----------
     pattern : str
@@ -73,11 +75,6 @@ def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
     -------
     list of (str, int or None, float or None)
         By name.
-
-    Raises
-    ------
-    InvalidParameter
-        The pattern has other fields, or a format that is none.
     """
     try:
         parsed = list(string.Formatter().parse(pattern))
@@ -112,24 +109,12 @@ def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
 
 
 def files_in(folder: str | os.PathLike[str]) -> list[Path]:
-    """Files right inside a folder, by name.
-
-    Raises
-    ------
-    FileError
-        It cannot be read.
-    """
+    """Files right inside a folder, by name.  Raises `FileError`: it cannot be read."""
     return [path for path in entries_in(folder) if path.is_file()]
 
 
 def entries_in(folder: str | os.PathLike[str]) -> list[Path]:
-    """Files and folders right inside a folder, by name.
-
-    Raises
-    ------
-    FileError
-        It cannot be read.
-    """
+    """Files and folders right inside a folder, by name.  Raises `FileError`: it cannot be read."""
     try:
         return sorted(Path(folder).iterdir())
     except OSError as error:

@@ -1,4 +1,4 @@
-"""The task of a moment: its horizon is read, embedded and reported; what is in the way is a result, too."""
+"""Task of a run: the horizon of a moment is read, embedded and reported; a refusal is a result, too."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.io.files import FileError
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
-from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
-from isoembed.relativity.energies.report import checked_report, unembedded_report, wang_yau_report
+from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface, embedded_report
+from isoembed.relativity.energies.report import checked_report, unembedded_report
 from isoembed.relativity.horizons.conformal_multipoles import checked_order, conformal_multipoles
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.horizons.horizon import Horizon
+from isoembed.relativity.horizons.horizon import HorizonFacts, horizon_data
 from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.spacetimes.checks import vector
 from isoembed.relativity.spacetimes.surface import Surface
@@ -100,7 +100,7 @@ class HorizonTask:
     @property
     def facts(self) -> dict[str, Any]:
         """See `isoembed.runs.Task`."""
-        return {"name": self.moment.shape.name, "moment": self._when({})}
+        return {"name": self.moment.shape.name, "moment": self._when(None)}
 
     def digest(self) -> str:
         """Of the contents of the shape and the slice, of the time, and of the options."""
@@ -120,20 +120,20 @@ class HorizonTask:
     def compute(self, before: Result | None) -> Result:
         """See `isoembed.runs.Task`."""
         try:
-            horizon = self._horizon()
+            data, facts = self._horizon()
             try:
-                surface, mesh = self._embedded(horizon.data, before)
+                surface, mesh = self._embedded(data, before)
             except NotEmbedded as error:
-                return self._result(unembedded_report(horizon.data, error), horizon, {})
-            report = wang_yau_report(surface)[0] if self.options.wang_yau else surface.report
+                return self._result(data, facts, unembedded_report(data, error), {})
+            report = embedded_report(surface, surface.wang_yau if self.options.wang_yau else None)
             tables = surface.mesh_on(*mesh)
             arrays = {name if name in MESH else FIELD + name: values for name, values in tables.items()}
             arrays |= {DIRECTIONS: mesh[0], **Start.of(surface.embedding).arrays}
-            return self._result(report, horizon, arrays)
+            return self._result(data, facts, report, arrays)
         except (FileError, InvalidMetric, InvalidParameter) as error:
             return Result.without_answer(self.label, REFUSED, str(error), **self.facts)
 
-    def _horizon(self) -> Horizon:
+    def _horizon(self) -> tuple[SurfaceData, HorizonFacts]:
         moment, options = self.moment, self.options
         found = moment.shape.read()
         name, geometry = moment.shape.name, None
@@ -141,7 +141,7 @@ class HorizonTask:
             if not isinstance(found, CoordinateShape | Surface):
                 raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
             geometry = moment.slice.read(*_box(found))
-        return Horizon.of(found, geometry, axis=options.axis, marginal=options.marginal, name=name)
+        return horizon_data(found, geometry, axis=options.axis, marginal=options.marginal, name=name)
 
     def _embedded(
         self, data: SurfaceData, before: Result | None
@@ -157,25 +157,25 @@ class HorizonTask:
         mesh = surface.embedding.triangulated(self.options.vertices)
         return surface, (mesh.directions, mesh.faces)
 
-    def _result(self, report: dict[str, Any], horizon: Horizon, arrays: dict[str, NDArray[Any]]) -> Result:
-        moment = self._when(horizon.facts)
+    def _result(
+        self, data: SurfaceData, facts: HorizonFacts, report: dict[str, Any], arrays: dict[str, NDArray[Any]]
+    ) -> Result:
+        moment, horizon = self._when(facts.points), facts.report
         # Where the file does not say when it is, the series may know.
-        facts = horizon.facts | {
-            name: moment[name] for name in ("time", "iteration") if name in horizon.facts
-        }
-        if self.options.multipoles is not None and horizon.data.marginal:
-            found = conformal_multipoles(horizon.data, self.options.multipoles)
+        horizon |= {name: moment[name] for name in ("time", "iteration") if name in horizon}
+        if self.options.multipoles is not None and data.marginal:
+            found = conformal_multipoles(data, self.options.multipoles)
             report = {**report, "conformal_multipoles": found.report}
-        report = checked_report(report, horizon.curvature_check) | {"horizon": facts, "moment": moment}
+        report = checked_report(report, facts.curvature_check) | {"horizon": horizon, "moment": moment}
         return Result(self.label, report["status"], report, arrays)
 
-    def _when(self, of_file: dict[str, Any]) -> dict[str, Any]:
+    def _when(self, file: CoordinateShape | None) -> dict[str, Any]:
         """Which moment it is, where necessary as the file says."""
         moment = self.moment
         return {
             "series": moment.series,
-            "time": of_file.get("time") if moment.time is None else moment.time,
-            "iteration": of_file.get("iteration") if moment.iteration is None else moment.iteration,
+            "time": file.time if file and moment.time is None else moment.time,
+            "iteration": file.iteration if file and moment.iteration is None else moment.iteration,
             "shape": moment.shape.name,
             "slice": None if moment.slice is None else moment.slice.name,
         }

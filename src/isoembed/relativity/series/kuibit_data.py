@@ -107,10 +107,7 @@ class GridDataSlice:
     def read(self, low: Floats, high: Floats) -> CartesianGrid:
         """The finest refinement level that covers the box: see `covering_grid`.
 
-        Raises
-        ------
-        FileError
-            Fields are missing, or no level covers the box.
+        Raises `FileError`: fields are missing, or no level covers the box.
         """
         wanted = (*GAMMA, *K) if any(name in self.fields for name in K) else GAMMA
         return covering_grid(_GridData(self.name, self.fields), low, high, wanted)

@@ -2,33 +2,32 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.series.moment import ListedShape, ListedSlice, Moment
+from isoembed.relativity.series.moment import ListedSlice, Moment
 from isoembed.relativity.series.source import MissingSlice, SliceSource
 
 SAME_TIME = 1e-9  # relative difference of equal times
 
 
-def matched(shapes: Iterable[ListedShape], slices: Iterable[ListedSlice]) -> list[Moment]:
+def matched(shapes: Iterable[Moment], slices: Iterable[ListedSlice[SliceSource]]) -> list[Moment]:
     """Moments of horizons with the slices that they are in.
+
+    Raises `InvalidParameter`: two horizons are of one series and moment, or two slices of one moment.
 
     Parameters
     ----------
-    shapes : iterable of ListedShape
+    shapes : iterable of Moment
+        Horizons without their slices.
     slices : iterable of ListedSlice
 
     Returns
     -------
     list of Moment
         As `ordered` puts them.  A horizon without a slice has a `MissingSlice` that says what there is.
-
-    Raises
-    ------
-    InvalidParameter
-        Two horizons are of one series and moment, or two slices of one moment.
     """
     shapes = list(shapes)
     times: dict[str, list[float]] = {}
@@ -36,18 +35,13 @@ def matched(shapes: Iterable[ListedShape], slices: Iterable[ListedSlice]) -> lis
         if shape.time is not None:
             times.setdefault(shape.series, []).append(shape.time)
     known = _Slices(list(slices), times.values())
-    return ordered(
-        [Moment(shape.series, shape.time, shape.iteration, shape.source, known.of(shape)) for shape in shapes]
-    )
+    return ordered([replace(shape, slice=known.of(shape)) for shape in shapes])
 
 
 def ordered(moments: Iterable[Moment]) -> list[Moment]:
     """Moments by series, and within each by time where all of them have one, else by iteration.
 
-    Raises
-    ------
-    InvalidParameter
-        Two of them have one label.
+    Raises `InvalidParameter`: two of them have one label.
     """
     by_series: dict[str, list[Moment]] = {}
     for moment in moments:
@@ -76,7 +70,9 @@ def ordered(moments: Iterable[Moment]) -> list[Moment]:
 class _Slices:
     """Slices by their iterations and times."""
 
-    def __init__(self, slices: Sequence[ListedSlice], of_series: Iterable[Sequence[float]]) -> None:
+    def __init__(
+        self, slices: Sequence[ListedSlice[SliceSource]], of_series: Iterable[Sequence[float]]
+    ) -> None:
         self.count = len(slices)
         self.by_iteration: dict[int, SliceSource] = {}
         self._dates: dict[int, float] = {}
@@ -99,13 +95,13 @@ class _Slices:
             for k in near[:1].tolist():
                 _refuse(self.sources[k], self.sources[k + 1], f"t = {self.times[k]:.9g}")
 
-    def of(self, shape: ListedShape) -> SliceSource:
+    def of(self, shape: Moment) -> SliceSource:
         """The slice of a horizon, or one that says that there is none."""
         if shape.iteration is not None and self.by_iteration:
             date = self._dates.get(shape.iteration)
             if date is not None and shape.time is not None and abs(date - shape.time) > self.room:
                 return MissingSlice(
-                    f"{_when(shape)} ({shape.source.name}) is at t = {shape.time:.9g}, but the slice of this "
+                    f"{_when(shape)} ({shape.shape.name}) is at t = {shape.time:.9g}, but the slice of this "
                     f"iteration, {self.by_iteration[shape.iteration].name}, is at t = {date:.9g}"
                 )
             return self.by_iteration.get(shape.iteration) or self._missing(shape)
@@ -115,8 +111,8 @@ class _Slices:
                 return self.sources[nearest]
         return self._missing(shape)
 
-    def _missing(self, shape: ListedShape) -> MissingSlice:
-        here = f"no slice for {_when(shape)} ({shape.source.name})"
+    def _missing(self, shape: Moment) -> MissingSlice:
+        here = f"no slice for {_when(shape)} ({shape.shape.name})"
         if self.count == 0:
             return MissingSlice(f"there is {here}: there is none at all")
         there = [
@@ -151,7 +147,7 @@ def _range(values: Sequence[float]) -> str:
     return f"{values[0]:.9g}, {values[1]:.9g}, ..., {values[-1]:.9g} ({len(values)} of them)"
 
 
-def _when(moment: Moment | ListedShape) -> str:
+def _when(moment: Moment) -> str:
     if moment.iteration is not None:
         return f"{moment.series} at iteration {moment.iteration}"
     return moment.series if moment.time is None else f"{moment.series} at t = {moment.time:.9g}"

@@ -1,38 +1,19 @@
-"""Moments: a horizon at a time, with its slice; and what a simulation lists of both."""
+"""Moments of an evolution: a horizon at a time and the slice that it is in."""
 
 import math
 import re
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.series.source import FileSlice, ShapeSource, SliceSource
 
+SliceT = TypeVar("SliceT", bound=SliceSource, covariant=True)
 UNSAFE = re.compile(r"[^\w+.-]")  # in the name of a file
 
 
 @dataclass(frozen=True)
-class ListedShape:
-    """A horizon that is there to be read.
-
-    Attributes
-    ----------
-    series : str
-        Which of the horizons of a simulation: "ah1".
-    iteration : int or None
-        Of the simulation, where it is known.
-    time : float or None
-    source : Source
-        Reads a `CoordinateShape`, or `SurfaceData`, which has a metric of its own.
-    """
-
-    series: str
-    iteration: int | None
-    time: float | None
-    source: ShapeSource
-
-
-@dataclass(frozen=True)
-class ListedSlice:
+class ListedSlice(Generic[SliceT]):
     """A slice that is there to be read.
 
     Attributes
@@ -45,19 +26,11 @@ class ListedSlice:
 
     iteration: int | None
     time: float | None
-    source: SliceSource
+    source: SliceT
 
 
-@dataclass(frozen=True)
-class ListedFile(ListedSlice):
-    """A slice that is in a file.
-
-    Attributes
-    ----------
-    source : FileSlice
-    """
-
-    source: FileSlice
+ListedFile = ListedSlice[FileSlice]
+"""A slice that is in a file."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +47,7 @@ class Moment:
     shape : Source
         Reads a `CoordinateShape`, or `SurfaceData`.
     slice : SliceSource or None
-        None where the horizon has a metric of its own.
+        None where the horizon has a metric of its own, or its slice is still to be matched.
     position : int or None
         Which of its series it is, where neither time nor iteration tell.
 

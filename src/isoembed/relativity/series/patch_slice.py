@@ -43,10 +43,7 @@ class PatchSlice(ABC):
     def data(self, closing: contextlib.ExitStack) -> PatchData:
         """The data of the files, which stay open as long as `closing` does.
 
-        Raises
-        ------
-        FileError
-            They cannot be read, or lack a variable.
+        Raises `FileError`: they cannot be read, or lack a variable.
         """
 
     @property
@@ -63,33 +60,18 @@ class PatchSlice(ABC):
             yield self.data(closing)
 
     def digest(self) -> str:
-        """Hash of the files.
-
-        Raises
-        ------
-        FileError
-            A file cannot be read, or changes meanwhile.
-        """
+        """Hash of the files.  Raises `FileError`: a file cannot be read, or changes meanwhile."""
         return hashlib.sha256(" ".join(map(file_digest, self.files)).encode()).hexdigest()
 
     def read(self, low: Floats, high: Floats) -> AMRGrid:
         """The slice, of which no more is read than what surfaces need when they ask for it.
 
-        Raises
-        ------
-        FileError
-            A file cannot be read, or lacks a variable.
+        Raises `FileError`: a file cannot be read, or lacks a variable.
         """
         return self.whole()
 
     def whole(self) -> AMRGrid:
-        """See `read`: everywhere.
-
-        Raises
-        ------
-        FileError
-            As of `read`.
-        """
+        """See `read`: everywhere.  Raises `FileError`: as of `read`."""
         with self.opened():
             return AMRGrid(self, self.state)
 

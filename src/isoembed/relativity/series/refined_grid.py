@@ -106,6 +106,8 @@ def covering_grid(
 ) -> CartesianGrid:
     """The finest level that covers a box with the stencil of the interpolation, as far as it is needed.
 
+    Raises `FileError`: fields are missing, no level covers the box, or components do not fit together.
+
     Parameters
     ----------
     data : RefinedData
@@ -113,11 +115,6 @@ def covering_grid(
         Corners of the box.
     wanted : sequence of str
         The fields.  Without kxx ... kzz the slice is taken to be time-symmetric.
-
-    Raises
-    ------
-    FileError
-        Fields are missing, no level covers the box, or components do not fit together.
     """
     if missing := [name for name in wanted if name not in data.fields]:
         needed = "gxx ... gzz" if len(wanted) == len(GAMMA) else "gxx ... gzz and kxx ... kzz"
@@ -181,10 +178,7 @@ class Level:
     def of(cls, data: Layout, level: int) -> Level:
         """A level of some data, with the images of its components under the symmetry of the run.
 
-        Raises
-        ------
-        FileError
-            A component is not on the lattice of the first one.
+        Raises `FileError`: a component is not on the lattice of the first one.
         """
         components = data.components(level)
         origin, spacing = np.array(components[0].origin), np.array(components[0].spacing)

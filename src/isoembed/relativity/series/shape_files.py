@@ -21,7 +21,7 @@ from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.spectre import SPECTRE, spectre_times
 from isoembed.relativity.horizons.time_axis import INSTANT, SHAPES, horizon_times
 from isoembed.relativity.series.file_names import DECIMAL, INTEGER, files_in, name_parts
-from isoembed.relativity.series.moment import ListedShape
+from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.series.shape_sources import (
     GRChomboShape,
     ShapeAtIndex,
@@ -37,8 +37,11 @@ TEXT = ".dat"  # of GRChombo and SpECTRE
 NUMBERS = re.compile(rf"{INTEGER} {DECIMAL}")
 
 
-def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[ListedShape]:
-    """Horizons that are in files, in their order; those of damaged files, too.
+def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[Moment]:
+    """Horizons that are in files, in their order, without their slices; those of damaged files, too.
+
+    Raises `FileError`: there is no such file, or no table stats_AH<number>.dat for a coordinate file of
+    GRChombo; `InvalidParameter`: a file holds slices.
 
     Parameters
     ----------
@@ -47,15 +50,8 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[ListedShape
         times of a SpECTRE file; all horizons of an HDF5 file with axes of time (see
         `isoembed.relativity.horizons.time_axis`).  Tables BH_diagnostics of AHFinderDirect and
         BHaHAHA_diagnostics of BHaHAHA are passed over: they tell the times of the shapes beside them.
-
-    Raises
-    ------
-    FileError
-        There is no such file, or no table stats_AH<number>.dat for a coordinate file of GRChombo.
-    InvalidParameter
-        A file holds slices.
     """
-    out: list[ListedShape] = []
+    out: list[Moment] = []
     times: dict[Path, dict[int, float]] = {}  # by folder, of GRChombo by table
     for path in map(str, paths):
         if not os.path.exists(path):
@@ -71,7 +67,7 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[ListedShape
             if folder not in times:
                 times[folder] = _times_in(folder)
             time = None if parts.iteration is None else times[folder].get(parts.iteration)
-            out.append(ListedShape(series, parts.iteration, time, ShapeFile(path)))
+            out.append(Moment(series, time, parts.iteration, ShapeFile(path)))
     return out
 
 
@@ -107,7 +103,7 @@ def _is_of(known: HorizonFormat, path: str | Path) -> bool:
     return False
 
 
-def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> ListedShape:
+def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> Moment:
     """A coordinate file with its time: its number counts outputs of the finder, and is no iteration."""
     table, parts = stats_path(path), NAME.fullmatch(Path(path).name)
     if table is None or parts is None:
@@ -117,10 +113,10 @@ def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> ListedShape:
         with contextlib.suppress(FileError):  # reading will say why
             times[table] = {number: row.time for number, row in finder_outputs(table).items()}
     time = times[table].get(int(parts[2]))
-    return ListedShape(parts[1], int(parts[2]) if time is None else None, time, GRChomboShape(path))
+    return Moment(parts[1], time, int(parts[2]) if time is None else None, GRChomboShape(path))
 
 
-def _listed(path: str) -> list[ListedShape]:
+def _listed(path: str) -> list[Moment]:
     """Horizons in one file, by its name where it does not say more."""
     parts = name_parts(path)
     series, iteration, time = parts.series or "horizon", parts.iteration, parts.time
@@ -131,23 +127,17 @@ def _listed(path: str) -> list[ListedShape]:
     if input_ending(path) in ARRAY_ENDINGS:
         with contextlib.suppress(FileError):
             if holds_slices(path):
-                raise InvalidParameter(f"{path} holds slices, not horizons: it goes with --geometry")
+                raise InvalidParameter(f"{path} holds slices, not horizons: it goes with geometry=")
             with InputFile(path) as file:
                 there = file.some(INSTANT)
             there = {name: values for name, values in there.items() if _is_number(values)}
             iteration = int(there["iteration"].item()) if "iteration" in there else iteration
             time = float(there["time"].item()) if "time" in there else time
-    return [ListedShape(series, iteration, time, ShapeFile(path))]
+    return [Moment(series, time, iteration, ShapeFile(path))]
 
 
 def holds_slices(path: str | os.PathLike[str]) -> bool:
-    """Whether a file of arrays holds slices.
-
-    Raises
-    ------
-    FileError
-        It cannot be read.
-    """
+    """Whether a file of arrays holds slices.  Raises `FileError`: it cannot be read."""
     return bool(instants(path)) or (input_ending(path) in HDF5_ENDINGS and bool(volume_times(path)))
 
 
@@ -155,19 +145,19 @@ def _is_number(values: NDArray[Any]) -> bool:
     return values.size == 1 and values.dtype.kind in "iuf" and bool(np.isfinite(values).all())
 
 
-def _many(path: str) -> list[ListedShape]:
+def _many(path: str) -> list[Moment]:
     """Horizons of a file that holds them at several times."""
     if input_ending(path) not in (*HDF5_ENDINGS, TEXT):
         return []
     out = [
-        ListedShape(surface, None, time, SpectreShape(path, surface, time, group))
+        Moment(surface, time, None, SpectreShape(path, surface, time, group))
         for surface, times in spectre_times(path).items()
         for time, group in times
     ]
     for group, (times, iterations) in ({} if out else horizon_times(path)).items():
         series = group or name_parts(path).series or "horizon"
         out += [
-            ListedShape(series, iterations[k] if iterations else None, time, ShapeAtIndex(path, group, k))
+            Moment(series, time, iterations[k] if iterations else None, ShapeAtIndex(path, group, k))
             for k, time in enumerate(times)
         ]
     return out

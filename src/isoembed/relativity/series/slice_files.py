@@ -23,14 +23,18 @@ from isoembed.relativity.series.carpet_files import CARPET_FILE
 from isoembed.relativity.series.chombo import chombo_slices, is_chombo
 from isoembed.relativity.series.file_names import entries_in, listing_of, matching_files, name_parts
 from isoembed.relativity.series.moment import ListedFile, ListedSlice
-from isoembed.relativity.series.spectre_slices import spectre_slices
+from isoembed.relativity.series.source import SliceSource
 from isoembed.relativity.spacetimes.slice_file import (
     SLICE_ENDINGS,
     instants,
     read_cartesian_grid,
     slice_arrays,
 )
-from isoembed.relativity.spacetimes.spectre_volume import volume_times
+from isoembed.relativity.spacetimes.spectre_volume import (
+    read_spectre_volume,
+    volume_arrays,
+    volume_times,
+)
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 
@@ -125,6 +129,47 @@ class SliceFile:
         return slice_in_file(self.path).source.whole()
 
 
+@dataclass(frozen=True)
+class SpectreSlice:
+    """A slice on elements, in one or more files.
+
+    Attributes
+    ----------
+    paths : tuple of str
+    time : float
+    """
+
+    paths: tuple[str, ...]
+    time: float
+
+    @property
+    def name(self) -> str:
+        """The paths and the time."""
+        return f"{', '.join(self.paths)} (t = {self.time:.9g})"
+
+    def digest(self) -> str:
+        """Hash of the data of this time: see `Source`."""
+        digests = []
+        for path in self.paths:
+            with unchanged(path):
+                digests.append(_volume_digest(path, self.time, file_state(path)))
+        return " ".join(digests)
+
+    def read(self, low: Floats, high: Floats) -> ThreeGeometry:
+        """See `SliceSource`: the elements that may be in the box."""
+        return self._elements((low, high))
+
+    def whole(self) -> ThreeGeometry:
+        """See `FileSlice`."""
+        return self._elements(None)
+
+    def _elements(self, box: tuple[Floats, Floats] | None) -> ThreeGeometry:
+        with contextlib.ExitStack() as reading:
+            for path in self.paths:
+                reading.enter_context(unchanged(path))
+            return read_spectre_volume(self.paths, self.time, box)
+
+
 def read_slice(path: str | os.PathLike[str]) -> ThreeGeometry:
     """Slice from a file of any format, or from the folder of a plot file of AMReX.
 
@@ -147,10 +192,7 @@ def read_slice(path: str | os.PathLike[str]) -> ThreeGeometry:
 def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
     """The only slice in a file or a folder.
 
-    Raises
-    ------
-    FileError
-        It cannot be read, or holds none or several.
+    Raises `FileError`: it cannot be read, or holds none or several.
     """
     there = slices_in_folder(path) if os.path.isdir(path) else slices_in_file(path)
     if not there:
@@ -162,28 +204,24 @@ def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
     return there[0]
 
 
-def slices_of_pattern(pattern: str) -> list[ListedSlice]:
+def slices_of_pattern(pattern: str) -> list[ListedSlice[SliceSource]]:
     """Slices in the files whose names a pattern like ``slices/gxx.{iteration}.h5`` makes.
 
-    Raises
-    ------
-    InvalidParameter
-        It is no pattern: see `isoembed.relativity.series.file_names.matching_files`.
-    FileError
-        There is no such file.
+    Raises `InvalidParameter`: it is no pattern: see `isoembed.relativity.series.file_names.matching_files`;
+    `FileError`: there is no such file.
     """
     found = matching_files(pattern)
     if not found:
         raise FileError(f"no file is named like {pattern}: {listing_of(Path(pattern).parent)}")
-    out: list[ListedSlice] = []
+    out: list[ListedSlice[SliceSource]] = []
     for path, iteration, time in found:
-        there: Sequence[ListedSlice] = ()
+        there: Sequence[ListedFile] = ()
         with contextlib.suppress(FileError):  # reading will say why
             there = slices_in_file(path)
         if len(there) > 1:
             out += there
             continue
-        one = there[0] if there else ListedSlice(None, None, SliceFile(path))
+        one = there[0] if there else ListedFile(None, None, SliceFile(path))
         out.append(
             replace(
                 one,
@@ -198,12 +236,8 @@ def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedFile]:
     """Slices in the files right inside a folder, by what is in them, else by name; damaged files, too.
 
     Files that are parts of a slice, such as those of the processes of a run, are taken together.  Empty if
-    there are damaged files only: they may be anything.
-
-    Raises
-    ------
-    FileError
-        The folder cannot be read; or it is a plot file of AMReX, one slice itself, and damaged.
+    there are damaged files only: they may be anything.  Raises `FileError`: the folder cannot be read; or it
+    is a plot file of AMReX, one slice itself, and damaged.
     """
     if _format_of(Path(folder)) is not None:
         return slices_in_file(folder)
@@ -251,10 +285,7 @@ def _named(listed: ListedFile) -> ListedFile:
 def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
     """Slices in a file; one that does not say when it is may be that of all times.
 
-    Raises
-    ------
-    FileError
-        It cannot be read, or holds none.
+    Raises `FileError`: it cannot be read, or holds none.
     """
     kind = _format_of(Path(path))
     if kind is not None:
@@ -268,10 +299,7 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
 def _format_of(path: Path) -> int | None:
     """The position of the format of a file or a folder in the list of formats.
 
-    Raises
-    ------
-    FileError
-        It is damaged.
+    Raises `FileError`: it is damaged.
     """
     return next((k for k, form in enumerate(FORMATS) if form.holds(path)), None)
 
@@ -290,6 +318,23 @@ def _grid_slices(paths: Iterable[Path]) -> list[ListedFile]:
         for path in paths
         for one in instants(path)
     ]
+
+
+def spectre_slices(paths: Iterable[str | os.PathLike[str]]) -> list[ListedFile]:
+    """Slices at all times of the files of one run, those of a time together.
+
+    Raises `FileError`: a file cannot be read.
+    """
+    found: dict[float, list[str]] = {}
+    for path in paths:
+        for time in volume_times(path):
+            found.setdefault(time, []).append(str(path))
+    return [ListedFile(None, time, SpectreSlice(tuple(found[time]), time)) for time in sorted(found)]
+
+
+@lru_cache(maxsize=64)
+def _volume_digest(path: str, time: float, state: tuple[int, int] | None) -> str:
+    return arrays_digest(volume_arrays(path, time))
 
 
 @lru_cache(maxsize=64)

@@ -1,4 +1,4 @@
-"""Sources: what can be read later, in another process, and the hash of its content.
+"""Sources of horizons and slices: readable in another process, with a hash of their content.
 
 A source is pickled to a worker: it holds paths and choices, never an open file.
 """
@@ -30,20 +30,15 @@ class Source(Protocol[T_co]):
     def digest(self) -> str:
         """SHA-256, in hexadecimal, of the content that `read` reads.
 
-        Raises
-        ------
-        FileError
-            It cannot be read, or changes meanwhile.
+        Raises `FileError`: it cannot be read, or changes meanwhile.
         """
         ...
 
     def read(self) -> T_co:
         """What is there.
 
-        Raises
-        ------
-        FileError, InvalidMetric
-            It cannot be read, changes meanwhile, or is not what it should be; one sentence says why.
+        Raises `FileError` or `InvalidMetric`: it cannot be read, changes meanwhile, or is not what it should
+        be; one sentence says why.
         """
         ...
 
@@ -67,16 +62,13 @@ class SliceSource(Protocol):
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
         """So much of the slice as a surface needs.
 
+        Raises `FileError`: as of `Source`; or the slice does not cover the box.
+
         Parameters
         ----------
         low, high : ndarray, shape (3,)
             The corners of the box that the surface is in.  Points around it that the interpolation needs are
             read as well.
-
-        Raises
-        ------
-        FileError
-            As of `Source`; or the slice does not cover the box.
         """
         ...
 
@@ -85,13 +77,7 @@ class FileSlice(SliceSource, Protocol):
     """A slice in a file, which can be had without a surface."""
 
     def whole(self) -> ThreeGeometry:
-        """All of the slice.
-
-        Raises
-        ------
-        FileError
-            As of `Source`.
-        """
+        """All of the slice.  Raises `FileError`: as of `Source`."""
         ...
 
 
@@ -116,13 +102,7 @@ class HeldShape:
         return next(filter(None, known), HELD)
 
     def digest(self) -> str:
-        """Hash of its pickle.
-
-        Raises
-        ------
-        InvalidParameter
-            It cannot be pickled.
-        """
+        """Hash of its pickle.  Raises `InvalidParameter`: it cannot be pickled."""
         return object_digest(self.shape, f"the horizon {self.name}")
 
     def read(self) -> GivenHorizon:
@@ -149,10 +129,7 @@ class HeldSlice:
     def digest(self) -> str:
         """Hash of its pickle: functions count by their names.
 
-        Raises
-        ------
-        InvalidParameter
-            It cannot be pickled.
+        Raises `InvalidParameter`: it cannot be pickled.
         """
         return object_digest(self.geometry, f"the geometry {self.name}")
 
@@ -183,29 +160,20 @@ class MissingSlice:
         return hashlib.sha256(self.why.encode()).hexdigest()
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
-        """Nothing.
-
-        Raises
-        ------
-        FileError
-            Always.
-        """
+        """Nothing.  Raises `FileError`: always."""
         raise FileError(self.why)
 
 
 def object_digest(thing: object, what: str) -> str:
     """Hash of what an object is pickled to, without what it keeps to be faster.
 
+    Raises `InvalidParameter`: it cannot be pickled.
+
     Parameters
     ----------
     thing : object
     what : str
         Its name in the message.
-
-    Raises
-    ------
-    InvalidParameter
-        It cannot be pickled.
     """
     hashed = _HashedPickle()
     pickler = _Contents(hashed, protocol=4)  # from 5 on pickles tell arrays from views of them

@@ -79,13 +79,7 @@ class Row:
 
     @classmethod
     def of(cls, result: Result) -> Row:
-        """The row of a result.
-
-        Raises
-        ------
-        InvalidParameter
-            It is of no horizon.
-        """
+        """The row of a result.  Raises `InvalidParameter`: it is of no horizon."""
         report, numbers = result.report, dict[str, float | None]()
         moment = report.get("moment")
         if moment is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from math import comb
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,9 +12,8 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
-from isoembed.relativity.spacetimes.grid_noise import PERIOD, noise_levels, sampled_noise
 from isoembed.relativity.spacetimes.loops import contracted
-from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 """Which of the six is which entry of a symmetric matrix."""
@@ -24,6 +24,8 @@ FEWER = 6
 
 STENCIL = 8  # points of the Lagrange interpolation along each axis
 OUTSIDE = 1e-9  # spacings, by which a point may lie beyond the grid
+ORDERS = (6, 8, 10)  # of differences; what is smooth makes less and less of them
+PERIOD = 64  # spacings after which a sample of noise repeats: few points of a surface meet again
 ERROR_FACTOR = 10.0  # error over the change with two points more or less
 
 
@@ -145,15 +147,11 @@ def wider(grid: CartesianGrid) -> ThreeGeometry:
 
 
 @dataclass(frozen=True, eq=False)
-class _Interpolation:
+class _Interpolation(DerivedGeometry):
     """A slice on a grid, by polynomials through some points along each axis."""
 
     grid: CartesianGrid
     nodes: int
-
-    @property
-    def time_symmetric(self) -> bool:
-        return self.grid.time_symmetric
 
     def metric(self, x: Floats) -> Floats:
         start, s = self.located(x)
@@ -174,9 +172,6 @@ class _Interpolation:
             return np.zeros((len(x), 3, 3))
         start, s = self.located(x)
         return self._summed(slice(6, 12), start, lagrange_weights(s, self.nodes)[0])
-
-    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        return self.grid.error(quantity)
 
     def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
         """Matrices (n, 3, 3) of gamma, the first six fields, or K, the other six, summed with weights."""
@@ -212,14 +207,10 @@ class _Noisy(_Interpolation):
 
 
 @dataclass(frozen=True, eq=False)
-class _Wider:
+class _Wider(DerivedGeometry):
     """A slice on a grid, through two points more where they are there, and through two less elsewhere."""
 
     grid: CartesianGrid
-
-    @property
-    def time_symmetric(self) -> bool:
-        return self.grid.time_symmetric
 
     def metric(self, x: Floats) -> Floats:
         return self._values(_Interpolation.metric, x)
@@ -229,9 +220,6 @@ class _Wider:
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         return self._values(_Interpolation.extrinsic_curvature, x)
-
-    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        return self.grid.error(quantity)
 
     def _values(self, field: Callable[[_Interpolation, Floats], Floats], x: Floats) -> Floats:
         more = STENCIL + 2
@@ -274,3 +262,34 @@ def lagrange_weights(s: Floats, nodes: int) -> tuple[Floats, Floats]:
                 slopes[..., j] = (slopes[..., j] * (s - k) + weights[..., j]) / (j - k)
                 weights[..., j] *= (s - k) / (j - k)
     return weights, slopes
+
+
+def noise_levels(fields: Floats, nodes: Indices) -> Floats:
+    """Standard deviations (m,) of the noise in fields (m, nx, ny, nz) at nodes (n, 3) of the grid.
+
+    The difference of order p along an axis, over the root of the binomial coefficient (2 p over p), has the
+    standard deviation of white noise.  What is smooth adds to it: the least of all axes and orders counts.
+    """
+    levels = np.full(len(fields), np.inf)
+    for axis in range(3):
+        for order in ORDERS:
+            size = fields.shape[1 + axis]
+            if size <= order:
+                continue
+            at = nodes.copy()
+            at[:, axis] = np.clip(at[:, axis] - order // 2, 0, size - order - 1)
+            difference = np.zeros((len(fields), len(nodes)))
+            for step in range(order + 1):
+                i, j, k = at.T
+                difference += (-1) ** step * comb(order, step) * fields[:, i, j, k]
+                at[:, axis] += 1
+            difference = difference[:, np.isfinite(difference).all(axis=0)]
+            if difference.shape[1]:
+                levels = np.minimum(levels, np.sqrt(np.mean(difference**2, axis=1) / comb(2 * order, order)))
+    return np.where(np.isfinite(levels), levels, 0.0)
+
+
+def sampled_noise(levels: Floats, margin: int, rng: np.random.Generator) -> Floats:
+    """White noise of these levels (m,) on a periodic grid, with a margin after the period: (m, s, s, s)."""
+    noise = levels[:, None, None, None] * rng.normal(size=(len(levels), *[PERIOD] * 3))
+    return np.pad(noise, [(0, 0), *[(0, margin)] * 3], mode="wrap")

@@ -1,4 +1,4 @@
-"""Checks of what users give: numbers, vectors, points, and metrics at points."""
+"""Validation of input: numbers, vectors, points, and metrics at points."""
 
 from collections.abc import Sequence
 from math import isfinite

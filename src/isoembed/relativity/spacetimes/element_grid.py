@@ -18,7 +18,7 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.cartesian_grid import ENTRY
 from isoembed.relativity.spacetimes.checks import refuse_points
-from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 
 BULGE = 0.25  # extents, by which an element may reach beyond the box of its nodes
 
@@ -182,15 +182,11 @@ class ElementGrid:
 
 
 @dataclass(frozen=True, eq=False)
-class _Polynomials:
+class _Polynomials(DerivedGeometry):
     """A slice on elements, without the highest degrees of its polynomials."""
 
     grid: ElementGrid
     dropped: int
-
-    @property
-    def time_symmetric(self) -> bool:
-        return self.grid.time_symmetric
 
     def metric(self, x: Floats) -> Floats:
         out = np.empty((len(x), 6))
@@ -212,9 +208,6 @@ class _Polynomials:
             if element.K is not None:
                 out[here] = _interpolated(_weights(element, place, self.dropped), element.K)[0]
         return out[:, ENTRY]
-
-    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        return self.grid.error(quantity)
 
     def _parts(self, x: Floats) -> Iterator[tuple[Element, Indices, Floats]]:
         """Elements with points in them, which these are, and their places in the cube."""

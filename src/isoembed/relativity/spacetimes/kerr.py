@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from functools import cached_property
 from math import hypot, isfinite, pi, sqrt
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -34,11 +34,7 @@ class KerrNewmanSurface(ABC):
     charge: float
 
     def __post_init__(self) -> None:
-        for parameter in fields(self):  # type: ignore[arg-type] # subclasses are dataclasses
-            value = float(getattr(self, parameter.name))
-            if not isfinite(value):
-                raise InvalidParameter(f"{self.name}: {parameter.name} must be finite, not {value}")
-            object.__setattr__(self, parameter.name, value)
+        make_finite(self, self.name)
         if self.mass <= 0.0:
             raise InvalidParameter(f"{self.name}: mass must be positive, not {self.mass}")
         a, Q = self._ratios
@@ -62,12 +58,12 @@ class KerrNewmanSurface(ABC):
 
     def tensor(self, u: Floats) -> Floats:
         """The metric (n, 3, 3) at unit vectors u (n, 3), in units of length^2; see `TwoMetric`."""
-        h = self._squares(_sin2(u))
+        h = self._squares(sin2(u))
         return from_angles(u, h.h_thth, np.zeros(len(u)), h.P) * self.mass * self.mass
 
     def mean_curvature(self, u: Floats) -> Floats:
         """``k = k1 + k2`` (n,) in the slice, for the outward normal, at unit vectors u (n, 3); 1/length."""
-        s = _sin2(u)
+        s = sin2(u)
         a, Q = self._ratios
         a2 = a * a
         R, R_s, R_ss, Delta = self._R(s)
@@ -95,7 +91,7 @@ class KerrNewmanSurface(ABC):
         Of ``K_ij = -g_phph d_i(omega) / (2 lapse)`` for j = phi, with the lapse sqrt(Delta / P) and the
         angular velocity omega of observers who fall from rest.
         """
-        s = _sin2(u)
+        s = sin2(u)
         a, Q = self._ratios
         a2 = a * a
         R, R_s, _, Delta = self._R(s)
@@ -111,11 +107,11 @@ class KerrNewmanSurface(ABC):
         steep = np.divide(Delta, D, out=np.ones_like(D), where=D > 0.0)
         rate = np.sqrt(steep) * (omega_r - _quotient(tilt, Delta))
         around = -0.5 * (A / Sigma) ** 1.5 * rate / np.sqrt(Sigma)
-        return around[:, None] * np.stack([-u[:, 1], u[:, 0], np.zeros(len(u))], axis=1)
+        return around[:, None] * rotation_about_z(u)
 
     def gaussian_curvature(self, u: Floats) -> Floats:
         """K (n,) of the surface's own metric at unit vectors u (n, 3), in 1/length^2."""
-        s = _sin2(u)
+        s = sin2(u)
         h = self._squares(s)
         # As of a surface of revolution with rho^2 = s P and z_th^2 = s q^2; K needs no root of q^2.
         c2 = 1.0 - s
@@ -227,7 +223,7 @@ class KerrNewmanHorizon(KerrNewmanSurface):
     def gaussian_curvature(self, u: Floats) -> Floats:
         """K (n,), in 1/length^2: negative where cos^2(theta) > r_+^2 / (3 a^2) (Smarr 1973)."""
         r2, a2 = (self.radius / self.mass) ** 2, self._ratios[0] ** 2
-        c2 = 1.0 - _sin2(u)
+        c2 = 1.0 - sin2(u)
         return (r2 + a2) * (r2 - 3.0 * a2 * c2) / (r2 + a2 * c2) ** 3 / self.mass / self.mass
 
     def _R(self, s: Floats) -> Radius:
@@ -340,8 +336,23 @@ def embeddability(surface: KerrNewmanSurface) -> str:
     )
 
 
-def _sin2(u: Floats) -> Floats:
+def make_finite(surface: Any, name: str) -> None:
+    """Make the fields of a frozen dataclass floats; `InvalidParameter` where one is not finite."""
+    for parameter in fields(surface):
+        value = float(getattr(surface, parameter.name))
+        if not isfinite(value):
+            raise InvalidParameter(f"{name}: {parameter.name} must be finite, not {value}")
+        object.__setattr__(surface, parameter.name, value)
+
+
+def sin2(u: Floats) -> Floats:
+    """``sin^2(theta)`` (n,) at unit vectors u (n, 3)."""
     return np.asarray(u[:, 0] ** 2 + u[:, 1] ** 2, dtype=np.float64)
+
+
+def rotation_about_z(u: Floats) -> Floats:
+    """Velocities (n, 3) of unit vectors that turn about the z-axis."""
+    return np.stack([-u[:, 1], u[:, 0], np.zeros(len(u))], axis=1)
 
 
 def _quotient(a: Floats, b: Floats) -> Floats:

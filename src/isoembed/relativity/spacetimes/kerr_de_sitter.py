@@ -18,7 +18,7 @@ B. Carter, Commun. Math. Phys. 10 (1968) 280; G. W. Gibbons, M. J. Perry, C. N. 
 # ruff: noqa: N802, N806 (Sigma, Delta, Theta, Xi, A as the field writes them)
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
 from typing import NamedTuple
@@ -29,6 +29,7 @@ from scipy.optimize import brentq
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.relativity.spacetimes.kerr import make_finite, rotation_about_z, sin2
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.two_metric import from_angles
 
@@ -72,11 +73,7 @@ class KerrDeSitterSphere:
     cosmological_constant: float = 0.0
 
     def __post_init__(self) -> None:
-        for parameter in fields(self):
-            value = float(getattr(self, parameter.name))
-            if not isfinite(value):
-                raise InvalidParameter(f"a sphere r = const: {parameter.name} must be finite, not {value}")
-            object.__setattr__(self, parameter.name, value)
+        make_finite(self, "a sphere r = const")
         least, most = horizon_radii(self.mass, self.spin, self.cosmological_constant)
         if not least * (1.0 - 1e-15) <= self.r <= most:
             bound = f" and at most the cosmological horizon's {most:.12g}" if isfinite(most) else ""
@@ -127,7 +124,7 @@ class KerrDeSitterSphere:
         lagging = r2 * f.Theta - self._Delta
         omega_r = a * self._Xi * ((2.0 * r * f.Theta - self._Delta_r) - lagging * f.A_r / f.A) / f.A
         around = -0.5 * f.A**1.5 * omega_r / (self._Xi**2 * f.Sigma**2 * np.sqrt(f.Theta))
-        return around[:, None] * np.stack([-u[:, 1], u[:, 0], np.zeros(len(u))], axis=1)
+        return around[:, None] * rotation_about_z(u)
 
     def data(self) -> SurfaceData:
         """Data of which energies are computed; p is zero as without a cosmological constant."""
@@ -171,7 +168,7 @@ class KerrDeSitterSphere:
 
     def _terms(self, u: Floats) -> _Terms:
         r, a, lam = self._numbers
-        s = np.asarray(u[:, 0] ** 2 + u[:, 1] ** 2, dtype=np.float64)
+        s = sin2(u)
         c2, r2 = 1.0 - s, r * r + a * a
         Theta = 1.0 + lam * a * a * c2
         return _Terms(
@@ -185,10 +182,7 @@ class KerrDeSitterSphere:
 def horizon_radii(mass: float, spin: float, cosmological_constant: float) -> tuple[float, float]:
     """Boyer-Lindquist radii of the black hole's horizon and of the cosmological one, which may be infinite.
 
-    Raises
-    ------
-    InvalidParameter
-        There is no black hole with these parameters.
+    Raises `InvalidParameter`: there is no black hole with these parameters.
     """
     if not mass > 0.0:
         raise InvalidParameter(f"mass must be positive, not {mass}")

@@ -14,15 +14,15 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.relativity.spacetimes.checks import numbers, vector, written
+from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
+from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.point_cloud import checked_points
 from isoembed.relativity.spacetimes.surface import Surface
-from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.mesh_fit import fit_mesh
 from isoembed.smooth.projection import DIRECTIONS, project
 from isoembed.smooth.scattered_fit import deviating, white
-from isoembed.smooth.two_metric import angle_frame
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.measures import volume
 
@@ -169,17 +169,17 @@ class MappedSurface(Surface):
         """The radius of the sphere with the same area in the coordinates."""
         return float(np.sqrt(self._nodes.area / (4.0 * np.pi)))
 
-    def jet(self, u: Floats) -> SurfaceJet:
+    def jet(self, u: Floats) -> Jet:
         """See `Surface`."""
-        return SurfaceJet(*self.harmonics.derivatives(u, self.coefficients))
+        return HarmonicMap(self.harmonics, self.coefficients).jet(u)
 
-    def deviating(self, u: Floats) -> Iterator[SurfaceJet]:
+    def deviating(self, u: Floats) -> Iterator[Jet]:
         """See `Surface`."""
         jet, harmonics = self.jet(u), deviating(self.harmonics)
         drawn = white(self.harmonics, self.misfit, 3) if self.deviations is None else self.deviations
         for deviation in drawn:
-            x, first, second = harmonics.derivatives(u, deviation)
-            yield SurfaceJet(jet.x + x, jet.first + first, jet.second + second)
+            change = HarmonicMap(harmonics, deviation).jet(u)
+            yield Jet(u, jet.x + change.x, jet.first + change.first, jet.second + change.second)
 
     @cached_property
     def _nodes(self) -> _Nodes:
@@ -204,12 +204,11 @@ class _Nodes:
     normals: Floats
 
     @classmethod
-    def of(cls, jet: Callable[[Floats], SurfaceJet], n: int, around: int) -> _Nodes:
+    def of(cls, jet: Callable[[Floats], Jet], n: int, around: int) -> _Nodes:
         """The nodes of n circles of latitude with `around` nodes each."""
         u, weights = gauss_rule(n, around)
         there = jet(u)
-        e_theta, e_phi = (np.einsum("nij,nj->ni", there.first, e) for e in angle_frame(u))
-        return cls(n, u, weights, there.x, np.cross(e_theta, e_phi))
+        return cls(n, u, weights, there.x, np.cross(there.first[:, 0], there.first[:, 1]))
 
     @cached_property
     def singular(self) -> Floats | None:

@@ -25,17 +25,14 @@ def checked_points(points: ArrayLike) -> Floats:
 def seen_from(x: Floats, center: Floats, faces: Indices | None = None) -> tuple[Floats, Floats, Floats]:
     """Directions (m, 3), distances and solid angles (m,) of points from a center among them.
 
+    Raises `InvalidParameter`: a point is the center, or they do not surround it.
+
     Parameters
     ----------
     x : ndarray, shape (m, 3)
     center : ndarray, shape (3,)
     faces : ndarray of int, shape (F, 3), optional
         The convex hull of the directions, if it is at hand.
-
-    Raises
-    ------
-    InvalidParameter
-        A point is the center, or they do not surround it.
     """
     d = x - center
     r = np.linalg.norm(d, axis=1)

@@ -102,10 +102,7 @@ def read_cartesian_grid(
 def slice_arrays(path: str | os.PathLike[str], index: int | None) -> Iterator[tuple[str, NDArray[Any]]]:
     """All arrays of one slice by their names, one after the other.
 
-    Raises
-    ------
-    FileError
-        As of `read_cartesian_grid`.
+    Raises `FileError`: as of `read_cartesian_grid`.
     """
     with _open_sets(path) as sets:
         _check(path, sets)
@@ -118,10 +115,7 @@ def slice_arrays(path: str | os.PathLike[str], index: int | None) -> Iterator[tu
 def instants(path: str | os.PathLike[str]) -> list[Instant]:
     """When the slices of a file are, in its order; empty if it has none.
 
-    Raises
-    ------
-    FileError
-        The file cannot be read, or its times are not those of its slices.
+    Raises `FileError`: the file cannot be read, or its times are not those of its slices.
     """
     check_ending(path, SLICE_ENDINGS)
     with InputFile(path) as file:

@@ -35,10 +35,7 @@ LAYOUT = ("total_extents", "bases", "quadratures")
 def volume_times(path: str | os.PathLike[str]) -> list[float]:
     """Times at which a file has the metric of a slice on elements, in order; none of files of another kind.
 
-    Raises
-    ------
-    FileError
-        It cannot be read.
+    Raises `FileError`: it cannot be read.
     """
     with InputFile(path) as given, given.hdf5() as file:
         return sorted(time for time, _ in _observations(file))
@@ -74,10 +71,7 @@ def read_spectre_volume(
 def volume_arrays(path: str | os.PathLike[str], time: float) -> Iterator[tuple[str, NDArray[Any]]]:
     """All arrays of a slice in one file by their names, one after the other.
 
-    Raises
-    ------
-    FileError
-        As of `read_spectre_volume`.
+    Raises `FileError`: as of `read_spectre_volume`.
     """
     with InputFile(path) as given, given.hdf5() as file:
         group = _at(file, time, path)

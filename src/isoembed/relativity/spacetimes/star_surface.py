@@ -12,10 +12,10 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.checks import positive_number, vector, written
+from isoembed.relativity.spacetimes.jet import Jet, SurfaceFamily, in_angle_frame
 from isoembed.relativity.spacetimes.point_cloud import checked_points, seen_from
 from isoembed.relativity.spacetimes.surface import ON_SURFACE, Surface, as_directions
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
@@ -195,11 +195,11 @@ class StarSurface(Surface):
                     )
         return super().data(geometry, axis, marginal, name)
 
-    def jet(self, u: Floats) -> SurfaceJet:
+    def jet(self, u: Floats) -> Jet:
         """See `Surface`."""
         return self._jet(u, *self.harmonics.derivatives(u, self.coefficients))
 
-    def deviating(self, u: Floats) -> Iterator[SurfaceJet]:
+    def deviating(self, u: Floats) -> Iterator[Jet]:
         """See `Surface`."""
         r, slope, hessian = self.harmonics.derivatives(u, self.coefficients)
         harmonics = deviating(self.harmonics)
@@ -208,8 +208,9 @@ class StarSurface(Surface):
             dr, d_slope, d_hessian = harmonics.derivatives(u, deviation)
             yield self._jet(u, r + dr, slope + d_slope, hessian + d_hessian)
 
-    def _jet(self, u: Floats, r: Floats, slope: Floats, hessian: Floats) -> SurfaceJet:
-        return SurfaceJet.of_radius(np.array(self.center), u, r, slope, hessian)
+    def _jet(self, u: Floats, r: Floats, gradient: Floats, hessian: Floats) -> Jet:
+        slopes, bends = in_angle_frame(u, gradient[:, None], hessian[:, None])
+        return SurfaceFamily.star(self.center, u).at(r, slopes[:, :, 0], bends[:, :, 0])
 
 
 def _check_radius(u: Floats, r: Floats) -> None:

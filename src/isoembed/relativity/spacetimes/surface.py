@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,13 +13,13 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
 from isoembed.relativity.spacetimes.checks import numbers, vector
+from isoembed.relativity.spacetimes.jet import Jet
+from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.surface_errors import SURE, SurfaceErrors
-from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame
-from isoembed.relativity.spacetimes.surface_jet import SurfaceJet
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.two_metric import area_density
+from isoembed.smooth.two_metric import angle_frame
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
 
 ON_SURFACE = 1e-9  # relative distance of a black hole that is on the surface
@@ -54,11 +54,11 @@ class Surface(ABC):
         """Its size in the coordinates of the slice, a length."""
 
     @abstractmethod
-    def jet(self, u: Floats) -> SurfaceJet:
+    def jet(self, u: Floats) -> Jet:
         """The map to second order in the directions u (n, 3)."""
 
     @abstractmethod
-    def deviating(self, u: Floats) -> Iterator[SurfaceJet]:
+    def deviating(self, u: Floats) -> Iterator[Jet]:
         """Maps that this one might be, for errors."""
 
     def points(self, u: Floats) -> Floats:
@@ -67,12 +67,12 @@ class Surface(ABC):
 
     def differential(self, u: Floats) -> Floats:
         """The differential dX (n, 3, 3): ``dX @ v`` is the derivative of X along a tangent vector v."""
-        return self.jet(as_directions(u)).first
-
-    def frame(self, geometry: ThreeGeometry, u: Floats) -> SurfaceFrame:
-        """The local geometry of the surface in a slice, in the directions u (n, 3)."""
         u = as_directions(u)
-        return SurfaceFrame(geometry, u, self.jet(u), np.array(self.center))
+        return np.einsum("nai,naj->nij", self.jet(u).first, np.stack(angle_frame(u), axis=1))
+
+    def local_geometry(self, geometry: ThreeGeometry, u: Floats) -> LocalGeometry:
+        """The local geometry of the surface in a slice, in the directions u (n, 3)."""
+        return LocalGeometry.of(geometry, self.jet(as_directions(u)))
 
     def metric(self, geometry: ThreeGeometry) -> InducedMetric:
         """The metric that the geometry induces on the surface."""
@@ -80,20 +80,19 @@ class Surface(ABC):
 
     def mean_curvature(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``k = k1 + k2`` (n,) for the outward normal, in the directions u (n, 3); 2 / r on a flat sphere."""
-        return self.frame(geometry, u).mean_curvature()
+        return self.local_geometry(geometry, u).mean_curvature
 
     def momentum(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``p = K_ij (gamma^ij - n^i n^j)`` (n,) in the directions u (n, 3)."""
-        return self.frame(geometry, u).momentum()
+        return self.local_geometry(geometry, u).momentum
 
     def normal_momentum(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``K(., n)`` as tangent vectors (n, 3) of the unit sphere at u (n, 3): see `SurfaceData`."""
-        return self.frame(geometry, u).normal_momentum()
+        return self.local_geometry(geometry, u).normal_momentum()
 
     def expansion(self, geometry: ThreeGeometry, u: Floats) -> Floats:
         """``theta_+ = k - p`` (n,) of the light rays that leave outward; zero on an apparent horizon."""
-        frame = self.frame(geometry, u)
-        return frame.mean_curvature() - frame.momentum()
+        return self.local_geometry(geometry, u).expansion
 
     def angular_momentum(self, geometry: ThreeGeometry, axis: Sequence[float]) -> float:
         """``J = 1 / (8 pi) int K_ij phi^i n^j dA``, a length squared, with ``phi = axis x (x - center)``.
@@ -107,12 +106,12 @@ class Surface(ABC):
         axis : three floats
             Of any length but zero.
         """
-        a = np.array(_unit("the axis", axis))
+        a, center = np.array(_unit("the axis", axis)), np.array(self.center)
         n, before = self.harmonics.degree + 8, np.inf
         while True:
             u, weights = gauss_rule(n, 2 * n)
-            frame = self.frame(geometry, u)
-            density = frame.torque() @ a * weights * area_density(frame.q) / (8.0 * np.pi)
+            local = self.local_geometry(geometry, u)
+            density = local.torque(center) @ a * weights * local.density / (8.0 * np.pi)
             J, size = float(density.sum()), float(np.abs(density).sum())
             if abs(J - before) <= 1e-13 * size or n > 128:  # change with more nodes
                 return J
@@ -148,39 +147,32 @@ class Surface(ABC):
         """
         moves = not geometry.time_symmetric
         u, weights = gauss_rule(24, 48)
-        frame = self.frame(geometry, u)
-        others = (replace(frame, jet=jet) for jet in self.deviating(u))
-        errors = SurfaceErrors.of_surface(frame, others, weights)
+        center, local = np.array(self.center), self.local_geometry(geometry, u)
+        errors = SurfaceErrors.of_surface(local, self.deviating(u), center, weights)
         if self.deviations is None:
             miss = self.misfit / self.mean_radius
             errors = replace(errors, lengths=Uncertainty(miss, miss))
-        errors += SurfaceErrors.of_slice(frame, weights)
+        errors += SurfaceErrors.of_slice(local, center, weights)
         about = None if axis is None else _unit("the axis", axis)
         J = 0.0 if not moves else about and self.angular_momentum(geometry, about)
 
-        def momentum(u: Floats) -> Floats:
-            return self.momentum(geometry, u)
-
-        def normal_momentum(u: Floats) -> Floats:
-            return self.normal_momentum(geometry, u)
-
-        def torque(u: Floats) -> Floats:
-            return self.frame(geometry, u).torque()
+        def moving(values: Callable[[Floats], Floats], error: Uncertainty) -> UncertainFunction | None:
+            return UncertainFunction(values, error) if moves else None
 
         return SurfaceData(
             metric=InducedMetric(self, geometry, errors.lengths),
             mean_curvature=UncertainFunction(
                 lambda u: self.mean_curvature(geometry, u), errors.mean_curvature
             ),
-            momentum=UncertainFunction(momentum, errors.momentum) if moves else None,
-            normal_momentum=UncertainFunction(normal_momentum, errors.normal_momentum) if moves else None,
+            momentum=moving(lambda u: self.momentum(geometry, u), errors.momentum),
+            normal_momentum=moving(lambda u: self.normal_momentum(geometry, u), errors.normal_momentum),
             angular_momentum=J,
             marginal=marginal,
             shape=self.points,
             name=name,
             notes=(*self.notes, *getattr(geometry, "notes", ())),
             axis=about,
-            torque=UncertainFunction(torque, errors.torque) if moves else None,
+            torque=moving(lambda u: self.local_geometry(geometry, u).torque(center), errors.torque),
         )
 
 
@@ -202,16 +194,19 @@ class InducedMetric:
 
     def tensor(self, u: Floats) -> Floats:
         """See `isoembed.smooth.TwoMetric`."""
-        return self.surface.frame(self.geometry, u).q
+        return self.surface.local_geometry(self.geometry, u).q
 
     def deviations(self, u: Floats) -> tuple[Floats, ...]:
         """Changes (N, n, 3, 3) of the tensor that the surface's deviations and the slice's error make.
 
         See `isoembed.smooth.uncertain_curvature.DeviatingMetric`.
         """
-        frame = self.surface.frame(self.geometry, u)
-        by_surface = np.stack([replace(frame, jet=jet).q - frame.q for jet in self.surface.deviating(u)])
-        by_slice = self.geometry.error(lambda geometry: replace(frame, geometry=geometry).q)
+        u = as_directions(u)
+        jet, own = self.surface.jet(u), self.tensor(u)
+        by_surface = np.stack(
+            [LocalGeometry.of(self.geometry, other).q - own for other in self.surface.deviating(u)]
+        )
+        by_slice = self.geometry.error(lambda geometry: LocalGeometry.of(geometry, jet).q)
         return by_surface, by_slice[None] / SURE
 
 

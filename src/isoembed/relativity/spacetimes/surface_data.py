@@ -252,10 +252,7 @@ def _composed(
 def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
     """The values (n,) of a function at unit vectors u (n, 3).
 
-    Raises
-    ------
-    InvalidParameter
-        They have another shape; the message calls the function by the name.
+    Raises `InvalidParameter`: they have another shape; the message calls the function by the name.
     """
     values = np.asarray(function(u), dtype=np.float64)
     if values.shape != (len(u),):

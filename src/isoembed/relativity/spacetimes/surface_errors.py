@@ -1,17 +1,17 @@
-"""Errors of a surface's metric, curvature and momentum, as it may lie elsewhere and its slice be another."""
+"""Error propagation from the position of a surface and from its slice to metric, curvature, momentum."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.relativity.spacetimes.surface_frame import SurfaceFrame
+from isoembed.relativity.spacetimes.jet import Jet
+from isoembed.relativity.spacetimes.local_geometry import LocalGeometry, SliceFields
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.smooth.two_metric import area_density
 from isoembed.smooth.uncertain import Uncertainty
 
 SURE = 3.0  # standard deviations, in a stated error
@@ -40,51 +40,53 @@ class SurfaceErrors:
 
     @classmethod
     def of_surface(
-        cls, frame: SurfaceFrame, deviating: Iterable[SurfaceFrame], weights: Floats
+        cls, local: LocalGeometry, deviating: Iterable[Jet], center: Floats, weights: Floats
     ) -> SurfaceErrors:
         """Errors from surfaces that it might be.
 
         Parameters
         ----------
-        frame : SurfaceFrame
+        local : LocalGeometry
             At the nodes of a quadrature over the unit sphere.
-        deviating : iterable of SurfaceFrame
+        deviating : iterable of Jet
             Of surfaces that it might be, drawn at random, in the same directions.
+        center : ndarray, shape (3,)
+            About which torques are.
         weights : ndarray, shape (n,)
             Of the quadrature.
         """
-        unit = _area_unit(frame)
-        base = _quantities(frame, unit)
-        changes = np.array([_quantities(other, unit) - base for other in deviating])
-        return cls._of(frame, SURE * changes, weights, unit)
+        unit, geometry = _area_unit(local), _geometry(local)
+        base = _quantities(local, center, unit)
+        changes = [_quantities(LocalGeometry.of(geometry, jet), center, unit) - base for jet in deviating]
+        return cls._of(local, SURE * np.array(changes), weights, unit)
 
     @classmethod
-    def of_slice(cls, frame: SurfaceFrame, weights: Floats) -> SurfaceErrors:
+    def of_slice(cls, local: LocalGeometry, center: Floats, weights: Floats) -> SurfaceErrors:
         """Errors from what the slice says of its own, with arguments as of `of_surface`.
 
         Noise on a grid averages out as samples of it show; of other errors averages are wrong by a part.
         """
-        unit = _area_unit(frame)
+        unit, own = _area_unit(local), _geometry(local)
 
         def quantities(geometry: ThreeGeometry) -> Floats:
-            return _quantities(replace(frame, geometry=geometry), unit)
+            return _quantities(LocalGeometry.of(geometry, local.jet), center, unit)
 
         errors = cls._of(
-            *(frame, frame.geometry.error(quantities)[None], weights, unit),
+            *(local, own.error(quantities)[None], weights, unit),
             averaged=0.3,  # errors of truncation average out in part
             scattered=0.03,
         )
-        if noisy := getattr(frame.geometry, "deviating", None):
-            base = _quantities(frame, unit)
-            changes = [quantities(other) - base for other in noisy(frame.x)]
+        if noisy := getattr(own, "deviating", None):
+            base = _quantities(local, center, unit)
+            changes = [quantities(other) - base for other in noisy(local.jet.x)]
             if changes:
-                errors += cls._of(frame, SURE * np.array(changes), weights, unit)
+                errors += cls._of(local, SURE * np.array(changes), weights, unit)
         return errors
 
     @classmethod
     def _of(
         cls,
-        frame: SurfaceFrame,
+        local: LocalGeometry,
         changes: Floats,
         weights: Floats,
         unit: float,
@@ -96,7 +98,7 @@ class SurfaceErrors:
         Averages are wrong by a share of those of the changes, and of their sizes at least.
         """
         harmonics = Harmonics(2, 2)  # smoother averages are less wrong
-        smooth = weights[:, None] * harmonics.values(frame.u)
+        smooth = weights[:, None] * harmonics.values(local.jet.u)
         # Each degree has half the weight of the one below.
         smooth *= 0.5 ** harmonics.labels[0] / np.sqrt(4.0 * np.pi)
         points = np.sqrt(np.mean(changes**2, axis=0))
@@ -107,7 +109,7 @@ class SurfaceErrors:
             pointwise = float(np.linalg.norm(points[part], axis=0).max())
             return Uncertainty(pointwise, float(np.linalg.norm(means[part])))
 
-        density = area_density(frame.q) / unit
+        density = local.density / unit
         totals = averaged * np.sqrt(np.mean(np.sum((changes[:, 6:] @ weights) ** 2, axis=1)))
         if scattered:
             totals = max(totals, 4.0 * np.pi * float(np.linalg.norm(means[6:])))
@@ -124,16 +126,21 @@ class SurfaceErrors:
         return SurfaceErrors(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(SurfaceErrors)))
 
 
-def _area_unit(frame: SurfaceFrame) -> float:
+def _geometry(local: LocalGeometry) -> ThreeGeometry:
+    assert isinstance(local.fields, SliceFields)
+    return local.fields.geometry
+
+
+def _area_unit(local: LocalGeometry) -> float:
     """The mean area over that of the unit sphere: squares of densities would under- or overflow."""
-    return float(area_density(frame.q).mean())
+    return float(local.density.mean())
 
 
-def _quantities(frame: SurfaceFrame, unit: float) -> Floats:
+def _quantities(local: LocalGeometry, center: Floats, unit: float) -> Floats:
     """Logarithms of lengths, k, p, K(., n) and the densities of torques of a surface, (9, n)."""
-    density = area_density(frame.q) / unit
+    density = local.density / unit
     lengths = 0.5 * np.log(density)
-    if frame.geometry.time_symmetric:
-        return np.stack([lengths, frame.mean_curvature(), *np.zeros((7, len(lengths)))])
-    torques = density * frame.torque().T
-    return np.stack([lengths, frame.mean_curvature(), frame.momentum(), *frame.normal_momentum().T, *torques])
+    if _geometry(local).time_symmetric:
+        return np.stack([lengths, local.mean_curvature, *np.zeros((7, len(lengths)))])
+    torques = density * local.torque(center).T
+    return np.stack([lengths, local.mean_curvature, local.momentum, *local.normal_momentum().T, *torques])

@@ -86,6 +86,21 @@ class AnalyticGeometry(ABC):
         return np.zeros_like(quantity(self))
 
 
+class DerivedGeometry:
+    """What a slice on a grid, interpolated otherwise, has of the grid itself."""
+
+    grid: ThreeGeometry
+
+    @property
+    def time_symmetric(self) -> bool:
+        """See `ThreeGeometry`."""
+        return self.grid.time_symmetric
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        """See `ThreeGeometry`: that of the grid."""
+        return self.grid.error(quantity)
+
+
 class _Callables:
     """A slice given by functions of x (n, 3)."""
 

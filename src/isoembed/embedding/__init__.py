@@ -1,0 +1,1 @@
+"""What `isoembed.embed` returns: a surface with the metric that it realizes, and how it was found."""

@@ -1,0 +1,269 @@
+"""Two surfaces of the same triangles compared: how far apart they are, and how their curvature differs.
+
+Where both are proven to be near exact surfaces of the same lengths, no vertex a farther than D_a, all of it
+holds for these, with errors that are proven, too.  What depends on a motion of one of them is for the best in
+least squares.  With p and q the vertices of both about their means, after such a motion of the floats, and
+
+    tau = sum of q_a x p_a,    m = the least eigenvalue of sum of (p_a . q_a) 1 - sym(p_a q_a^T),
+
+the rotation that is best for p and q turns by ``atan2(|tau|, m)`` at most: one by phi about a unit vector u
+makes the sum of ``p_a . q_a`` larger by ``sin(phi) u . tau``, and smaller by ``1 - cos(phi)`` times the sum
+of ``p_a . q_a - (u . p_a)(u . q_a)``.  For the exact vertices tau and m differ by what D allows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.sensitivity import Sensitivity
+from isoembed.errors import InvalidParameter
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.proof.deviation_bound import DeviationBound
+from isoembed.proof.rounding import GUARD, gamma
+from isoembed.reprs import short_repr
+from isoembed.surface.alignment import aligned
+from isoembed.surface.changes import Changes
+from isoembed.surface.curvature import (
+    ROUNDING,
+    dihedral_angles,
+    integrated_mean_curvature,
+    turning_errors,
+    vertex_mean_curvature,
+)
+from isoembed.surface.estimate import Estimate
+from isoembed.surface.measures import area, face_normals, volume
+
+
+@short_repr
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """How a second surface differs from a first one of the same triangles.
+
+    Attributes
+    ----------
+    difference : Changes
+        Dihedral angles, H, area, volume and int H dA of the second, less those of the first.  Of vertices and
+        normals the distances and angles between them, after the rigid motion of the second that is best in
+        least squares.
+    error : Changes
+        Proven bounds on how far `difference` is from that of the exact surfaces; infinite if not `certified`.
+    distance, distance_error : float
+        The largest of the distances of vertices, and its proven error, in mean edge lengths.
+    certified : bool
+        Whether both are proven to be near exact surfaces with the same lengths.
+    same : bool or None
+        Whether these are proven to be one (True) or two (False); None if neither is.
+    isolation : float or None
+        If they are two, they are at least so far apart: the larger of their certificates'.
+    fine_roughness : tuple of float
+        `Surface.fine_roughness` of the first and of the second: the smoother one has less.
+    reason : str
+        A sentence: what is proven of the two, or why nothing is.
+    """
+
+    difference: Changes
+    error: Changes
+    distance: float
+    distance_error: float
+    certified: bool
+    same: bool | None
+    isolation: float | None
+    fine_roughness: tuple[float, float]
+    reason: str
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """All of it; of arrays root mean square and largest."""
+        return {
+            "certified": self.certified,
+            "reason": self.reason,
+            "same": self.same,
+            "distance": self.distance,
+            "distance_error": self.distance_error,
+            "isolation": self.isolation,
+            "fine_roughness": list(self.fine_roughness),
+            "difference": self.difference.report,
+            "error": self.error.report,
+        }
+
+
+def compare(first: Embedding, second: Embedding) -> Comparison:
+    """Compare two surfaces in R^3 of the same triangles: how the second differs from the first.
+
+    If both have the same lengths and a certificate (`certify`), it is the exact surfaces that are compared,
+    with proven errors.  That takes three factorizations more for each.  Surfaces are as `Embedding` has them,
+    turned over where the volume is negative: mirror images are one.
+
+    Parameters
+    ----------
+    first, second : Embedding
+        Of the same triangles, such as an embedding and one of its `others`.
+
+    Raises
+    ------
+    InvalidParameter
+        The triangles are others, or space is curved.
+    InvalidMetric
+        The surfaces have a boundary or handles.
+    """
+    first.triangulation.check_sphere()
+    for each in (first, second):
+        if not each.space.is_euclidean:
+            raise InvalidParameter(f"comparisons are those of surfaces in R^3, not in {each.space!r}")
+    if not np.array_equal(first.faces, second.faces):
+        raise InvalidParameter("the surfaces have other triangles, or in another order")
+    t, unit, mean_length = first.triangulation, first.metric.unit, first.metric.normalized.mean_length
+    obstacle = _obstacle(first, second)
+    one, other = (
+        DeviationBound.unproven(t, obstacle) if obstacle else Sensitivity(each).deviation_bound(0.0)
+        for each in (first, second)
+    )
+    x, own = first.vertices / unit, second.vertices / unit
+    y = aligned(own, x)
+    rounding = ROUNDING * float(max(np.abs(x).max(), np.abs(own).max()))  # of y as a rigid image
+    turned, moved = _misaligned(x, y, one.vertices / unit, other.vertices / unit + rounding)
+    rotated = turned + turning_errors(t, x) + turning_errors(t, y)
+    difference = differences(t, x, own)
+    if not obstacle:
+        difference = replace(difference, area=0.0)  # lengths tell it
+    error = Changes(
+        vertices=unit * moved,
+        normals=one.normals + other.normals + rotated,
+        dihedral_angles=one.dihedral_angles + other.dihedral_angles,
+        mean_curvature=one.mean_curvature + other.mean_curvature,
+        area=np.inf if obstacle else 0.0,
+        volume=one.volume + other.volume,
+        integrated_mean_curvature=one.integrated_mean_curvature + other.integrated_mean_curvature,
+    )
+    distance, uncertain = (
+        float(difference.vertices.max()) / mean_length,
+        GUARD * float(moved.max()) / mean_length,
+    )
+    isolation = None if obstacle else max(_isolation(first), _isolation(second))
+    same = None if isolation is None else _same(first, distance, uncertain, isolation)
+    rough = first.surface.fine_roughness, second.surface.fine_roughness
+    difference = difference.scaled(unit)
+    bounds = [
+        float(np.max(np.abs(getattr(difference, name)) + getattr(error, name)))
+        for name in ("dihedral_angles", "integrated_mean_curvature")
+    ]
+    return Comparison(
+        difference=difference,
+        error=error,
+        distance=distance,
+        distance_error=uncertain,
+        certified=not obstacle,
+        same=same,
+        isolation=isolation,
+        fine_roughness=rough,
+        reason=_sentence(obstacle, same, f"{stated(distance, uncertain)} mean edge lengths apart", bounds)
+        + ("" if same else f"; the {('first', 'second')[rough[1] < rough[0]]} is the smoother"),
+    )
+
+
+def stated(value: float, error: float) -> str:
+    """A number and its proven error, to the digits that it leaves; the number alone if there is none."""
+    if not np.isfinite(error):
+        return f"{value:.6g}"
+    # Two digits of the error may be 5 % low, and the number is rounded: what is printed is to be proven, too.
+    printed = Estimate(value, error).rounded
+    return f"{printed} +- {1.06 * (error + abs(float(printed) - value)):.1e}"
+
+
+def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
+    """The `Comparison.difference` of surfaces in R^3 with the vertices x and y, each (V, 3)."""
+    t, moved = triangulation, aligned(y, x)
+    return Changes(
+        vertices=np.linalg.norm(moved - x, axis=1),
+        normals=_angles(face_normals(t.faces, x), face_normals(t.faces, moved)),
+        dihedral_angles=dihedral_angles(t, y) - dihedral_angles(t, x),
+        mean_curvature=vertex_mean_curvature(t, y) - vertex_mean_curvature(t, x),
+        area=area(t.faces, y) - area(t.faces, x),
+        volume=volume(t.faces, y) - volume(t.faces, x),
+        integrated_mean_curvature=integrated_mean_curvature(t, y) - integrated_mean_curvature(t, x),
+    )
+
+
+def _obstacle(first: Embedding, second: Embedding) -> str:
+    """Why nothing is proven of two surfaces; empty if it is."""
+    lengths, others = first.metric.lengths, second.metric.lengths
+    if not np.array_equal(lengths, others):
+        e = int(np.argmax(lengths != others))
+        return (
+            f"edge {e} {first.metric.edges[e].tolist()} has the length {lengths[e]} in the metric of the "
+            f"first and {others[e]} in that of the second"
+        )
+    for name, each in (("first", first), ("second", second)):
+        if not each._certificate.certified:
+            return f"the {name} is {each._certificate.reason}"
+    return ""
+
+
+def _isolation(surface: Embedding) -> float:
+    return surface._certificate.isolation or 0.0
+
+
+def _same(first: Embedding, distance: float, error: float, isolation: float) -> bool | None:
+    """Whether exact surfaces at this distance are one, if that is proven."""
+    if distance > error:
+        return False
+    # Isolation is for weighted least squares, by which a vertex may be farther off, by this factor at most.
+    lengths = first.metric.normalized.lengths
+    squares = np.bincount(first.metric.edges.ravel(), np.repeat(lengths**-2.0, 2))
+    factor = GUARD * float(np.sqrt(squares.sum() / squares.min()))
+    return True if factor * (distance + error) < isolation else None
+
+
+def _sentence(obstacle: str, same: bool | None, apart: str, bounds: list[float]) -> str:
+    if obstacle:
+        return f"{apart}, but not proven to be near exact surfaces with the same lengths, because {obstacle}"
+    if same:
+        return "proven to be the same exact surface"
+    what = "two exact surfaces with these lengths" if same is False else "exact surfaces, one or two"
+    angle, integral = (f"{1.005 * bound:.3g}" for bound in bounds)  # not rounded down
+    return (
+        f"proven to be {what}, {apart}, whose dihedral angles differ by at most {angle} radians, and "
+        f"int H dA by at most {integral}"
+    )
+
+
+def _misaligned(x: Floats, y: Floats, first: Floats, second: Floats) -> tuple[float, Floats]:
+    """How far the motion of y that is best in least squares is from the identity, for exact vertices.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (V, 3)
+    first, second : ndarray, shape (V,)
+        How far the exact vertices are from these, at most.
+
+    Returns
+    -------
+    turned : float
+        The angle of its rotation, at most.
+    moved : ndarray, shape (V,)
+        By how much the distances of exact vertices differ from those of x and y, at most.
+    """
+    rounding = gamma(len(x) + 16)
+    mean = 4 * rounding * float(max(np.abs(x).max(), np.abs(y).max()))  # how far it is off
+    p, q = x - x.mean(axis=0), y - y.mean(axis=0)
+    size_p, size_q = (np.linalg.norm(z, axis=1) + mean for z in (p, q))
+    off_p, off_q = (off + off.mean() + mean for off in (first, second))
+    change = float((size_p * off_q + size_q * off_p + off_p * off_q + rounding * size_p * size_q).sum())
+    torque = float(np.linalg.norm(np.cross(q, p).sum(axis=0))) + 2 * change
+    products = q.T @ p
+    sums = np.trace(products) * np.eye(3) - (products + products.T) / 2
+    least = float(np.linalg.eigvalsh(sums)[0]) - 2 * change
+    turned = GUARD * float(np.arctan2(torque, least)) if least > 0 else np.pi
+    shift = float(np.linalg.norm(x.mean(axis=0) - y.mean(axis=0))) + 2 * mean + first.mean() + second.mean()
+    return turned, GUARD * (first + second + shift + turned * (size_q + off_q))
+
+
+def _angles(normals: Floats, others: Floats) -> Floats:
+    """Angles between vectors, (F,)."""
+    across = np.linalg.norm(np.cross(normals, others), axis=1)
+    return np.arctan2(across, np.einsum("ij,ij->i", normals, others))

@@ -1,0 +1,37 @@
+"""Patches in which two surfaces with the same lengths are mirror images: bumps of one, dents of the other."""
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.mesh.components import connected_parts
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.curvature import deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
+
+
+def mirrored_caps(
+    triangulation: Triangulation, deficits: Floats, first: Floats, second: Floats
+) -> list[Indices]:
+    """Connected vertices with K > 0 at which two surfaces with the same lengths bend to opposite sides.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    deficits : ndarray, shape (V,)
+        Where they are positive, both principal curvatures have the sign of the mean curvature.
+    first, second : ndarray, shape (V,)
+        Mean curvatures of the two surfaces.
+
+    Returns
+    -------
+    list of ndarray of int
+        The vertices of each cap: the middle of a bump or a dent, inside of the ring with K < 0.
+    """
+    opposite = (deficits > 0) & (np.sign(first) * np.sign(second) < 0)
+    caps = connected_parts(triangulation.adjacency, opposite)
+    return [cap for cap in caps if len(cap) >= 3]  # fewer are inverted vertices, not a patch
+
+
+def mirrored_dents(metric: PolyhedralMetric, first: Floats, second: Floats) -> int:
+    """How many dents of one realization of a metric are bumps of another, by their mean curvatures, (V,)."""
+    return len(mirrored_caps(metric.triangulation, deficits(metric.normalized), first, second))

@@ -1,0 +1,111 @@
+"""Old names of what an `Embedding` had, until version 0.5: each warns, and says where it went."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from isoembed.embedding.embedding import Embedding
+
+ON_SURFACE = {
+    **{
+        name: name
+        for name in (
+            "bending_energy",
+            "concave_edges",
+            "fine_roughness",
+            "inverted_vertices",
+            "partially_inverted_vertices",
+            "rough_edges",
+            "roughness",
+            "seams",
+            "self_intersections",
+        )
+    },
+    "face_polygons": "flat_faces.of_triangles",
+    "face_sides": "flat_faces.sides",
+    "polygon_edges": "flat_faces.edges",
+}
+"""Where on `Embedding.surface` they are."""
+
+OF_SENSITIVITY = {
+    "deviation",
+    "deviation_bound",
+    "given_jvp",
+    "given_vjp",
+    "integral_deviation",
+    "jvp",
+    "smallest_singular_value",
+    "variation",
+    "vjp",
+}
+
+
+def moved(embedding: Embedding, name: str) -> Any:
+    """What an old name means, with a `DeprecationWarning`.
+
+    Raises
+    ------
+    AttributeError
+        There never was such a name.
+    """
+    if name in ON_SURFACE:
+        place = f"embedding.surface.{ON_SURFACE[name]}"
+    elif name in OF_SENSITIVITY:
+        place = f"isoembed.Sensitivity(embedding).{name}"
+    elif name in FUNCTIONS:
+        place = FUNCTIONS[name][0]
+    else:
+        raise AttributeError(f"{type(embedding).__name__!r} object has no attribute {name!r}", name=name)
+    warnings.warn(
+        f"embedding.{name} is {place} now; the old name goes with version 0.5",
+        DeprecationWarning,
+        stacklevel=3,
+    )
+    if name in ON_SURFACE:
+        return attrgetter(ON_SURFACE[name])(embedding.surface)
+    if name in OF_SENSITIVITY:
+        from isoembed.embedding.sensitivity import Sensitivity
+
+        return getattr(Sensitivity(embedding), name)
+    return FUNCTIONS[name][1](embedding)
+
+
+def _report(embedding: Embedding) -> Any:
+    from isoembed.embedding.report import report
+
+    return report(embedding)
+
+
+def _certificate(embedding: Embedding) -> Any:
+    return embedding._certificate
+
+
+def _comparison(embedding: Embedding) -> Callable[[Embedding], Any]:
+    from isoembed.embedding.comparison import compare
+
+    return lambda other: compare(embedding, other)
+
+
+def _to_trimesh(embedding: Embedding) -> Callable[[], Any]:
+    from isoembed.io.objects import to_trimesh
+
+    return lambda: to_trimesh(embedding)
+
+
+def _to_pyvista(embedding: Embedding) -> Callable[[], Any]:
+    from isoembed.io.objects import to_pyvista
+
+    return lambda: to_pyvista(embedding)
+
+
+FUNCTIONS: dict[str, tuple[str, Callable[[Embedding], Any]]] = {
+    "report": ("isoembed.report(embedding)", _report),
+    "certificate": ("isoembed.certify(embedding)", _certificate),
+    "comparison": ("isoembed.compare(embedding, other)", _comparison),
+    "to_trimesh": ("isoembed.io.to_trimesh(embedding)", _to_trimesh),
+    "to_pyvista": ("isoembed.io.to_pyvista(embedding)", _to_pyvista),
+}

@@ -1,0 +1,26 @@
+"""A surface with flat faces that are more than triangles."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from isoembed.arrays import Mask
+from isoembed.embedding.embedding import Embedding
+from isoembed.metric.curvature import deficits
+from isoembed.surface.curvature import FLAT_ANGLE
+from isoembed.surface.surface import Surface
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Polyhedron(Embedding):
+    """A convex surface with its true faces; an `Embedding` otherwise.
+
+    The `polygons` are convex, each of one triangle or of several that lie in one plane.
+    """
+
+    def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
+        return super()._made_surface(kind, flat_vertices=self._flat, **more)
+
+    @property
+    def _flat(self) -> Mask:
+        """The vertices that lie inside faces and edges, shape (V,)."""
+        return deficits(self.metric) <= FLAT_ANGLE

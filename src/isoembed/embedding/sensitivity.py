@@ -1,0 +1,295 @@
+"""Sensitivity of a surface to its lengths: derivatives, and what errors of the lengths do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
+from isoembed.errors import InvalidParameter
+from isoembed.linalg import SingularMatrix
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.precision import shared_errors
+from isoembed.proof.deviation_bound import DeviationBound
+from isoembed.proof.length_equations import NotProven
+from isoembed.surface.checked import checked, checked_errors
+from isoembed.surface.derivatives import LengthDerivatives, Variation, volume_gradient
+from isoembed.surface.deviation import Deviation, IntegralDeviation
+from isoembed.surface.rigidity import LengthSystem
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """How the vertices of an embedding follow its lengths, and how far errors of these may take them.
+
+    The first derivative that is asked for factors J J^T, as a step of Newton's method does; the factors are
+    kept for all of them.
+
+    Parameters
+    ----------
+    embedding : Embedding
+        In `SheetEmbedding` and other surfaces that are not closed of genus 0 there are no derivatives.
+    """
+
+    embedding: Embedding
+
+    @property
+    def _metric(self) -> PolyhedralMetric:
+        return self.embedding.metric
+
+    @cached_property
+    def _normalized(self) -> Floats:
+        """The vertices in the unit of the normalized metric."""
+        return self.embedding.vertices / self._metric.unit
+
+    @cached_property
+    def _derivatives(self) -> LengthDerivatives:
+        """J and its factors where the vertices are, kept for all derivatives; raises InvalidMetric."""
+        self._metric.triangulation.check_sphere()  # elsewhere J is not square, rigid motions apart
+        normalized = self._metric.normalized
+        return LengthDerivatives.of(
+            self._metric.triangulation, self._normalized, normalized.lengths, normalized.space
+        )
+
+    def jvp(self, changes: ArrayLike) -> Floats:
+        """How the vertices move, to first order, when the lengths change.
+
+        Parameters
+        ----------
+        changes : array_like, shape (..., E)
+            Of the lengths, in the order of the metric's edges.
+
+        Returns
+        -------
+        ndarray, shape (..., V, 3)
+            ``J^+ dl``, in the same unit, without translation and rotation.  (In hyperbolic and spherical
+            space, of least norm among the motions w z by z.)
+
+        Raises
+        ------
+        InvalidParameter
+            The changes have another shape or are not finite.
+        InvalidMetric
+            The surface has a boundary or handles: its lengths are not as many as its motions.
+        SingularMatrix
+            The surface is not infinitesimally rigid: a vertex is flat, as they are in the faces of a
+            `ConvexPolyhedron`.
+        OutOfMemory
+            The factors need more memory than is free.
+        """
+        return self._derivatives.jvp(checked(changes, self._metric.lengths.shape, "changes"))
+
+    def vjp(self, gradient: ArrayLike) -> Floats:
+        """Derivatives by the lengths of a function of the vertices, from its derivatives by these.
+
+        Parameters
+        ----------
+        gradient : array_like, shape (..., V, 3)
+            Of a function that rigid motions do not change; of others, what motions without translation and
+            rotation change.
+
+        Returns
+        -------
+        ndarray, shape (..., E)
+            ``(J^+)^T g``, the transpose of `jvp`, by the same factors.
+
+        Raises
+        ------
+        InvalidParameter, InvalidMetric, SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        return self._derivatives.vjp(checked(gradient, (len(self.embedding.vertices), 3), "gradient"))
+
+    @cached_property
+    def _by_given(self) -> Any:
+        return self.embedding._given_derivatives()
+
+    def given_jvp(self, changes: ArrayLike) -> Floats:
+        """How the vertices move, to first order, when the lengths that were given change.
+
+        Of a `ConvexPolyhedron`, `jvp` is by the lengths of its own triangles, and this by those of its
+        `edge_paths`; of other embeddings they are the same.  The first call factors what both this and
+        `given_vjp` need.
+
+        Parameters
+        ----------
+        changes : array_like, shape (..., n)
+            Of the given lengths, in the order of `ConvexPolyhedron.edge_paths`: that of
+            `PolyhedralMetric.edges`, or of the lower half-edges of a `GluedMetric`.
+
+        Returns
+        -------
+        ndarray, shape (..., V, 3)
+            In the same unit, without translation and rotation.
+
+        Raises
+        ------
+        InvalidParameter
+            The changes have another shape or are not finite; a flat vertex does not remain flat, or its face
+            breaks, so that there is no derivative or one on one side only; the polyhedron is not in R^3 or
+            is flat, or its triangles have another number of edges.
+        SingularMatrix
+            It is too thin.
+        """
+        if self._by_given is None:
+            return self.jvp(changes)
+        dl = checked(changes, (self._by_given.n_given,), "changes")
+        rows = [self._by_given.jvp(row) for row in dl.reshape(-1, dl.shape[-1])]
+        return np.array(rows).reshape(*dl.shape[:-1], *self.embedding.vertices.shape)
+
+    def given_vjp(self, gradient: ArrayLike) -> Floats:
+        """Derivatives by the given lengths of a function of the vertices, from its derivatives by these.
+
+        Parameters
+        ----------
+        gradient : array_like, shape (..., V, 3)
+            As that of `vjp`.
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+            The transpose of `given_jvp`, along changes that keep flat vertices flat.
+
+        Raises
+        ------
+        InvalidParameter, SingularMatrix
+            As `given_jvp`.
+        """
+        if self._by_given is None:
+            return self.vjp(gradient)
+        g = checked(gradient, self.embedding.vertices.shape, "gradient")
+        rows = [self._by_given.vjp(row) for row in g.reshape(-1, *g.shape[-2:])]
+        return np.array(rows).reshape(*g.shape[:-2], self._by_given.n_given)
+
+    def variation(self, changes: ArrayLike) -> Variation:
+        """First and second derivatives of a surface in R^3 when its lengths are ``l + t dl``.
+
+        Parameters
+        ----------
+        changes : array_like, shape (E,)
+            dl, in the order of the metric's edges.
+
+        Raises
+        ------
+        InvalidParameter
+            As `jvp`, and in space that is curved.
+        InvalidMetric, SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        metric = self._metric
+        if not metric.space.is_euclidean:
+            raise InvalidParameter(
+                f"second derivatives are those of surfaces in R^3, not in {metric.space!r}"
+            )
+        unit, lengths = metric.unit, metric.normalized.lengths
+        dl = checked(changes, lengths.shape, "changes") / unit
+        if dl.ndim > 1:
+            raise InvalidParameter(f"the changes have the shape {dl.shape}, not {lengths.shape}")
+        t, vertices = metric.triangulation, self._normalized
+        return Variation.of(self._derivatives, t, vertices, lengths, dl).scaled(unit)
+
+    def deviation(self, errors: ArrayLike) -> Deviation:
+        """How far a surface in R^3 may be off because its lengths have independent errors, to first order.
+
+        Where few different lengths are rounded to a decimal place, whose standard deviation is the errors',
+        equal ones have the same error.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            Standard deviations of the lengths, in their unit: one for all, or one for each edge.
+
+        Raises
+        ------
+        InvalidParameter
+            As `jvp`, in space that is curved, and if an error is negative.
+        InvalidMetric, SingularMatrix, OutOfMemory
+            As `jvp`.
+        """
+        sigma = self._flat_errors(errors)
+        shared = shared_errors(self._metric.lengths, sigma * self._metric.unit)
+        found = Deviation.of(self._derivatives, self._metric.normalized, self._normalized, sigma, shared)
+        return found.scaled(self._metric.unit)
+
+    def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
+        """Area, volume and int H dA of `deviation` alone, by one solve, and in every space.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            As of `deviation`.
+
+        Raises
+        ------
+        InvalidParameter
+            The errors have another shape, are not finite or negative.
+        InvalidMetric, OutOfMemory
+            As `jvp`.
+        """
+        sigma = checked_errors(self._metric, errors)
+        shared, sigma = shared_errors(self._metric.lengths, sigma), sigma / self._metric.unit
+        metric, x = self._metric.normalized, self._normalized
+        try:
+            volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x, metric.space))
+        except SingularMatrix:
+            volume_rates = np.full(len(sigma), np.inf)
+        return IntegralDeviation.of(metric, x, sigma, shared, volume_rates).scaled(self._metric.unit)
+
+    def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
+        """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.
+
+        Whatever the lengths are, within these errors of the metric's, there is a surface with them that
+        differs from this one by no more.  The theorem is that of a `certificate`.  With errors of 0 it is how
+        far the exact surface may be.
+
+        Parameters
+        ----------
+        errors : float or array_like, shape (E,)
+            The largest of each length, in their unit: one for all, or one for each edge.
+
+        Raises
+        ------
+        InvalidParameter
+            As `deviation`.
+        InvalidMetric, OutOfMemory
+            As `jvp`.
+        """
+        bounds = self._flat_errors(errors)
+        metric, x = self._metric.normalized, self._normalized
+        try:
+            volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x))
+            found = DeviationBound.of(metric, x, bounds, volume_rates)
+        except (SingularMatrix, NotProven) as obstacle:
+            return DeviationBound.unproven(metric.triangulation, str(obstacle))
+        return found.scaled(self._metric.unit)
+
+    @cached_property
+    def smallest_singular_value(self) -> float:
+        """Smallest singular value of the rigidity matrix J, rigid motions apart: 0 if the surface can flex.
+
+        To first order, the vertices need not move by more than its inverse times a change of the lengths,
+        both in the Euclidean norm.  It takes one factorization of J J^T, as a step of Newton's method does.
+
+        Raises
+        ------
+        InvalidMetric
+            As `jvp`.
+        """
+        t, lengths = self._metric.triangulation, self._metric.normalized.lengths
+        t.check_sphere()  # of others J is not square, rigid motions apart
+        system = LengthSystem(t, space=self._metric.normalized.space)
+        try:
+            return float(system.smallest_singular_values(self._normalized, lengths, 1)[0][0])
+        except SingularMatrix:
+            return 0.0
+
+    def _flat_errors(self, errors: ArrayLike) -> Floats:
+        """Errors of the lengths of a surface in R^3 in the normalized unit, (E,), checked."""
+        if not self._metric.space.is_euclidean:
+            raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {self._metric.space!r}")
+        return checked_errors(self._metric, errors) / self._metric.unit

@@ -1,0 +1,130 @@
+"""A proof that exact vertices are near computed ones, for surfaces of any shape.
+
+The theorem is that of `nearby_realization`.  That faces do not cross is verified for all vertices that are as
+near as the exact ones.
+"""
+
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.evidence import Evidence
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.proof.length_equations import NotProven
+from isoembed.proof.nearby_realization import NearbyRealization
+from isoembed.proof.rounding import GUARD
+from isoembed.reprs import short_repr
+from isoembed.surface.intersection import self_intersections
+
+
+@short_repr
+@dataclass(frozen=True)
+class Certificate:
+    """Whether an exact realization is proven to be near, and the numbers of the proof.
+
+    A number that the proof did not get to is None.
+
+    Attributes
+    ----------
+    certified : bool
+    reason : str
+        A sentence: what is proven, or why nothing is.
+    radius : float or None
+        A realization of the lengths has all vertices within this of the given ones, in mean edge lengths.
+    isolation : float or None
+        Any other realization, after the isometry that fits best in weighted least squares, has a vertex that
+        is no nearer to its place in that one, in mean edge lengths.
+    embedded : bool or None
+        Whether the faces of the exact surface are proven to meet in their common corners and edges only.
+    residual : float or None
+        Upper bound on ``| |x_a - x_b| - l_ab |`` over the mean edge length.
+    sigma_min : float or None
+        Lower bound on the singular values of the weighted rigidity matrix, over the mean edge length.
+    kantorovich : float or None
+        The number h of the theorem; at most 1.
+    """
+
+    certified: bool
+    reason: str
+    radius: float | None = None
+    isolation: float | None = None
+    embedded: bool | None = None
+    residual: float | None = None
+    sigma_min: float | None = None
+    kantorovich: float | None = None
+
+    _THEOREMS: ClassVar[str] = (
+        "a theorem of Newton-Kantorovich type for the length equations, with bounds on rounding"
+    )
+
+    @property
+    def evidence(self) -> Evidence | None:
+        """Evidence for what the `reason` says of other realizations; None if nothing is proven."""
+        return Evidence("proved", self._THEOREMS) if self.certified else None
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the fields and the evidence, as they stand in a report."""
+        return {**asdict(self), **(self.evidence.report if self.evidence else {})}
+
+
+NOT_ASKED = Certificate(False, "not certified, because a report asks for no certificate of so many vertices")
+
+NO_SPHERE = Certificate(False, "not certified: certificates are for closed surfaces of genus 0")
+
+
+def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | None = None) -> Certificate:
+    """Prove that a realization of a metric, in its triangles, is near vertices, and none else.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+    vertices : ndarray, shape (V, 3)
+        In the unit of the lengths.  In hyperbolic and spherical space, as on hyperboloid or sphere, and about
+        the origin.
+    length_errors : ndarray, shape (E,), optional
+        Upper bounds on the errors of the lengths, in their unit: the proof then holds for all metrics within
+        them.  By default the lengths are exact.
+
+    Returns
+    -------
+    Certificate
+
+    Raises
+    ------
+    InvalidMetric
+        The surface has a boundary or handles.
+    """
+    metric.triangulation.check_sphere()
+    errors = np.zeros(len(metric.lengths)) if length_errors is None else length_errors / metric.unit
+    found: dict[str, Any] = {}
+    try:
+        crossing = _prove(metric.normalized, vertices / metric.unit, errors, found)
+    except NotProven as obstacle:
+        return Certificate(False, f"not certified, because {obstacle}", **found)
+    faces = f"faces {crossing} cross, or may" if crossing else "its faces do not cross"
+    # Two digits may be 5 % off, and what is printed is to be proven, too.
+    reason = (
+        f"certified: a realization of these lengths is within {1.05 * found['radius']:.1e} mean edge lengths "
+        f"of the vertices, and any other at least {0.95 * found['isolation']:.1e} from it; {faces}"
+    )
+    return Certificate(True, reason, **found)
+
+
+def _prove(
+    metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]
+) -> list[int] | None:
+    """Carry out the proof, in the unit of a normalized metric: note its numbers, return faces that may cross.
+
+    Raises
+    ------
+    NotProven
+    """
+    nearby = NearbyRealization.of(metric, x, length_errors, found)
+    found["kantorovich"], radius = nearby.newton_kantorovich()
+    found["radius"] = GUARD * nearby.distance(radius) / metric.mean_length
+    found["isolation"] = nearby.isolation(radius) / (GUARD * metric.mean_length)
+    pairs = self_intersections(metric.faces, nearby.equations.straight[0], nearby.reach(radius))
+    found["embedded"] = len(pairs) == 0
+    return pairs[0].tolist() if len(pairs) else None

@@ -1,0 +1,160 @@
+"""Residuals of lengths to twice the digits of floats, with bounds on what is still missing.
+
+The residuals of an answer are rounding errors themselves.  So differences and products are split into their
+rounded values and what rounding took from them (`pairs`).
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import factorial
+from typing import NamedTuple
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.proof.double_double import (
+    ADDED,
+    MULTIPLIED,
+    Pair,
+    exact_difference,
+    exact_product,
+    exact_sum,
+    plus,
+    times,
+)
+from isoembed.proof.rounding import GUARD, UNDERFLOW, U
+
+
+class Chords(NamedTuple):
+    """Squared chords of lengths in a space of curvature k, ``2 (1 - cs(l)) / k``.
+
+    Attributes
+    ----------
+    curvature : float
+        k, not zero.
+    squares : pair of ndarray, shape (E,)
+    off : ndarray, shape (E,)
+        How many U^2 they are off.
+    """
+
+    curvature: float
+    squares: Pair
+    off: Floats
+
+
+def enclosed_residuals(
+    edges: Indices,
+    vertices: Floats,
+    corrections: Floats,
+    lengths: Floats,
+    chords: Chords | None = None,
+    divisors: Floats | None = None,
+) -> tuple[Floats, Floats]:
+    """``(|x_a - x_b|^2 - c_ab^2 m_a m_b) / (2 n_ab)`` at x, the exact sums of vertices and corrections.
+
+    In Euclidean space c = l and m = 1; else c is the chord of l, and ``m = 1 + k |x|^2 / 4`` of points in
+    conformal coordinates.
+
+    Parameters
+    ----------
+    edges : ndarray of int, shape (E, 2)
+    vertices, corrections : ndarray, shape (V, 3)
+        The corrections are small.
+    lengths : ndarray, shape (E,)
+        Near 1.
+    chords : Chords, optional
+        Those of the lengths, if space is curved.
+    divisors : ndarray, shape (E,), optional
+        n; by default the lengths.
+
+    Returns
+    -------
+    values, errors : ndarray, shape (E,)
+        The exact residuals are within the errors of the values.
+    """
+    a, b = edges.T
+    n = lengths if divisors is None else divisors
+    d, lost = exact_difference(vertices[a], vertices[b])
+    square, square_lost = exact_product(d, d)
+    if chords is None:
+        (goal, goal_lost), size = exact_product(lengths, lengths), np.zeros_like(lengths)
+    else:
+        (goal, goal_lost), size = _goals(edges, vertices, chords)
+    total, first = exact_sum(square[:, 0], square[:, 1])
+    total, second = exact_sum(total, square[:, 2])
+    total, third = exact_sum(total, -goal)
+    small = first + second + third + (square_lost + 2 * d * lost).sum(axis=1) - goal_lost
+    # Each of the dozen small terms is at most 2 U size, each sum of them is off by U; 1 for |lost|^2.
+    value = total + small
+    error = 2 * U * np.abs(value) + 200 * U * U * (square.sum(axis=1) + np.abs(goal)) + U * U * size
+
+    shift = corrections[a] - corrections[b]
+    moved = (2 * d * shift + shift * shift).sum(axis=1)
+    # 2 lost shift is left out, too.
+    error += 12 * U * (2 * np.abs(d * shift) + shift * shift).sum(axis=1)
+    value += moved
+    if chords is not None:
+        moved, missed = _moved_goals(edges, vertices, corrections, chords)
+        value -= moved
+        error += missed
+    error += 4 * U * np.abs(value) + UNDERFLOW
+    return value / (2 * n), GUARD * error / (2 * n)
+
+
+def squared_chords(lengths: Floats, curvature: float) -> Chords:
+    """The chords of lengths, (E,), of no more than ten radii of curvature.
+
+    By the series ``l^2 sum 2 (-k l^2)^n / (2 n + 2)!``, of which less than U^3 is left out.
+    """
+    square = exact_product(lengths, lengths)
+    terms = _terms(abs(curvature) * float(square[0].max(initial=0.0)))
+    t = times((np.full_like(lengths, -curvature), np.zeros_like(lengths)), square)
+    total: Pair = (np.zeros_like(lengths), np.zeros_like(lengths))
+    size = np.zeros_like(lengths)
+    for n in range(terms, -1, -1):
+        exact = Fraction(2, factorial(2 * n + 2))
+        high = float(exact)
+        low = float(exact - Fraction(high))
+        total = plus(times(total, t), (np.full_like(lengths, high), np.full_like(lengths, low)))
+        size = size * np.abs(t[0]) + high
+    # A step is off by as much as the sizes; so is, n times, the n-th power of t.
+    off = (terms + 1) * (ADDED + 3 * MULTIPLIED) + MULTIPLIED
+    return Chords(curvature, times(square, total), off * square[0] * size * GUARD)
+
+
+def _terms(size: float) -> int:
+    """Where the series of chords may end, if its terms grow with the powers of this size."""
+    n = 1
+    while size ** (n + 1) / factorial(2 * n + 4) > U**3 / 4 or 2 * size > (2 * n + 5) * (2 * n + 6):
+        n += 1
+    return n
+
+
+def _goals(edges: Indices, vertices: Floats, chords: Chords) -> tuple[Pair, Floats]:
+    """``c^2 m_a m_b`` as pairs, and how many U^2 they are off."""
+    x, y, z = (exact_product(column, column) for column in vertices.T)
+    quarter = (np.full(len(vertices), chords.curvature / 4), np.zeros(len(vertices)))
+    ones = (np.ones(len(vertices)), np.zeros(len(vertices)))
+    m = plus(ones, times(quarter, plus(plus(x, y), z)))
+    sizes = 1 + abs(chords.curvature) / 4 * (x[0] + y[0] + z[0])
+    a, b = edges.T
+    goals = times(chords.squares, times((m[0][a], m[1][a]), (m[0][b], m[1][b])))
+    both = sizes[a] * sizes[b]
+    # m is off by four sums and a product, twice; their products and that with c^2 are, once each.
+    return goals, GUARD * both * (chords.off + chords.squares[0] * (8 * ADDED + 4 * MULTIPLIED))
+
+
+def _moved_goals(
+    edges: Indices, vertices: Floats, corrections: Floats, chords: Chords
+) -> tuple[Floats, Floats]:
+    """How much the corrections change ``c^2 m_a m_b``, and the error of that."""
+    quarter, squared, (a, b) = chords.curvature / 4, chords.squares[0], edges.T
+    products = 2 * vertices * corrections + corrections * corrections
+    change = quarter * products.sum(axis=1)
+    most = abs(quarter) * (2 * np.abs(vertices * corrections) + corrections * corrections).sum(axis=1)
+    squares = abs(quarter) * (vertices * vertices).sum(axis=1)
+    m = 1 + np.copysign(squares, quarter)
+    moved = squared * (m[a] * change[b] + m[b] * change[a] + change[a] * change[b])
+    sizes = (1 + squares[a]) * most[b] + (1 + squares[b]) * most[a] + most[a] * most[b]
+    return moved, 40 * U * squared * sizes

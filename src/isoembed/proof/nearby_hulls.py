@@ -1,0 +1,244 @@
+"""Proof of convexity for all points near given ones: the same faces of the convex hull.
+
+Faces across edges that may be flat are put together into *cells*. *Near* means: within a distance R, the
+reach, of the given point of the same number. Of every cell, with a unit normal n, it is verified that
+
+- it is a disc of triangles without inner vertices, its vertices are within w of a plane across n, and seen
+  along n its outline is a convex polygon: its ears (a corner and its two neighbors) and the triangles that
+  fan it out from one corner turn left;
+- its *width* h, the least altitude of an ear minus 2 (w + R), is positive.
+
+Seen along n, the near points of the cell then are corners of a convex polygon, too: moving there, no ear
+degenerates. A corner's distance to a chord of others is at least that to the line of its neighbors, so
+every triangle of three of them has altitudes of at least h, and its plane is tilted against n by an angle
+of tangent at most ``t = 2 (w + R) / h``, the *slope*. The *roof* of the cell is the upper side, along n, of
+the convex hull of these points: a concave graph over the polygon. Let S be the union of the roofs. It is
+verified that
+
+- between cells, S is convex across all edges: ``(n x n') . d > t + t' + 4 R / |edge|``, d along the edge;
+- all triangles of S face away from a point o: ``n . (x - o) > R + t (|x - o| + R)`` at their corners x;
+- a ray from o meets exactly one of the given triangles.
+
+The last two make S a sphere around o that every ray from o meets once: seen from o, it covers each
+direction a positive number of times, and these numbers add up to the degree of the map, which does not
+change while the points move, or a roof to the triangles of its cell. A plane through o and no vertex then
+cuts S in a simple closed polygon with angles of at most pi, as S is convex across its edges: in a convex
+polygon. Any two points inside of S are limits of points in such planes, so S bounds a convex body.
+
+If in every ear ``altitude > 4 t^2 longest side``, the corner angles of the roofs, within a factor (1 +
+t^2)^(1/2) of those of the polygons, are less than pi. A roof, unfolded into the plane, then is a convex
+polygon, and its diagonals have lengths L with ``|y_a - y_b| <= L <= (1 + t^2)^(1/2) |y_a - y_b|``: they are
+straight when unfolded, so no longer than the path on the roof over the straight line from a to b.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats, Mask
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.proof.length_equations import NotProven
+from isoembed.proof.polygonal_cells import Cells
+from isoembed.proof.rounding import GUARD, UNDERFLOW, U
+from isoembed.surface.measures import face_normals
+
+# Rounding of a triple product of differences, relative to the product of their norms: a term takes some
+# twenty roundings, and the sizes of all six add up to at most twice that product.
+TRIPLE = 64 * U
+
+# A diagonal that is concave by no more, in radians, may cross a polygon that rounding bent the other way: the
+# polygon is then tried as a cell.  This bounds the search only; the proof covers any dent.
+DENTED = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class NearbyHulls:
+    """What all hulls of near points have in common.
+
+    Attributes
+    ----------
+    dihedrals : ndarray, shape (E,)
+        Lower bounds on the sines of the exterior dihedral angles of the edges between cells; infinite at the
+        others.
+    flat : ndarray of bool, shape (E,)
+        Edges within cells: the hull may have others in their place.
+    slopes : ndarray, shape (E,)
+        Upper bound on the tangent of the tilt of the faces left of each edge against their cell's normal.
+    """
+
+    dihedrals: Floats
+    flat: Mask
+    slopes: Floats
+
+
+def prove_nearby_hulls(triangulation: Triangulation, vertices: Floats, reach: float) -> NearbyHulls:
+    """Show that all points within reach of the vertices span convex polyhedra with these cells as faces.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+        Oriented so that its normals point outward.
+    vertices : ndarray, shape (V, 3)
+        In a unit near the edge lengths, no two ends of an edge the same.
+    reach : float
+        The distance R.
+
+    Raises
+    ------
+    NotProven
+        They do not, or not with enough room for the rounding of the proof.
+    """
+    t = triangulation
+    flat = np.zeros(t.n_edges, dtype=np.bool_)
+    while True:
+        cells = Cells.across(t, flat)
+        _check_discs(t, cells)
+        roofs = _Roofs.over(t, cells, vertices, reach)
+        _check_edges(t, roofs)
+        _check_polygons(t, cells, roofs, vertices)
+        more = ~flat & (roofs.sines <= roofs.errors)
+        if not more.any():
+            break
+        flat |= more
+        _check_vertices(t, flat)
+    center = vertices.mean(axis=0)
+    _check_center(t, cells, roofs, vertices, reach, center)
+    _check_ray(t, vertices - center)
+    dihedrals = np.where(flat, np.inf, (roofs.sines - roofs.errors) / GUARD)
+    return NearbyHulls(dihedrals, flat, roofs.slopes[cells.labels[t.edge_faces[:, 0]]])
+
+
+@dataclass(frozen=True, eq=False)
+class _Roofs:
+    """What is measured of the roofs over near points.
+
+    Normals (C, 3) and slopes (C,) of the cells; least altitude and longest side of the ears (H,); sines of
+    the dihedral angles between cells at the given points (E,), and how far off they may be elsewhere (E,).
+    """
+
+    normals: Floats
+    slopes: Floats
+    widths: Floats
+    longest: Floats
+    sines: Floats
+    errors: Floats
+
+    @classmethod
+    def over(cls, t: Triangulation, cells: Cells, vertices: Floats, reach: float) -> _Roofs:
+        sums = np.column_stack([np.bincount(cells.labels, n) for n in face_normals(t.faces, vertices).T])
+        norms = np.linalg.norm(sums, axis=1, keepdims=True)
+        normals = sums / np.where(norms > 0, norms, 1.0)
+
+        base = vertices[t.faces[cells.first, 0]]
+        d = vertices[t.faces] - base[cells.labels][:, None]
+        heights = np.abs(np.einsum("fci,fi->fc", d, normals[cells.labels]))
+        heights += TRIPLE * np.linalg.norm(d, axis=2)
+        off = np.full(len(base), reach)  # w + R
+        np.maximum.at(off, cells.labels, GUARD * (heights.max(axis=1) + reach))
+
+        before, after = vertices[cells.end] - vertices[cells.start], vertices[cells.far] - vertices[cells.end]
+        across = vertices[cells.far] - vertices[cells.start]
+        sides = np.stack([np.linalg.norm(side, axis=1) for side in (before, after, across)])
+        longest = GUARD * sides.max(axis=0)
+        doubled = np.linalg.norm(np.cross(before, after), axis=1) - TRIPLE * sides[0] * sides[1]
+        widths = doubled / (GUARD * longest) - 2 * GUARD * off[cells.cell]
+        narrowest = np.full(len(base), np.inf)
+        np.minimum.at(narrowest, cells.cell, widths)
+        slopes = np.full(len(base), np.inf)
+        np.divide(2 * GUARD**2 * off, narrowest, out=slopes, where=narrowest > 0)
+
+        left, right = cells.labels[t.edge_faces].T
+        a, b = t.edges.T
+        along = vertices[b] - vertices[a]
+        length = np.linalg.norm(along, axis=1)
+        sines = np.einsum("ei,ei->e", np.cross(normals[left], normals[right]), along) / length
+        errors = GUARD * (slopes[left] + slopes[right] + 4 * reach / length + TRIPLE)
+        return cls(normals, slopes, widths, longest, sines, errors)
+
+
+def _check_edges(t: Triangulation, roofs: _Roofs) -> None:
+    concave = roofs.sines < -roofs.errors - DENTED
+    if concave.any():
+        e = int(np.argmax(concave))
+        raise NotProven(
+            f"edge {e} {t.edges[e].tolist()} is concave: its exterior angle has the sine "
+            f"{roofs.sines[e]:.1e} +- {roofs.errors[e]:.1e}"
+        )
+
+
+def _check_vertices(t: Triangulation, flat: Mask) -> None:
+    inner = np.bincount(t.edges[flat].ravel(), minlength=t.n_vertices) == t.degrees
+    if inner.any():
+        raise NotProven(f"vertex {int(np.argmax(inner))} may be flat: so may all its edges")
+
+
+def _check_discs(t: Triangulation, cells: Cells) -> None:
+    if not cells.polygonal.all():
+        f = cells.first[np.argmin(cells.polygonal)]
+        raise NotProven(
+            f"the faces that may be in one plane with face {f} {t.faces[f].tolist()} are no polygon together"
+        )
+
+
+def _check_polygons(t: Triangulation, cells: Cells, roofs: _Roofs, vertices: Floats) -> None:
+    """Polygons of several faces are convex, and wide enough for their roofs to have angles below pi."""
+    slope = roofs.slopes[cells.cell]
+    several = cells.sizes[cells.cell] > 1
+    narrow = several & ~(roofs.widths > 4 * GUARD * slope * slope * roofs.longest)
+    if narrow.any():
+        k = int(np.argmax(narrow))
+        raise NotProven(
+            f"vertex {cells.end[k]} may be on a line with {cells.start[k]} and {cells.far[k]}, "
+            f"its neighbors in the polygon of face {cells.first[cells.cell[k]]}"
+        )
+    _, leading, of_halfedge = np.unique(cells.cell, return_index=True, return_inverse=True)
+    p, q = cells.start[leading][of_halfedge], cells.end[leading][of_halfedge]  # a side of the same cell
+    a, b, c = cells.start, cells.end, cells.far
+    normals = roofs.normals[cells.cell]
+    for corners, tested in (
+        ((a, b, c), several),
+        ((p, a, b), several & (a != p) & (b != p)),
+        ((p, q, a), several & (a != p) & (a != q)),
+    ):
+        x, y, z = (vertices[corner[tested]] for corner in corners)
+        value, error = _triple(y - x, z - x, normals[tested])
+        wrong = ~(value > error)
+        if wrong.any():
+            f = cells.first[cells.cell[tested][np.argmax(wrong)]]
+            raise NotProven(f"the polygon of face {f} {t.faces[f].tolist()} may not be convex")
+
+
+def _check_center(
+    t: Triangulation, cells: Cells, roofs: _Roofs, vertices: Floats, reach: float, center: Floats
+) -> None:
+    d = vertices[t.faces] - center
+    distance = GUARD * np.linalg.norm(d, axis=2)
+    heights = np.einsum("fci,fi->fc", d, roofs.normals[cells.labels]) - TRIPLE * distance
+    seen = heights > GUARD * (reach + roofs.slopes[cells.labels][:, None] * (distance + reach))
+    if not seen.all():
+        f = int(np.argmin(seen.all(axis=1)))
+        raise NotProven(f"face {f} {t.faces[f].tolist()} may not be visible from the mean of the vertices")
+
+
+def _check_ray(t: Triangulation, vertices: Floats) -> None:
+    """The ray from the origin through the middle of the largest face meets no other."""
+    largest = int(np.argmax(np.linalg.norm(face_normals(t.faces, vertices), axis=1)))
+    ray = vertices[t.faces[largest]].mean(axis=0)
+    outside = np.zeros(t.n_faces, dtype=np.bool_)
+    for c in range(3):
+        a, b = vertices[t.faces[:, c]], vertices[t.faces[:, (c + 1) % 3]]
+        value, error = _triple(a, b, np.broadcast_to(ray, a.shape))
+        outside |= value < -error
+    outside[largest] = True
+    if not outside.all():
+        f = int(np.argmin(outside))
+        raise NotProven(f"face {f} {t.faces[f].tolist()} may lie before or behind face {largest}")
+
+
+def _triple(a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
+    """``(a x b) . c`` row by row, of differences of floats, and a bound on its rounding error."""
+    value = np.einsum("ij,ij->i", np.cross(a, b), c)
+    sizes = np.prod([np.linalg.norm(vectors, axis=1) for vectors in (a, b, c)], axis=0)
+    return value, TRIPLE * sizes + UNDERFLOW

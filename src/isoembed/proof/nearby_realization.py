@@ -1,0 +1,239 @@
+"""A proof that an exact realization is near given vertices, and that no other one is.
+
+Let l be the lengths, floats taken as exact numbers, and for points y
+
+    F_ab(y) = (|y_a - y_b|^2 - l_ab^2) / (2 l_ab),
+
+or the equations of `length_equations` in hyperbolic and spherical space.  With c_ab as there, 1 / l_ab in
+Euclidean space, the vertices have the weights s_a, ``s_a^2 = sum of c_ab^2``, and motions d the norms
+
+    |d|_s = (sum of s_a^2 |d_a|^2)^(1/2),    |d|_max = max_a |d_a|.
+
+Theorem.  Let z be points; J = F'(z) S^-1, S being the diagonal matrix of the weights; sigma > 0 a lower bound
+on its E = 3 V - 6 singular values; rho an upper bound on |F(z)|; K = 2 / min_a s_a; and
+
+    h = 2 K rho / sigma^2 <= 1,    r = 2 rho / (sigma (1 + (1 - h)^(1/2))).
+
+If all y with |y - z|_s <= r are near z, one of them is a realization, F(y) = 0.  Of any other, after the
+isometry that brings it nearest to y in the norm |.|_s, some vertex is no nearer to its place in y than
+
+    R = (sigma - 2^(3/2) r / min_a s_a) / 2^(1/2).
+
+Proof.  F(z + d) = F(z) + F'(z) d + Q(d), and ``|Q_ab(d)| <= c_ab (|d_a|^2 + |d_b|^2)``.  So
+
+    |Q(d)|^2 <= max_ab (|d_a|^2 + |d_b|^2) sum of c_ab^2 (|d_a|^2 + |d_b|^2),
+
+the sum being |d|_s^2, and the maximum at most |d|_s^2 / min s^2, and 2 |d|_max^2.  By the first |Q(d)| <= K
+|d|_s^2 / 2.  J has full row rank; its pseudoinverse has norm 1 / sigma at most.  The map ``d -> -S^-1 J^+
+(F(z) + Q(d))`` is continuous, and takes the ball |d|_s <= r into itself: (rho + K r^2 / 2) / sigma = r.  By
+Brouwer it has a fixed point, and there F(z + d) = 0.
+
+Second derivatives are bounded as Q is, so a move by d changes J by no more than 2^(3/2) |d|_max, and the
+singular values at y are no less than sigma' = 2^(1/2) R.  Let F(y + d) = 0, too.  In Euclidean space, where
+no motion brings y + d nearer to y, ``S^2 d`` is orthogonal to the infinitesimal motions of y + d, and to
+those of y as well, because d is orthogonal to ``q x d``.  Hence
+
+    sigma' |d|_s <= |F'(y) d| = |Q(d)| <= 2^(1/2) |d|_max |d|_s,
+
+and |d|_max >= R unless d = 0.  In curved space let J be that of y + d: ``S^2 d`` is orthogonal to the
+infinitesimal isometries there.  Its singular values are no less than sigma' - 2^(3/2) |d|_max, and |d|_max
+is no less than sigma' / (3 2^(1/2)), or than what is called near.
+
+Without weights the vertices of the finest part would pay for the softness of the coarsest.  Of the
+Euclidean norm of all vertices together, R would be smaller by the root of V.
+
+Here z is x plus one step of Newton's method, as a sum that is never rounded, with F(z) evaluated to twice
+the digits of floats.  So |F(z)| is some 1e-27, and the distance is the length of that step.  sigma comes from
+`prove_row_rank`, a proof that J J^T - s is positive definite.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from isoembed.arrays import Floats
+from isoembed.linalg import SingularMatrix, dissect
+from isoembed.metric.curvature import deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.proof.definite import PositiveDefinite
+from isoembed.proof.length_equations import LengthEquations, NotProven
+from isoembed.proof.rounding import GUARD, U, gamma
+from isoembed.proof.row_rank import prove_row_rank
+from isoembed.surface.projected import Projected
+
+MAX_VERTICES = 100_000  # for more, the factors of J J^T do not fit
+LARGEST_H = 0.5  # the theorem allows 1
+FARTHEST = 1e-8  # mean edge lengths that vertices may be off
+
+
+@dataclass(frozen=True, eq=False)
+class NearbyRealization:
+    """Points z near given vertices, one step of Newton's method away, and what the theorem needs there.
+
+    Attributes
+    ----------
+    equations : LengthEquations
+        About the given vertices.
+    missed : ndarray, shape (E,)
+        Upper bounds on how far the lengths at the given vertices are from any within their errors.
+    steps : ndarray, shape (V,)
+        How far each point is moved.
+    residuals : ndarray, shape (E,)
+        Upper bounds on |F| at z, whatever the lengths are within their errors; their sums rounded.
+    sigma : float
+        Lower bound on the singular values of J at z.
+    mean_length : float
+        Of the edges.
+    """
+
+    equations: LengthEquations
+    missed: Floats
+    steps: Floats
+    residuals: Floats
+    sigma: float
+    mean_length: float
+
+    @classmethod
+    def of(
+        cls, metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]
+    ) -> NearbyRealization:
+        """That of vertices, (V, 3), of a normalized metric; the numbers on the way are noted.
+
+        Raises
+        ------
+        NotProven
+            The vertices are far from any, or J may be singular.
+        """
+        if len(x) > MAX_VERTICES:
+            raise NotProven(f"there are more than {MAX_VERTICES:,} vertices")
+        _check_near(metric, x, length_errors)
+        equations = LengthEquations.of(metric, x)
+        values, errors = equations.residuals(np.zeros_like(x))
+        missed = equations.missed(np.abs(values) + errors) + length_errors
+        found["residual"] = float(GUARD * missed.max() / metric.mean_length)
+
+        J = equations.matrix()
+        factor, sigma = _factored(metric, x, J)
+        sigma -= equations.matrix_error
+        found["sigma_min"] = sigma / (GUARD * metric.mean_length)
+        y = -(J.T @ factor.solve(values)).reshape(-1, 3) / equations.weights[:, None]
+        steps = np.linalg.norm(y, axis=1)
+        values, errors = equations.residuals(y)
+        residuals = np.abs(values) + errors + equations.changes_by(length_errors)
+        sigma -= GUARD * 8**0.5 * float(steps.max())
+        return cls(equations, missed, steps, residuals, sigma, metric.mean_length)
+
+    @cached_property
+    def step(self) -> float:
+        """The largest of `steps`, rounded up."""
+        return GUARD * float(self.steps.max())
+
+    def newton_kantorovich(self, more: float = 0.0) -> tuple[float, float]:
+        """The number h, and by how much a vertex is moved at most, ``r / min s``, rounded up.
+
+        Parameters
+        ----------
+        more : float
+            What rho is to be increased by.
+
+        Raises
+        ------
+        NotProven
+            h is too large.
+        """
+        rho, sigma, least = (
+            norm(self.residuals) + more,
+            self.sigma,
+            float(self.equations.weights.min()) / GUARD,
+        )
+        h = GUARD * 4 * rho / (least * sigma**2) if sigma > 0 else np.inf
+        if not h <= LARGEST_H:
+            raise NotProven(
+                f"the residuals are too large: h = 2 K rho / sigma^2 is {h:.1e}, more than {LARGEST_H}"
+            )
+        return h, GUARD * 2 * rho / (sigma * (1 + float(np.sqrt(1 - h)))) / least
+
+    def reach(self, radius: float) -> float:
+        """How far vertices in projective coordinates are from their exact places, at most."""
+        straight, off, stretch = self.equations.straight
+        return stretch * (self.step + radius) + off + 4 * U * float(np.abs(straight).max())
+
+    def distance(self, radius: float, near: float = np.inf) -> float:
+        """How far, in the space, a vertex may be from its exact place.
+
+        Parameters
+        ----------
+        radius : float
+            How far the exact places are from z.
+        near : float
+            How far, in the coordinates of the equations, they were assumed to be at most.
+
+        Raises
+        ------
+        NotProven
+            They are not so near, or the vertices are too far off.
+        """
+        distance, near = self.equations.distance(self.steps, radius), min(near, self.equations.room)
+        largest = FARTHEST * self.mean_length
+        if not (GUARD * (self.step + radius) <= near and distance <= largest):
+            raise NotProven(
+                f"the exact vertices may be {distance / self.mean_length:.1e} mean edge lengths away, "
+                f"more than {min(near, largest) / self.mean_length:.1e}"
+            )
+        return distance
+
+    def isolation(self, radius: float) -> float:
+        """R, rounded down: no other realization is nearer to the exact one than this, in the space."""
+        least = (self.sigma - GUARD * 8**0.5 * radius) / (2**0.5 * GUARD)
+        if self.equations.space.is_euclidean:
+            return max(0.0, least)
+        return max(0.0, self.equations.least_distance(min(least / 3, self.equations.room)))
+
+
+def norm(bounds: Floats) -> float:
+    """Upper bound on the Euclidean norm."""
+    return GUARD * float(np.linalg.norm(bounds))
+
+
+def _check_near(metric: PolyhedralMetric, x: Floats, length_errors: Floats) -> None:
+    """Vertices that are near enough to exact ones have almost their lengths."""
+    a, b = metric.edges.T
+    missed = np.abs(metric.space.distances(x[a], x[b]) - metric.lengths)
+    wrong = ~(missed <= 2 * FARTHEST * metric.mean_length + length_errors)
+    if wrong.any():
+        e = int(np.argmax(wrong))
+        raise NotProven(
+            f"edge {e} {metric.edges[e].tolist()} misses its length by {missed[e] / metric.mean_length:.1e} "
+            "of the mean edge length"
+        )
+
+
+def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[PositiveDefinite, float]:
+    """Factor J J^T, and bound the singular values of the exact J from below."""
+    t = metric.triangulation
+    try:
+        factor, sigma = prove_row_rank(J, dissect(t.adjacency).edge_order(t.edges))
+    except SingularMatrix as error:
+        epsilon = deficits(metric)
+        v = int(np.argmin(np.abs(epsilon)))
+        if abs(epsilon[v]) > 1e-9:  # no vertex is in the plane of its neighbors, which alone would explain it
+            from isoembed.proof.flexibility import described_flex  # only what is not rigid needs it
+
+            flex = described_flex(t, Projected.of(metric.space, x), metric.lengths)
+            if flex is not None:
+                raise NotProven(flex) from error
+        raise NotProven(
+            f"the lengths may not fix the vertices ({error}): vertex {v} is the flattest, "
+            f"with a deficit of {epsilon[v]:.1e}"
+        ) from error
+    except MemoryError as error:
+        raise NotProven("there is not enough memory for the factors of J J^T") from error
+    # The entries of J took three roundings each.
+    sizes = abs(J)
+    rounding = GUARD * gamma(4) * float(np.sqrt((sizes @ (sizes.T @ np.ones(len(t.edges)))).max()))
+    return factor, sigma - rounding

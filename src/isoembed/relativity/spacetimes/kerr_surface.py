@@ -1,0 +1,89 @@
+"""Surfaces of Kerr-Newman and Kerr-(anti-)de Sitter spacetimes by name, in one of three slices."""
+
+from typing import Literal
+
+from isoembed.errors import InvalidParameter
+from isoembed.relativity.spacetimes.kerr import KerrNewmanErgosphere, KerrNewmanHorizon, KerrNewmanSphere
+from isoembed.relativity.spacetimes.kerr_de_sitter import KerrDeSitterSphere
+from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.schwarzschild import PainleveGullstrand
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface_data import SurfaceData
+
+Slice = Literal["boyer-lindquist", "kerr-schild", "painleve-gullstrand"]
+
+SURFACES = "horizon, r=R and ergosphere=EPSILON"
+
+
+def kerr_surface(
+    surface: str,
+    *,
+    mass: float = 1.0,
+    spin: float = 0.0,
+    charge: float = 0.0,
+    cosmological_constant: float = 0.0,
+    slice: Slice = "boyer-lindquist",
+) -> SurfaceData:
+    """Surface of a Kerr-Newman black hole in a slice of its spacetime.
+
+    Parameters
+    ----------
+    surface : str
+        ``"horizon"``; ``"r=3"``, of constant Boyer-Lindquist radius; or ``"ergosphere=0.5"``, the paper's
+        r = r_ergo + epsilon M.
+    mass, spin, charge : float
+        Lengths; the spin is a = J/M.
+    cosmological_constant : float
+        In 1/length^2: that of Kerr-de Sitter or, negative, Kerr-anti-de Sitter.  Only r=R and the horizon, in
+        the slice boyer-lindquist and without charge, have one.
+    slice : {"boyer-lindquist", "kerr-schild", "painleve-gullstrand"}
+        What k and p are of.  Charge and ergosphere have the first only, and the last is without spin.
+
+    Raises
+    ------
+    InvalidParameter
+        There is no such surface.
+
+    Examples
+    --------
+    >>> kerr_surface("r=6", slice="painleve-gullstrand").name
+    'r=6 of mass 1 and spin 0 in the slice painleve-gullstrand'
+    """
+    kind, _, text = surface.partition("=")
+    if kind not in ("horizon", "r", "ergosphere") or (kind == "horizon") != (surface == "horizon"):
+        raise InvalidParameter(f"surface {surface}: there are {SURFACES}")
+    try:
+        number = 0.0 if kind == "horizon" else float(text)
+    except ValueError:
+        raise InvalidParameter(f"surface {surface}: {text!r} is not a number") from None
+    if cosmological_constant:
+        if charge or kind == "ergosphere" or slice != "boyer-lindquist":
+            what = "charge" if charge else f"surface {kind}" if kind == "ergosphere" else f"slice {slice}"
+            raise InvalidParameter(f"{what} does not go with a cosmological constant")
+        if kind == "horizon":
+            return KerrDeSitterSphere.horizon(mass, spin, cosmological_constant).data()
+        return KerrDeSitterSphere(number, mass, spin, cosmological_constant).data()
+    if slice == "boyer-lindquist":
+        if kind == "horizon":
+            return KerrNewmanHorizon(mass, spin, charge).data()
+        if kind == "r":
+            return KerrNewmanSphere(number, mass, spin, charge).data()
+        return KerrNewmanErgosphere(number, mass, spin, charge).data()
+    if charge:
+        raise InvalidParameter("charge needs the slice boyer-lindquist")
+    if kind == "ergosphere":
+        raise InvalidParameter("surface ergosphere needs the slice boyer-lindquist")
+    geometry: KerrSchild | PainleveGullstrand
+    if slice == "kerr-schild":
+        geometry = KerrSchild(mass, (0.0, 0.0, spin))
+        horizon = geometry.horizon  # refuses a spin beyond the mass
+        shape = StarSurface.from_radius(geometry.spheroid(horizon if kind == "horizon" else number))
+    elif slice == "painleve-gullstrand":
+        if spin:
+            raise InvalidParameter(f"the slice {slice} is that of a hole without spin, not {spin:g}")
+        geometry = PainleveGullstrand(mass)
+        shape = StarSurface.sphere((0.0, 0.0, 0.0), 2.0 * mass if kind == "horizon" else number)
+    else:
+        raise InvalidParameter(f"slice {slice}: there are boyer-lindquist, kerr-schild, painleve-gullstrand")
+    name = f"{surface} of mass {mass:.9g} and spin {spin:.9g} in the slice {slice}"
+    return shape.data(geometry, marginal=kind == "horizon", name=name)

@@ -1,0 +1,149 @@
+"""Slices that are others translated, rotated, or with scaled extrinsic curvature."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.relativity.spacetimes.checks import vector
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+
+
+class _Transformed(ABC):
+    """A slice made of another one, ``geometry``; the messages of that name its own points."""
+
+    geometry: ThreeGeometry
+
+    @property
+    def time_symmetric(self) -> bool:
+        """See `ThreeGeometry`."""
+        return self.geometry.time_symmetric
+
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each, where the slice says that."""
+        holes = getattr(self.geometry, "black_holes", ())
+        return tuple((mass, self._here(np.array(at)).tolist()) for mass, at in holes)
+
+    def metric(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self.geometry.metric(self._there(x))
+
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self.geometry.gradient(self._there(x))
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self.geometry.extrinsic_curvature(self._there(x))
+
+    def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
+        """See `ThreeGeometry`."""
+        return self.geometry.error(lambda slice_: quantity(self._of(slice_)))
+
+    def _of(self, geometry: ThreeGeometry) -> Self:
+        """The same made of another slice."""
+        return replace(self, geometry=geometry)  # type: ignore[type-var] # subclasses are dataclasses
+
+    @abstractmethod
+    def _there(self, x: Floats) -> Floats:
+        """Points (n, 3) in the coordinates of the other slice."""
+
+    @abstractmethod
+    def _here(self, x: Floats) -> Floats:
+        """A point (3,) of the other slice in the coordinates of this one."""
+
+
+@dataclass(frozen=True)
+class Translated(_Transformed):
+    """A slice that is moved: what was at the origin is at a center.
+
+    Attributes
+    ----------
+    geometry : ThreeGeometry
+        Such as `KerrSchild`, whose hole is at the origin.  Its messages name points from there.
+    center : three floats
+    """
+
+    geometry: ThreeGeometry
+    center: Sequence[float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "center", vector("the center", self.center))
+
+    def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
+        """Slices that this one might be near the points x (n, 3), but for noise; none without any."""
+        own = getattr(self.geometry, "deviating", None)
+        yield from map(self._of, own(self._there(x)) if own else ())
+
+    def _there(self, x: Floats) -> Floats:
+        return x - np.array(self.center)
+
+    def _here(self, x: Floats) -> Floats:
+        return np.add(x, self.center)
+
+
+@dataclass(frozen=True, eq=False)
+class RotatedFrame(_Transformed):
+    """A slice in rotated and translated coordinates y, with ``x = origin + rotation y`` its own.
+
+    Attributes
+    ----------
+    geometry : ThreeGeometry
+    origin : ndarray, shape (3,)
+    rotation : ndarray, shape (3, 3)
+        The columns are the axes of the frame.
+    """
+
+    geometry: ThreeGeometry
+    origin: Floats
+    rotation: Floats
+
+    def metric(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._tensor(super().metric(x))
+
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return np.asarray(np.einsum("nkij,kl->nlij", self._tensor(super().gradient(x)), self.rotation))
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return self._tensor(super().extrinsic_curvature(x))
+
+    def _there(self, x: Floats) -> Floats:
+        return self.origin + x @ self.rotation.T
+
+    def _here(self, x: Floats) -> Floats:
+        return (x - self.origin) @ self.rotation
+
+    def _tensor(self, values: Floats) -> Floats:
+        return np.asarray(self.rotation.T @ values @ self.rotation)
+
+
+@dataclass(frozen=True)
+class ScaledCurvature(_Transformed):
+    """The metric of a slice with ``factor * K_ij``, for continuation from a time-symmetric one."""
+
+    geometry: ThreeGeometry
+    factor: float
+
+    @property
+    def time_symmetric(self) -> bool:
+        """See `ThreeGeometry`."""
+        return self.geometry.time_symmetric or self.factor == 0.0
+
+    def extrinsic_curvature(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return np.asarray(self.factor * self.geometry.extrinsic_curvature(x))
+
+    def _there(self, x: Floats) -> Floats:
+        return x
+
+    def _here(self, x: Floats) -> Floats:
+        return x

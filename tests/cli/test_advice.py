@@ -1,0 +1,41 @@
+"""Advice in messages: arguments in Python, options of the command on the terminal."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import isoembed
+from isoembed.cli.advice import in_options
+
+
+@pytest.mark.parametrize(
+    ("argument", "option"),
+    [
+        ("method=Alexandrov(repair=5.3e-06) finds", "--method alexandrov --repair 5.3e-06 finds"),
+        ("a longer search: method=Aim(effort=10).", "a longer search: --effort 10."),
+        ("the best fit, method=Aim(best_fit=True)", "the best fit, --best-fit"),
+        ('flow by it (method="paper") may', "flow by it (--method paper) may"),
+        ("boundary='free' is", "--boundary free is"),
+        ("merge them with merge=1e-05.", "merge them with --merge 1e-05."),
+        ("allow it: tolerance=0.02 moves", "allow it: --tolerance 0.02 moves"),
+        ("marginal=True or marginal=False decides", "--marginal or --not-marginal decides"),
+        ("it goes with geometry=", "it goes with --geometry"),
+        ("the residual is 1e-05, not 2", "the residual is 1e-05, not 2"),
+    ],
+)
+def test_arguments_become_options(argument, option):
+    assert in_options(argument) == option
+
+
+def test_the_library_names_no_options():
+    package = Path(isoembed.__file__).parent
+    strings = re.compile(r"""["'].*?(?<![-\w`])--[a-z][a-z-]+""")
+    found = [
+        f"{path.relative_to(package)}:{number}: {line.strip()}"
+        for path in package.rglob("*.py")
+        if path.parent.name != "cli" and path.name != "workers.py"
+        for number, line in enumerate(path.read_text().splitlines(), 1)
+        if strings.search(line)
+    ]
+    assert found == []
