@@ -33,7 +33,7 @@ from .mesh.triangulation import Triangulation as Triangulation
 from .method import Method as Method
 from .metric.glued import GluedMetric as GluedMetric
 from .metric.polyhedral import PolyhedralMetric as PolyhedralMetric
-from .progress.stages import Checkpoint as Checkpoint
+from .progress.checkpoints import Checkpoint as Checkpoint
 from .sheets.method import Sheet as Sheet
 from .sheets.surface import SheetEmbedding as SheetEmbedding
 from .space import Euclidean as Euclidean

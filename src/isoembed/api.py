@@ -15,7 +15,8 @@ from isoembed.methods import configuration, configured
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import Checkpoint, Listener
+from isoembed.progress.checkpoints import Checkpoint
+from isoembed.progress.stages import Listener
 from isoembed.space.models import Model
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from isoembed.evidence import Evidence
 
 if TYPE_CHECKING:
-    from isoembed.progress.stages import Checkpoint, Stage
+    from isoembed.progress.checkpoints import Checkpoint
+    from isoembed.progress.stages import Stage
 
 
 SEARCHED = Evidence("searched", "the search that the message describes")

@@ -14,8 +14,9 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.fingerprint import Fingerprint
-from isoembed.progress.stages import Checkpoint, Listener, Log
+from isoembed.progress.stages import Listener, Log
 
 TOLERANCE = 1e-10
 """Largest residual that counts as converged, unless another is given."""
@@ -72,7 +73,7 @@ class Method(ABC):
         tolerance : float
             Largest residual to count as converged.
         log : Log
-            Records the stages, and has what an interrupted run kept, to go on from.
+            Records the stages; its `Checkpoints` have what an interrupted run kept, to go on from.
 
         Returns
         -------
@@ -143,14 +144,15 @@ def solve(
                 f"resume is a {type(resume).__name__}, not a Checkpoint: isoembed.io.read_checkpoint has one"
             )
         fingerprint.check(resume.fingerprint)
-    log = Log(progress, resume, fingerprint)
+    checkpoints = Checkpoints(resume, fingerprint)
+    log = Log(progress, checkpoints)
     try:
         embedding = method.scaled(1 / metric.unit).run(unit, tolerance, log)._in_unit_of(metric)
     except NotEmbedded as failure:
         attempt = failure.embedding._in_unit_of(metric)
         raise NotEmbedded(str(failure), attempt, failure.evidence) from None
     except KeyboardInterrupt as interruption:
-        raise Interrupted(log.checkpoint, log.stages) from interruption
+        raise Interrupted(checkpoints.last, log.stages) from interruption
     if embedding.status == "not converged":
         raise NotEmbedded(embedding.message, embedding)
     return embedding

@@ -9,9 +9,9 @@ import isoembed
 import smooth_bodies
 import zoo
 from isoembed.aim.adaptive import Aim
+from isoembed.aim.choice import smoothest
 from isoembed.aim.convexification import Convexification
-from isoembed.aim.search import Search
-from isoembed.aim.strategies import Strategies
+from isoembed.aim.problem import Problem
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import (
     Bean,
@@ -25,7 +25,6 @@ from isoembed.gallery import (
     triangulate,
 )
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import Log
 from sprinkled import box
 
 
@@ -120,10 +119,9 @@ def test_of_a_convex_metric_the_convex_realization_goes_before_a_smoother_one():
     vertices = np.vstack([ring, [[0, 0, 0.3], [0, 0, -0.8]]])
     faces = [[i, (i + 1) % 5, 5] for i in range(5)] + [[(i + 1) % 5, i, 6] for i in range(5)]
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    search = Strategies(Search(metric, 1e-10, Log(), "aim"))
+    problem = Problem(metric, 1e-10, "aim")
     tip_in = vertices * np.where(np.arange(7) == 5, -1, 1)[:, None]  # it has the same lengths
-    search.surfaces = [search.surface(tip_in), search.surface(vertices)]
-    found = search.smoothest()
+    found = smoothest([problem.surface(tip_in), problem.surface(vertices)], problem.is_convex, False)
     assert not found.surface.concave_edges.any()
     (other,) = found.others
     assert other.surface.concave_edges.sum() == 5

@@ -14,6 +14,7 @@ from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.work import Budget, Work
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.rigidity import edge_rows
 
@@ -55,7 +56,9 @@ def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
     metric, sphere, truth = noisy(*body, 2e-3)
     exact, x = edge_lengths(metric.edges, truth), sphere
     fits, risks = (
-        module.Fits(metric, RegularizedEnergy(metric, sphere), smooth_bodies.recorder(), np.inf),
+        module.Fits(
+            metric, RegularizedEnergy(metric, sphere), smooth_bodies.recorder(), Budget(Work(), np.inf)
+        ),
         {},
     )
     for weight in (100.0, 10.0, 1.0, 0.1, 0.01, 0.001, 1e-4, 1e-5):
@@ -79,7 +82,8 @@ def test_no_other_weight_is_tried_when_no_more_may_be_spent():
 def test_degrees_of_freedom_are_a_trace(monkeypatch):
     monkeypatch.setattr(module, "PROBES", 200)
     metric, _, x = noisy(*zoo.icosphere(1), 1e-3)
-    fits, mu = module.Fits(metric, RegularizedEnergy(metric, x), smooth_bodies.recorder(), np.inf), 5.0
+    energy, mu = RegularizedEnergy(metric, x), 5.0
+    fits = module.Fits(metric, energy, smooth_bodies.recorder(), Budget(Work(), np.inf))
     n = x.size
     rows = edge_rows(metric.triangulation, x, metric.lengths)
     a, b = metric.edges.T

@@ -100,7 +100,7 @@ def test_an_interruption_does_not_change_what_the_search_may_cost():
         metric, progress=lambda snapshot: checkpoints.setdefault(id(snapshot.checkpoint), snapshot.checkpoint)
     )
     kept = [checkpoint for checkpoint in checkpoints.values() if checkpoint is not None]
-    assert {"pull back", "guided pull back", "polish"} <= {checkpoint.stage for checkpoint in kept}
+    assert {"newton on lengths", "guided path", "local search"} <= {checkpoint.key for checkpoint in kept}
     for checkpoint in kept[:: max(1, len(kept) // 3)] + kept[-1:]:
         again = isoembed.embed(metric, resume=checkpoint)
         assert (again.vertices == found.vertices).all()

@@ -12,8 +12,8 @@ import zoo
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_motions import MOST_MOTIONS, SMOOTHER_MOTIONS, Motions, nearby_motions
 from isoembed.aim.nearby_realizations import softest_motions
-from isoembed.aim.realization_leads import leads
 from isoembed.aim.realization_search import RealizationSearch
+from isoembed.aim.start_points import start_points
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.gallery import HarmonicSurface, triangulate
@@ -79,8 +79,9 @@ def test_what_smooths_in_several_places_is_done_at_once():
     metric = PolyhedralMetric.from_mesh(*about)
     start, end = (vertices / metric.unit for vertices, _ in (about, out))
     system = LengthSystem(metric.triangulation)
-    found = leads(LengthExpansion(system, start, metric.normalized.lengths), 2, 0.1).leads
-    assert all(one.surface.roughness <= other.surface.roughness for one, other in itertools.pairwise(found))
+    expansion = LengthExpansion(system, start, metric.normalized.lengths)
+    found = start_points(expansion, 2, 0.1).points
+    assert all(one.roughness <= other.roughness for one, other in itertools.pairwise(found))
     assert distance(found[0].vertices, end) < 1e-3 * distance(start, end)
     assert all(distance(lead.vertices, end) > 0.1 * distance(start, end) for lead in found[1:])
 

@@ -39,7 +39,6 @@ def at_the_second(snapshot):
 def test_it_goes_on_where_it_was(metric):
     whole = isoembed.embed(metric, method=Counting())
     stop = interrupted(metric, Counting(stop=2))
-    assert stop.checkpoint.stage == STAGE
     assert stop.checkpoint.arrays["left"] == 2
     assert [(stage.name, stage.iterations) for stage in stop.stages] == [(STAGE, 3)]
     rest = isoembed.embed(metric, method=Counting(stop=2), resume=stop.checkpoint)
@@ -116,7 +115,7 @@ def file(metric, tmp_path):
 def test_a_file_holds_all_of_it(metric, file):
     kept = interrupted(metric, Counting(stop=2)).checkpoint
     read = read_checkpoint(file)
-    assert (read.stage, read.fingerprint) == (kept.stage, kept.fingerprint)
+    assert (read.key, read.fingerprint) == (kept.key, kept.fingerprint)
     assert set(read.arrays) == set(kept.arrays)
     for name, array in kept.arrays.items():
         assert read.arrays[name].dtype == array.dtype
@@ -126,10 +125,10 @@ def test_a_file_holds_all_of_it(metric, file):
 
 def test_arrays_may_have_any_name(file):
     checkpoint = read_checkpoint(file)
-    arrays = {name: np.array([k]) for k, name in enumerate(("file", "stage", "kept/x", "metric"))}
-    write_checkpoint(file, replace(checkpoint, arrays=arrays))
-    assert read_checkpoint(file).arrays == arrays
-    assert read_checkpoint(file).stage == STAGE
+    arrays = {name: np.array([k]) for k, name in enumerate(("file", "key", "kept/x", "state/x", "metric"))}
+    write_checkpoint(file, replace(checkpoint, key="way", arrays=arrays, state=arrays))
+    read = read_checkpoint(file)
+    assert (read.key, read.arrays, read.state) == ("way", arrays, arrays)
 
 
 def test_other_files_are_refused(file, metric):
@@ -140,7 +139,7 @@ def test_other_files_are_refused(file, metric):
     with pytest.raises(FileError, match=r"has the ending '\.ply', not one of \.npz"):
         write_checkpoint(file.with_name("run.ply"), read_checkpoint(file))
     isoembed.io.write_metric(file.with_name("metric.npz"), metric)
-    with pytest.raises(FileError, match=r"metric\.npz is not a checkpoint: it has no 'stage'"):
+    with pytest.raises(FileError, match=r"metric\.npz is not a checkpoint: it has no 'key'"):
         read_checkpoint(file.with_name("metric.npz"))
     file.write_bytes(file.read_bytes()[:-100])
     with pytest.raises(FileError, match="is cut short"):

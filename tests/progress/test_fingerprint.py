@@ -73,7 +73,7 @@ def test_methods_are_described_by_their_parameters():
 )
 def test_that_of_another_computation_is_refused(metric, change, sentence):
     here = fingerprint(metric, Counting(), 1e-10)
-    foreign = Checkpoint(STAGE, {}, replace(here, **change))
+    foreign = Checkpoint("", {}, fingerprint=replace(here, **change))
     here.check(here)
     with pytest.raises(InvalidParameter, match=sentence):
         isoembed.embed(metric, method=Counting(), resume=foreign)

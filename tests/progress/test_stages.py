@@ -1,11 +1,10 @@
-"""Stages: what is kept to go on from, and how long a computation will still take."""
+"""Stages: snapshots, and how long a computation will still take."""
 
 from itertools import pairwise
 
-import numpy as np
 import pytest
 
-from isoembed.progress.stages import Checkpoint, Log
+from isoembed.progress.stages import Log
 
 
 class Clock:
@@ -40,65 +39,6 @@ def work(log, clock, name, seconds, reports=0):
             recorder.show(done=(k + 1) / reports)
         if not reports:
             clock.now += seconds
-
-
-# Checkpoints
-
-
-def test_the_last_that_was_kept_is_the_checkpoint(log):
-    assert log.checkpoint is None
-    x = np.zeros(3)
-    with log.stage("first") as recorder:
-        recorder.keep(x=np.ones(3))
-        recorder.keep(x=x, step=2)
-    with log.stage("second"):
-        pass
-    assert log.checkpoint.stage == "first"
-    assert log.checkpoint.arrays["x"] is x  # not copied
-    assert set(log.checkpoint.arrays) == {"x", "step"}
-    assert log.checkpoint.arrays["step"].shape == ()
-    with log.stage("second") as recorder:
-        recorder.keep(y=x)
-    assert (log.checkpoint.stage, set(log.checkpoint.arrays)) == ("second", {"y"})
-
-
-def test_what_is_resumed_is_the_checkpoint_until_more_is_kept():
-    resumed = Checkpoint("first", {"x": np.arange(3)})
-    log = Log(resumed=resumed)
-    assert log.checkpoint is resumed
-    assert log.resumed_at("first") is resumed.arrays
-    assert log.resumed_at("second") is None
-    assert Log().resumed_at("first") is None
-    with log.stage("second") as recorder:
-        recorder.keep(y=np.arange(4))
-    assert log.checkpoint.stage == "second"
-    assert log.resumed_at("first") is resumed.arrays
-
-
-def test_factorizations_are_counted_once_however_often_a_run_is_interrupted():
-    def run(log, kept=None):
-        """Three stages; the second keeps what it has, and goes on from it."""
-        with log.stage("first") as recorder:
-            recorder.factorizations += 3
-        with log.stage("second") as recorder:
-            for step in range(int(kept["step"]) + 1 if kept else 0, 4):
-                recorder.factorizations += 10
-                recorder.keep(step=step)
-                yield log
-        with log.stage("third") as recorder:
-            recorder.factorizations += 1
-
-    whole = Log()
-    assert len(list(run(whole))) == 4
-    assert whole.factorizations == 44
-    checkpoint, kept = None, None
-    for _ in range(4):
-        part = next(run(Log(resumed=checkpoint), kept))
-        checkpoint, kept = part.checkpoint, part.checkpoint.arrays
-    assert (int(kept["step"]), checkpoint.factorizations) == (3, 43)
-    rest = Log(resumed=checkpoint)
-    assert list(run(rest, kept)) == []
-    assert rest.factorizations == 44
 
 
 # Progress

@@ -36,7 +36,7 @@ class Counting(Method):
         with log.stage(STAGE) as recorder:
             vertices, faces = zoo.icosphere(1)
             vertices = vertices / PolyhedralMetric.from_mesh(vertices, faces).unit
-            kept = log.resumed_at(STAGE)
+            kept = log.checkpoints.resume()
             left, x = (
                 (self.steps, vertices * 2.0**self.steps) if kept is None else (int(kept["left"]), kept["x"])
             )

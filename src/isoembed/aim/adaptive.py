@@ -2,14 +2,16 @@
 
 The paper's three steps, each of them replaced by one that does not fail:
 
-1. uniformize, but only as far as convexity (`isoembed.aim.convexification`);
+1. uniformize, but only as far as convexity: `isoembed.aim.convexification`, in the place of
+   `isoembed.aim.uniformize`;
 2. embed where it is easy, which for a convex metric is everywhere: the exact polyhedron of Alexandrov's
-   theorem (`isoembed.alexandrov`);
-3. pull back: where the given metric is convex or nearly so, Newton's method gets there at once, on the radii
-   (`isoembed.aim.radii_newton`, `isoembed.aim.radii_leap`) or on the lengths (`isoembed.aim.lengths_newton`);
-   where it does not, dents are made at once (`isoembed.aim.mirrored_patches`), and all else step by step, as
-   smooth as can be (`isoembed.aim.regularized_continuation`), many vertices by levels
-   (`isoembed.aim.levels`).
+   theorem, `isoembed.alexandrov`, in the place of `isoembed.aim.embedding_tree`;
+3. pull back: by Newton's method at once, on the radii or the lengths; else dents are made at once, and all
+   else step by step, as smooth as can be; many vertices by levels.  `isoembed.aim.adiabatic_pullback` is the
+   paper's.
+
+`isoembed.aim.strategies` lists the strategies in the order in which they are tried, those for convex metrics
+before the three steps and those for what the pull-back missed behind them; `isoembed.aim.pipeline` runs them.
 """
 
 from dataclasses import dataclass
@@ -18,8 +20,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.aim.search import Search
-from isoembed.arrays import Floats
+from isoembed.aim.pipeline import Pipeline
+from isoembed.aim.strategies import STRATEGIES
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import Method
@@ -76,45 +78,7 @@ class Aim(Method):
             attempt, with a diagnosis, or the best fit.  Of lengths with errors, given or shown by their
             digits, a smooth surface that agrees with them.
         """
-        if metric.length_errors is not None:
-            from isoembed.aim.measured_lengths import embed_within_errors
-
-            return embed_within_errors(metric, metric.length_errors, self, tolerance, log)
-        embedding, start = self._exact(metric, tolerance, log)
-        if embedding.converged and embedding.uniqueness is None and _may_have_neighbors(embedding):
-            from isoembed.aim.choice import with_neighbors
-
-            embedding = with_neighbors(embedding, log)
-        doubtful = embedding.surface.rough_edges.any() if embedding.converged else not self.best_fit
-        if doubtful and metric.rounding is not None:
-            from isoembed.aim.measured_lengths import within_digits
-
-            embedding = within_digits(metric, metric.rounding, embedding, start, log)
-        if self.which is not None and embedding.converged:
-            from isoembed.aim.choice import chosen
-
-            embedding = chosen(embedding, self.which, log)
-        return embedding._with_stages(log.stages)
-
-    def _exact(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Embedding, Floats | None]:
-        """The surface sought for exact lengths, and the convex surface (V, 3) that led there, if one did."""
-        search = Search(metric, tolerance, log, self.name)
-        embedding = search.realized_at_once()
-        if embedding is not None:
-            return embedding, None
-        from isoembed.aim.strategies import Strategies  # slow to import, and convex bodies do without
-
-        strategies = Strategies(search)
-        return strategies.run(self.best_fit, self.effort), vars(strategies).get("start")
-
-
-def _may_have_neighbors(surface: Embedding) -> bool:
-    """Whether to look for others near a realization that was found at once.
-
-    A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors
-    apart, and the search would cost more than all else.
-    """
-    return surface.triangulation.n_vertices <= 150 and bool(surface.surface.concave_edges.any())
+        return Pipeline(metric, self, tolerance, log).run(STRATEGIES)
 
 
 def _points(which: ArrayLike) -> tuple[tuple[float, ...], ...]:

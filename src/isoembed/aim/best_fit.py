@@ -27,6 +27,7 @@ from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
+from isoembed.progress.work import Budget
 
 WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
 MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
@@ -83,7 +84,7 @@ def best_fit(
     BestFit or None
         None if nothing as smooth comes near to the lengths.
     """
-    fits = Fits(metric, energy, recorder, most)
+    fits = Fits(metric, energy, recorder, Budget(recorder.work, most))
     best = first = fits.fit(start, WEIGHT)
     for direction in (-1, 1):
         last = first
@@ -112,17 +113,17 @@ class Fits:
         metric: PolyhedralMetric,
         energy: RegularizedEnergy,
         recorder: StageRecorder,
-        most: float,
+        budget: Budget,
     ) -> None:
         self._metric, self._energy, self._recorder = metric, energy, recorder
-        self._last = recorder.factorizations + most
+        self._budget = budget
         signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(PROBES, len(metric.lengths)))
         self._probes = signs[:, np.argsort(np.argsort(metric.lengths))]  # whatever the numbers of the edges
 
     @property
     def exhausted(self) -> bool:
         """Whether another fit might take more than is left."""
-        return self._recorder.factorizations + MAX_STEPS + 1 > self._last
+        return self._budget.spent + MAX_STEPS + 1 > self._budget.limit
 
     def fit(self, vertices: Floats, weight: float) -> BestFit:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""

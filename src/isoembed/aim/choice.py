@@ -6,12 +6,11 @@ That one is the answer unless another is asked for, be it a little rougher than 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from isoembed.aim.accuracy import SAME
-from isoembed.aim.anneal import anneal
-from isoembed.aim.nearby_realizations import sought
-from isoembed.aim.realization_search import RealizationSearch
+from isoembed.aim.accuracy import NEARLY, SAME
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter, NotEmbedded
@@ -19,20 +18,53 @@ from isoembed.evidence import Evidence
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.curvature import deficits as vertex_deficits
 from isoembed.progress.stages import Log
-from isoembed.surface.rigidity import LengthSystem
 
 MOTIONS = 4  # softest motions, along which others are sought
-NEAR = 0.05  # mean edge lengths: on rough bodies there are too many farther away
+FAR = 0.05  # mean edge lengths: on rough bodies there are too many farther away
 
-SOUGHT = sought(MOTIONS, NEAR)
+
+def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) -> Embedding:
+    """The smoothest of the realizations, with the others beside it; if none, the nearest attempt.
+
+    Of a convex metric the convex one goes before all others.
+
+    Parameters
+    ----------
+    surfaces : sequence of Embedding
+        In the order in which they were found.
+    is_convex : bool
+        Whether the metric is.
+    searched : bool
+        Whether other realizations were sought near one.
+    """
+    different: list[Embedding] = []
+    for surface in surfaces:
+        realized = surface.converged and surface.residual < NEARLY  # whatever the tolerance
+        if realized and all(surface.distance(other) > SAME for other in different):
+            different.append(surface)
+    if not different:
+        return min(surfaces, key=lambda surface: surface.residual)
+    if len(different) > 1:
+        different.sort(key=lambda s: (is_convex and s.surface.concave_edges.any(), s.surface.fine_roughness))
+    if not searched:
+        return different[0]._with_others(different[1:])
+    from isoembed.aim.nearby_realizations import NEAR, SOFTEST, sought  # convex bodies do without
+
+    said = sought(SOFTEST, NEAR)
+    found = different[0]._with_others(different[1:], Evidence("searched", said))
+    return found._with_message(f"{found.message}; {said}")
 
 
 def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
     """The same surface with the realizations beside it that are found along its softest motions."""
-    metric = embedding.metric
+    from isoembed.aim.nearby_realizations import sought
+    from isoembed.aim.realization_search import RealizationSearch
+    from isoembed.surface.rigidity import LengthSystem
+
+    metric, said = embedding.metric, sought(MOTIONS, FAR)
     with log.stage("neighbors") as recorder:
         system = LengthSystem(metric.triangulation, space=metric.space)
-        search = RealizationSearch(metric, system, embedding.vertices, recorder, MOTIONS, NEAR)
+        search = RealizationSearch(metric, system, embedding.vertices, recorder, MOTIONS, FAR)
         for _ in search.steps(1):
             pass
     others = list(embedding.others)
@@ -40,11 +72,11 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
         other = Embedding(metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
         if all(other.distance(known) > SAME for known in (embedding, *others)):
             others.append(other)
-    found = embedding._with_others(others, Evidence("searched", SOUGHT))
-    return found._with_message(f"{found.message}; {SOUGHT}")
+    found = embedding._with_others(others, Evidence("searched", said))
+    return found._with_message(f"{found.message}; {said}")
 
 
-def chosen(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log: Log) -> Embedding:
+def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log: Log) -> Embedding:
     """The realization that was asked for, among those that were found; the others stand beside it.
 
     Parameters
@@ -106,6 +138,9 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
 
 def _realized(target: Embedding, log: Log) -> Embedding | None:
     """The realization that Newton's method leads to from a surface."""
+    from isoembed.aim.anneal import anneal
+    from isoembed.surface.rigidity import LengthSystem
+
     metric = target.metric
     with log.stage("nearest") as recorder:
         system = LengthSystem(metric.triangulation)

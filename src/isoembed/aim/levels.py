@@ -84,7 +84,7 @@ def pulled_back_by_levels(
         x = _guided(metric, system, convex, recorder)
     if x is None:
         return None
-    recorder.keep(start=start, split=x)
+    recorder.keep(split=x)
     recorder.show(vertices=x, level=f"{n:,} vertices")
     for count in _counts(n):
         stencils = _stencils(metric, convex, count)

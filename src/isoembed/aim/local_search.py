@@ -9,7 +9,7 @@ other.
 
 From each mu the surface is let go, by other measures of smoothness, too: as mu vanishes, vertices that are
 nearly in the plane of their neighbors choose their sides, and no measure always knows which.  Where little is
-missed in the end, `isoembed.aim.completion` goes on.
+missed in the end, `isoembed.aim.finishing_newton` goes on.
 """
 
 from __future__ import annotations
@@ -22,15 +22,16 @@ from scipy.sparse import csr_array, eye_array
 
 from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
 from isoembed.aim.anneal import anneal
-from isoembed.aim.completion import completed
+from isoembed.aim.clamped_patch import ClampedPatch
 from isoembed.aim.energy_descent import descended
-from isoembed.aim.held_patch import HeldPatch
-from isoembed.aim.length_search import LengthSearch
+from isoembed.aim.finishing_newton import completed
 from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.search_state import SearchState
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.nonlinear.continuation import penalty_continuation
 from isoembed.progress.stages import StageRecorder
+from isoembed.progress.work import Budget
 from isoembed.surface.local_fit import sums_at_ends
 from isoembed.surface.rigidity import LengthSystem
 
@@ -80,10 +81,11 @@ def local_search(
     -------
     Searched
     """
-    search = _LocalSearch(energy, system, vertices, lengths, recorder, most)
+    budget = Budget(recorder.work, most)
+    search = _LocalSearch(energy, system, vertices, lengths, recorder, budget)
     x = vertices
     # Share of the search that smoothness guides.
-    search.most = 0.5 * most if search.is_coarse else most - FADE_STEPS
+    budget.limit = 0.5 * most if search.is_coarse else most - FADE_STEPS
     for weight in WEIGHTS:
         mu = weight * energy.unit**2
         x = search.at(x, mu)
@@ -93,12 +95,12 @@ def local_search(
         known = weight <= 1e-4 and not search.is_coarse
         if known and search.ends_realized(x, mu):
             break
-    search.most = most
+    budget.limit = most
     if search.is_coarse:
         x = search.mirrored(x)
     elif search.realization is None:
-        x, _ = let_go(energy, x, lengths, mu, recorder, is_done=lambda: search.exhausted)
-    recorder.factorizations += round(search.cost)
+        x, _ = let_go(energy, x, lengths, mu, recorder, is_done=lambda: budget.exhausted)
+    recorder.factorizations += round(budget.shares)
     end = x if search.realization is None else search.realization
     search.keep(end)
     return Searched(end, search.nearest)
@@ -117,7 +119,7 @@ def misses_locally(energy: RegularizedEnergy, vertices: Floats, lengths: Floats)
     )
 
 
-class _LocalSearch(LengthSearch):
+class _LocalSearch(SearchState):
     """The local search, and the realization that it has found."""
 
     def __init__(
@@ -127,9 +129,9 @@ class _LocalSearch(LengthSearch):
         vertices: Floats,
         lengths: Floats,
         recorder: StageRecorder,
-        most: float,
+        budget: Budget,
     ) -> None:
-        super().__init__(energy, system, vertices, lengths, recorder, most)
+        super().__init__(energy, system, vertices, lengths, recorder, budget)
         self.realization: Floats | None = None
         self.asked: Floats | None = None  # the surface from which Newton's method was tried last
         n = energy.triangulation.n_vertices
@@ -146,13 +148,13 @@ class _LocalSearch(LengthSearch):
             self.disks.append(wider)
         self.near = near
 
-    def patch(self, vertices: Indices, mu: float) -> HeldPatch:
+    def patch(self, vertices: Indices, mu: float) -> ClampedPatch:
         """That of these vertices, what it costs being added up."""
 
         def spend(share: float) -> None:
-            self.spend(self.patch_cost * share)
+            self.budget.spend(self.patch_cost * share)
 
-        return HeldPatch.of(self.energy, self.lengths, vertices, mu, spend)
+        return ClampedPatch.of(self.energy, self.lengths, vertices, mu, spend)
 
     def is_done(self, x: Floats) -> bool:
         """Whether there is no more to do, or may not be done."""

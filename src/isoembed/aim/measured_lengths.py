@@ -16,23 +16,16 @@ Morozov, On the solution of functional equations by the method of regularization
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from isoembed.aim.best_fit import WEIGHT, BestFit, Fits
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.aim.search import Search
-from isoembed.aim.strategies import Strategies
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.measured import MeasuredSurface
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-
-if TYPE_CHECKING:
-    from isoembed.aim.adaptive import Aim
+from isoembed.progress.work import Budget
 
 LEAST_WEIGHT = 1e-14
 """mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
@@ -50,54 +43,20 @@ Both are near to the truth where they are on its branch; they may differ in vert
 neighbors, and the smoother one is right more often."""
 
 
-def embed_within_errors(
-    metric: PolyhedralMetric, errors: Floats, method: Aim, tolerance: float, log: Log
-) -> Embedding:
-    """Embed a metric with errors of its lengths: a smooth fit, or the exact surface where none is better.
-
-    Parameters
-    ----------
-    metric : PolyhedralMetric
-        Normalized, with these errors of its lengths.
-    errors : ndarray, shape (E,)
-        Standard deviations of the lengths.
-    method : Aim
-        For the exact surface, which is sought where no smooth one agrees with the lengths, or where the
-        errors are small.
-    tolerance : float
-        Residual of an exact surface.
-    log : Log
-
-    Returns
-    -------
-    MeasuredSurface
-        It may not agree with the lengths, and then says so.
-    """
-    start = _convex_start(metric, method.name, tolerance, log)
-    found = _fitted(metric, errors, start, method.name, tolerance, log)
-    if not found.converged or errors.max() < SMALL * metric.mean_length:
-        exact = method.run(metric.with_length_errors(0.0), tolerance, log)
-        smoother = exact.converged and exact.surface.fine_roughness < found.surface.fine_roughness
-        if smoother or (not found.converged and exact.residual < found.residual):
-            found = replace(found, vertices=exact.vertices, weight=0.0, message="")
-    return found._with_stages(log.stages)
+def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, tolerance: float) -> MeasuredSurface:
+    """The surface of a fit to the lengths of a metric with errors, by the method of this name."""
+    return MeasuredSurface(metric, fit.vertices, method=name, tolerance=tolerance, weight=fit.weight)
 
 
-def within_digits(
-    metric: PolyhedralMetric, rounding: float, exact: Embedding, start: Floats | None, log: Log
-) -> Embedding:
+def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
     """The smooth surface that agrees with rounded lengths, in the place of a rough one, or of none.
 
     Parameters
     ----------
-    metric : PolyhedralMetric
-        Normalized.
-    rounding : float
-        Standard deviation that the digits of its lengths show, over the mean edge length.
     exact : Embedding
-        The surface that has these lengths, or the nearest attempt.
-    start : ndarray, shape (V, 3), or None
-        The convex surface from which it was sought, if it was.
+        The surface that has these lengths, or the nearest attempt; of a normalized metric with a `rounding`.
+    start : ndarray, shape (V, 3)
+        A convex surface nearby.
     log : Log
 
     Returns
@@ -106,11 +65,13 @@ def within_digits(
         A `MeasuredSurface`, with the exact one among its `others`; or the exact one, where no smooth surface
         agrees with the lengths within their digits, or none that is smoother.
     """
+    metric, rounding = exact.metric, exact.metric.rounding
+    assert rounding is not None
     errors = np.full(len(metric.lengths), rounding * metric.mean_length)
     measured = metric.with_length_errors(errors)
-    if start is None:
-        start = _convex_start(measured, exact.method, exact.tolerance, log)
-    found = _fitted(measured, errors, start, exact.method, exact.tolerance, log)
+    with log.stage("fit within errors") as recorder:
+        fit = fit_within_errors(measured, errors, start, recorder)
+    found = measured_surface(measured, fit, exact.method, exact.tolerance)
     if not found.converged or (
         exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness
     ):
@@ -121,20 +82,6 @@ def within_digits(
         f"{'rougher' if exact.converged else 'not found'}; errors of zero insist on it"
     )
     return found._with_others([exact] if exact.converged else [])._with_message(said)
-
-
-def _convex_start(metric: PolyhedralMetric, name: str, tolerance: float, log: Log) -> Floats:
-    """The polyhedron of a convex metric nearby, (V, 3)."""
-    return Strategies(Search(metric, tolerance, log, name)).convex_start()
-
-
-def _fitted(
-    metric: PolyhedralMetric, errors: Floats, start: Floats, name: str, tolerance: float, log: Log
-) -> MeasuredSurface:
-    """The fit to lengths with errors from a smooth surface."""
-    with log.stage("fit within errors") as recorder:
-        fit = fit_within_errors(metric, errors, start, recorder)
-    return MeasuredSurface(metric, fit.vertices, method=name, tolerance=tolerance, weight=fit.weight)
 
 
 def fit_within_errors(
@@ -158,7 +105,7 @@ def fit_within_errors(
     """
     rms = float(np.sqrt(np.mean(errors**2)))
     energy = RegularizedEnergy(metric, start).weighted(rms / errors)
-    fits = Fits(metric, energy, recorder, np.inf)
+    fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
     # lengths: no body collapses, however sharp its corners.
     penalty = float(np.sum(start * energy.roughness(start, 0.0)))

@@ -1,9 +1,9 @@
 """The search for realizations of lengths near a surface.
 
-From one realization to the next: the leads from each (`realization_leads`) are followed by Newton's method.
+From one realization to the next: the `start_points` about each are followed by Newton's method.
 The surface that is meant is, as a rule, among the smooth ones.  So first of all the smoothest is made
-smoother still, as far as leads do: each to what is expected to be smoother is followed, then relaxed, as
-smooth as can be there, and let go.  What is found is searched from in turn, breadth first and smoothest
+smoother still, as far as start points do: each that is expected to be smoother is followed, then relaxed,
+as smooth as can be there, and let go.  What is found is searched from in turn, breadth first and smoothest
 first: where n vertices can be pushed in one by one there are 2^n realizations, too many for all of them.
 """
 
@@ -20,9 +20,9 @@ from isoembed.aim.accuracy import REALIZED, SAME
 from isoembed.aim.anneal import Annealed, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
-from isoembed.aim.realization_leads import Lead, leads
 from isoembed.aim.regularized_continuation import let_go
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.start_points import StartPoint, start_points
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -79,7 +79,9 @@ class RealizationSearch:
     incomplete: int = 0
     _roughness: list[float] = field(default_factory=list)
     _moves: list[int] = field(default_factory=list)
-    _leads: dict[int, deque[Lead]] = field(default_factory=dict)  # not yet followed, by the realization
+    _starts: dict[int, deque[StartPoint]] = field(
+        default_factory=dict
+    )  # not yet followed, by the realization
     _attempts: dict[float, Floats] = field(default_factory=dict)  # by the residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
@@ -132,7 +134,7 @@ class RealizationSearch:
         return self.metric.mean_length
 
     def _smoothed(self) -> Iterator[None]:
-        """From the smoothest realization, go to smoother ones as far as leads do."""
+        """From the smoothest realization, go to smoother ones as far as start points do."""
         for _ in range(4 if self.found else 0):  # moves to smoother realizations after each search
             i = self._roughness.index(self._least_roughness)
             if self.searched[i] or not self._descends(
@@ -141,11 +143,11 @@ class RealizationSearch:
                 return
             yield
 
-    def _descends(self, left: deque[Lead], roughness: float, moves: int) -> bool:
-        """Follow leads to what is expected to be smoother, and whether there is a realization that is."""
+    def _descends(self, left: deque[StartPoint], roughness: float, moves: int) -> bool:
+        """Follow start points that are expected to be smoother, and whether a realization is."""
         relaxed = 0
         while left and left[0].roughness < roughness:
-            weights = WEIGHTS if relaxed < 4 else ()  # leads, the smoothest, that are relaxed for each move
+            weights = WEIGHTS if relaxed < 4 else ()  # so many of the smoothest are relaxed
             if self._is_smoother(left.popleft().vertices, roughness, moves, weights):
                 return True
             relaxed += 1
@@ -173,7 +175,7 @@ class RealizationSearch:
         return min(self._roughness, default=np.inf)
 
     def _search(self, i: int) -> Iterator[None]:
-        """Follow all leads from a realization.
+        """Follow all start points about a realization.
 
         From the given one, and where nothing new is found, others, too, with the softest motions set apart.
         """
@@ -181,11 +183,11 @@ class RealizationSearch:
         self._follow(self._opened(i), moves + 1)
         yield
         if not moves or len(self.found) == known:
-            self._follow(self._leads_from(self.found[i], SOFTEST, SOFTEST), moves + 1)
+            self._follow(self._starts_from(self.found[i], SOFTEST, SOFTEST), moves + 1)
             yield
 
     def _attempt(self, vertices: Floats) -> Iterator[None]:
-        """From a surface that misses the lengths, go to smoother ones; if there are none, follow all leads.
+        """From a surface that misses the lengths, go to smoother ones; failing that, follow all start points.
 
         An attempt ends where J is nearly singular, so at first the softest motions are set apart.
         """
@@ -193,32 +195,32 @@ class RealizationSearch:
         if self._is_smoother(vertices, roughness, 1, WEIGHTS):
             return
         for hidden in (SOFTEST, 0):
-            if self._descends(self._leads_from(vertices, hidden), roughness, 1):
+            if self._descends(self._starts_from(vertices, hidden), roughness, 1):
                 return
             yield
         for hidden in (0, SOFTEST):
-            self._follow(self._leads_from(vertices, hidden, SOFTEST), 1)
+            self._follow(self._starts_from(vertices, hidden, SOFTEST), 1)
             yield
 
-    def _opened(self, i: int) -> deque[Lead]:
-        """The leads from a realization that were not followed yet."""
-        if i not in self._leads:
-            self._leads[i] = self._leads_from(self.found[i], 0)
-        return self._leads[i]
+    def _opened(self, i: int) -> deque[StartPoint]:
+        """The start points about a realization that were not followed yet."""
+        if i not in self._starts:
+            self._starts[i] = self._starts_from(self.found[i], 0)
+        return self._starts[i]
 
-    def _leads_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[Lead]:
-        """Leads from vertices, with so many of the softest motions set apart, or always taken."""
+    def _starts_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[StartPoint]:
+        """Start points about vertices, with so many of the softest motions set apart, or always taken."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         self.recorder.factorizations += 2
         try:
-            found = leads(expansion, self.motions, self.distance, hidden, always)
+            found = start_points(expansion, self.motions, self.distance, hidden, always)
         except SingularMatrix:
             self.flexible += not (hidden or always)
             return deque()
         self.incomplete += found.incomplete
-        return deque(found.leads)
+        return deque(found.points)
 
-    def _follow(self, left: deque[Lead], moves: int) -> None:
+    def _follow(self, left: deque[StartPoint], moves: int) -> None:
         while left:
             self.polish(left.popleft().vertices, moves)
 

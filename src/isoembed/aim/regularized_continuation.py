@@ -73,7 +73,7 @@ def regularized_continuation(
     """
 
     def keep(x: list[Floats], **state: ArrayLike) -> None:
-        recorder.keep(start=start, x=x, **state)
+        recorder.keep(x=x, **state)
         recorder.show(vertices=x[-1])
 
     x, mu = guided(energy, start, lengths, recorder, kept, keep)

@@ -1,46 +1,42 @@
-"""What the adaptive method tries where metrics are not convex, or not realized at once; and what it finds."""
+"""The strategies of the default method, in the order in which they are tried.
 
-from collections.abc import Mapping
+The paper's three steps, uniformize, embed and pull back, are `NearestPolyhedron` and what follows it.  Convex
+metrics, and those that nearly are, do without: the strategies before it go to their surface at once.  Those
+after the pull-back are for what it missed; the last ones choose.
+"""
+
+from __future__ import annotations
+
 from contextlib import suppress
-from functools import cached_property
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from isoembed.aim.accuracy import REALIZED, SAME
-from isoembed.aim.anneal import POLISH_STEPS, anneal
-from isoembed.aim.best_fit import best_fit
+from isoembed.aim.accuracy import NEARLY, PLACED, REALIZED
+from isoembed.aim.choice import asked_for, smoothest, with_neighbors
 from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
-from isoembed.aim.diagnosis import diagnosis
-from isoembed.aim.flipped_vertices import with_flipped_vertices
-from isoembed.aim.lengths_newton import LENGTHS_DEVIATION, newton_on_lengths
-from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
-from isoembed.aim.local_search import COARSE, local_search, misses_locally
-from isoembed.aim.mirrored_patches import mirrored_realizations
-from isoembed.aim.nearby_realizations import NEAR, SOFTEST, nearby_realizations, sought
-from isoembed.aim.radii_leap import RADII_DEVIATION, newton_on_radii, radii_start
-from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
-from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.aim.search import AT_ONCE, FIT, NEARLY, PATCH_EFFORT, PLACED, Search
-from isoembed.alexandrov.method import convex_polyhedron
+from isoembed.aim.pipeline import Pipeline, State, Strategy
+from isoembed.aim.problem import Problem
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidMetric, NotEmbedded
-from isoembed.evidence import Evidence
-from isoembed.linalg import SingularMatrix
-from isoembed.metric.conformal_sphere import conformal_sphere
-from isoembed.metric.curvature import area
-from isoembed.metric.delaunay import delaunay
-from isoembed.metric.dents import dents
-from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.measures import outward
-from isoembed.surface.rigidity import LengthSystem
+from isoembed.progress.checkpoints import Arrays
+
+if TYPE_CHECKING:
+    from isoembed.aim.regularized_continuation import Continued
+    from isoembed.embedding.measured import MeasuredSurface
+
+# What a strategy needs is imported when it runs: all of it is slow to import, and convex bodies do without.
+
+RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
+LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
+FIT = 36  # factorizations of the best fit, as a rule
 
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
-BY_A_POLYHEDRON = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
+AT_ONCE = {"radii": 1.0}
+BY_A_POLYTOPE = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
 PULL_BACK = {
     "waypoint": 1.0,
     "flat vertices": 0.05,
@@ -56,305 +52,530 @@ PULL_BACK = {
 }
 
 
-def _kept(log: Log) -> Mapping[str, NDArray[Any]]:
-    """What an interrupted run kept in the pull-back: with ``start``, if it came that far."""
-    stages = ("pull back", "guided pull back", "polish")
-    return next((kept for stage in stages if (kept := log.resumed_at(stage)) is not None), {})
+class FitWithinErrors(Strategy):
+    """For lengths with errors: a smooth surface that agrees with them, which as a rule is the answer.
 
-
-class Strategies:
-    """What the adaptive method tries where the given triangles do not lead to the surface at once.
-
-    Parameters
-    ----------
-    search : Search
-
-    Attributes
-    ----------
-    good : float
-        Residual of a surface that is taken.
-    kept : mapping of str to ndarray
-        What an interrupted run kept in the pull-back.
-    start : ndarray, shape (V, 3)
-        A convex surface near the one that is sought.
-    surfaces : list of Embedding
-        What was found, in order.
-    smooth : ndarray, shape (V, 3), or None
-        Where the guided path ended, before what guides was let go.
-    sought : bool
-        Whether other realizations were sought near one.
+    Needs nothing.  The surface with exactly these lengths is sought as well where no smooth one agrees, or
+    where the errors are small.
     """
 
-    start: Floats
+    key = "fit within errors"
 
-    def __init__(self, search: Search) -> None:
-        self.search, self.metric, self.log = search, search.metric, search.log
-        self.good = search.good
-        self.kept = _kept(search.log)
-        self.surfaces: list[Embedding] = []
-        self.smooth: Floats | None = None
-        self.sought = False
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return pipeline.metric.length_errors is not None
 
-    def surface(self, vertices: Floats) -> Embedding:
-        """The surface with these vertices."""
-        return self.search.surface(vertices)
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.measured_lengths import SMALL, fit_within_errors
 
-    @cached_property
-    def system(self) -> LengthSystem:
-        """The equations for the lengths."""
-        return LengthSystem(self.metric.triangulation, space=self.metric.space)
+        metric, errors = pipeline.metric, np.asarray(pipeline.metric.length_errors)
+        start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
+        with pipeline.log.stage("fit within errors") as recorder:
+            state = replace(state, measured=fit_within_errors(metric, errors, start, recorder))
+        found = measured_surface(state, pipeline)
+        if not found.converged or errors.max() < SMALL * metric.mean_length:
+            return state
+        return replace(state, answer=found, is_final=True)
 
-    @cached_property
-    def energy(self) -> RegularizedEnergy:
-        """The regularized energy about the start."""
-        return RegularizedEnergy(self.metric, self.start)
 
-    def run(self, best_fit: bool, effort: float) -> Embedding:
-        """Try one after the other; the parameters are those of `isoembed.Aim`."""
-        found = self.leap()
-        vars(self.search).pop("analyses", None)  # nobody needs it any more, and large bodies need the room
-        if found is not None:
-            return found
-        self.start = self.convex_start()
-        if not self.newton_on_lengths():
-            self.continue_regularized()
-        embedding = self.smoothest()
-        first = self.log.factorizations
-        most = (2 + min(effort, PATCH_EFFORT)) * first  # of what was done so far, and what follows
-        if embedding.residual > self.good and effort > 0:
-            self.turn_patches(most)
-            embedding = self.smoothest()
-        if embedding.residual > self.good:
-            fitted = self.best_fit(np.inf if best_fit else most)
-            if effort > 1:
-                self.change_sides(effort * first)
-            embedding = self.smoothest()
-            if not embedding.converged:
-                told = embedding._with_message(diagnosis(embedding, fitted, effort))
-                embedding = fitted if best_fit and fitted is not None else told
-        return embedding
+class NewtonOnRadii(Strategy):
+    """For nearly convex metrics: Newton's method on the radii, on the given triangles alone.
 
-    def leap(self) -> Embedding | None:
-        """Realize a metric that is convex or nearly so by a polyhedron; None where that cannot be trusted."""
-        search, log = self.search, self.log
-        if log.begun not in (None, *AT_ONCE, *BY_A_POLYHEDRON) or not search.is_nearly_convex:
-            return None
-        convexification, given = search.convexification, search.convexification.given
-        log.expect(BY_A_POLYHEDRON)
-        kept = log.resumed_at("leap")
-        if kept is not None:
-            start: Floats | None = kept["start"]
-        else:
-            with log.stage("nearest waypoint") as recorder:
-                convex = convexification.metric(NEAR_MARGIN, recorder)
-            start = None if convex is None else radii_start(given, convex, search.analyses, log)
-        if start is None:
-            return None
-        if convexification.is_convex and start.ndim == 2:
-            polyhedron = self.polyhedron(self.in_given_order(start))
-            if polyhedron is not None:
-                return polyhedron
-        solution = newton_on_radii(given, start, search.analyses, log, search.numbers)
+    Needs nothing; finds a candidate that is trusted.
+    """
+
+    key = "newton on radii"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return pipeline.problem.is_nearly_convex
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.newton_on_radii import newton_on_radii
+
+        problem = pipeline.problem
+        pipeline.log.expect(AT_ONCE)
+        vertices = newton_on_radii(
+            problem.convexification.given, problem.analyses, pipeline.log, problem.in_given_order
+        )
+        return state if vertices is None else accepted(state, problem, vertices)
+
+
+class NearestPolytope(Strategy):
+    """For nearly convex metrics: the generalized polytope of a convex metric nearby, with flips.
+
+    Needs nothing; finds the body from which Newton's method on the radii starts, or even the polyhedron.
+    """
+
+    key = "nearest polytope"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return not state.trusted and pipeline.problem.is_nearly_convex
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.newton_from_polytope import polytope_start
+
+        problem, log = pipeline.problem, pipeline.log
+        convexification = problem.convexification
+        log.expect(BY_A_POLYTOPE)
+        with log.stage("nearest waypoint") as recorder:
+            convex = convexification.metric(NEAR_MARGIN, recorder)
+        if convex is None:
+            return state
+        body = polytope_start(convexification.given, convex, problem.analyses, log)
+        if body is not None and body.ndim == 2 and problem.is_convex:
+            polyhedron = polished_polyhedron(problem.in_given_order(body), pipeline)
+            if problem.is_exact(polyhedron):
+                return state.adding(polyhedron, trusted=True)
+        return replace(state, body=body)
+
+
+class NewtonFromPolytope(Strategy):
+    """Newton's method on the radii from the body of a convex metric nearby.
+
+    Needs the body; finds a candidate that is trusted.
+    """
+
+    key = "newton from polytope"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return not state.trusted and state.body is not None
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.newton_from_polytope import newton_from_polytope
+
+        problem, body = pipeline.problem, state.body
+        assert body is not None
+        solution = newton_from_polytope(
+            problem.convexification.given, body, problem.analyses, pipeline.log, problem.in_given_order
+        )
         if solution is None or not solution.branch_deviation < RADII_DEVIATION:
-            return None
-        found = self.surface(solution.vertices)
-        return found if found.residual <= self.good else None
+            return state
+        return accepted(state, problem, solution.vertices)
 
-    def in_given_order(self, vertices: Floats) -> Floats:
-        """What the convexification has by its own numbers."""
-        return vertices[np.argsort(self.search.numbers)]
 
-    def polyhedron(self, vertices: Floats) -> Embedding | None:
-        """The polyhedron of a convex metric, if it has the given triangles, or others of its faces."""
-        found = self.surface(vertices)
-        if REALIZED < found.residual < NEARLY:
-            with self.log.stage("polish") as recorder:
-                polished = self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
-            if not polished.surface.concave_edges.any():
-                found = polished
-        return found if self.is_exact(found) else None
+class NearestPolyhedron(Strategy):
+    """Steps 1 and 2 of the paper: the polyhedron of a convex metric nearby.
 
-    def is_exact(self, surface: Embedding) -> bool:
-        """Whether a surface is a realization, whatever the tolerance, as far as rounding allows."""
-        return surface.residual <= min(self.good, PLACED)
+    Needs nothing; finds the start of all that follows.
+    """
 
-    def convex_start(self) -> Floats:
-        """The vertices of the polyhedron of a convex metric, or what comes nearest."""
-        self.log.expect(PULL_BACK)
-        if self.kept:
-            return self.kept["start"]
-        with self.log.stage("waypoint") as recorder:
-            convex = self.search.convexification.metric(FAR_MARGIN, recorder)
-        if convex is not None:
-            try:
-                found = convex_polyhedron(convex.normalized, PLACED, self.log)
-                return self.in_given_order(convex.unit * found.vertices)
-            except NotEmbedded as failure:
-                nearest = failure.embedding.vertices[: self.search.numbers.size]
-                return self.in_given_order(convex.unit * nearest)
-            except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
-                pass
-        faces = self.metric.faces
-        with self.log.stage("sphere") as recorder:
-            x = outward(faces, conformal_sphere(delaunay(self.metric), recorder).points)
-            return x * np.sqrt(area(self.metric) / area(PolyhedralMetric.from_mesh(x, faces)))
+    key = "nearest polyhedron"
 
-    def newton_on_lengths(self) -> bool:
-        """Go from the start to the lengths at once; return whether what is found can be trusted."""
-        with self.log.stage("pull back") as recorder:
-            if not self.kept:
-                recorder.keep(start=self.start)
-            recorder.show(t=1.0, vertices=self.start)
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        pipeline.problem.forget_analyses()
+        return replace(state, body=None, start=nearest_polyhedron(pipeline.problem, pipeline))
+
+
+class NewtonOnLengths(Strategy):
+    """Step 3 at once: Newton's method on the lengths.
+
+    Needs the start; finds a candidate that is trusted where it stays on the branch of the start.
+    """
+
+    key = "newton on lengths"
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.newton_on_lengths import newton_on_lengths
+
+        problem, start = pipeline.problem, started(state)
+        with pipeline.log.stage("pull back") as recorder:
+            recorder.show(t=1.0, vertices=start)
             solution = newton_on_lengths(
-                self.system,
-                self.start,
-                self.metric.lengths,
-                min(self.search.tolerance, REALIZED),
+                problem.system,
+                start,
+                problem.metric.lengths,
+                min(problem.tolerance, REALIZED),
                 recorder,
             )
             if solution is not None:
                 recorder.show(t=0.0, vertices=solution.vertices)
-                self.surfaces.append(self.surface(solution.vertices))
-        convex = self.search.convexification.is_convex
-        if convex and self.is_exact(polyhedron := self.surface(self.start)):
-            self.surfaces.append(polyhedron)
-            return True
-        trusted = solution is not None and (convex or solution.branch_deviation < LENGTHS_DEVIATION)
-        return trusted and self.surfaces[-1].converged
+                state = state.adding(problem.surface(solution.vertices))
+        cost, polyhedron = pipeline.work.factorizations, problem.surface(start)
+        if problem.is_convex and problem.is_exact(polyhedron):
+            return state.adding(polyhedron, trusted=True, cost=cost)
+        on_branch = solution is not None and (
+            problem.is_convex or solution.branch_deviation < LENGTHS_DEVIATION
+        )
+        return replace(state, trusted=on_branch and state.candidates[-1].converged, cost=cost)
 
-    def continue_regularized(self) -> None:
-        """Go from the start to the lengths step by step, then to smoother realizations nearby."""
-        if self.mirror_patches():
-            return
-        if "smooth" in self.kept:
-            guided = Continued(self.kept["smooth"], self.kept["guided"])
-        else:
-            with self.log.stage("guided pull back") as recorder:
-                guided = self.guided(recorder)
-        self.smooth = guided.smooth
-        with self.log.stage("polish") as recorder:
-            recorder.keep(start=self.start, guided=guided.vertices, smooth=guided.smooth)
-            vertices = anneal(self.system, guided.vertices, self.metric.lengths, recorder).vertices
-            recorder.show(vertices=vertices)
-        self.surfaces.append(self.surface(vertices))
-        self.search_nearby(self.surfaces[-1])
 
-    def search_nearby(self, surface: Embedding) -> None:
-        """Go to smoother realizations near one."""
-        if surface.residual < NEARLY:
-            with self.log.stage("neighbors") as recorder:
-                met = nearby_realizations(
-                    self.system,
-                    surface.vertices,
-                    self.metric.lengths,
-                    recorder,
-                    residual_tolerance=REALIZED,
-                )
-            self.surfaces += [self.surface(vertices) for vertices in met]
-            self.sought = True
+class PatchReflections(Strategy):
+    """Step 3 for metrics with dents: reflections of the patches, so that each is pushed in or out.
 
-    def mirror_patches(self) -> bool:
-        """Make the dents of the metric, each pushed in or out; return whether a realization is found."""
-        if self.kept.keys() - {"start"} or not self.metric.space.is_euclidean:
-            return False
-        patches = dents(self.metric)
+    Needs the start; finds candidates that are trusted if they have the lengths.
+    """
+
+    key = "patch reflections"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return not state.trusted and pipeline.problem.metric.space.is_euclidean
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.patch_reflections import reflected_realizations
+        from isoembed.metric.dents import dents
+
+        problem, start = pipeline.problem, started(state)
+        patches = dents(problem.metric)
         if not patches:
-            return False
-        with self.log.stage("mirrored patches") as recorder:
-            choices = mirrored_realizations(
-                self.metric, self.system, self.energy, self.start, patches, recorder
+            return state
+        with pipeline.log.stage("mirrored patches") as recorder:
+            choices = reflected_realizations(
+                problem.metric, problem.system, problem.energy(start), start, patches, recorder
             )
-            found = [self.surface(vertices) for vertices in choices]
-        self.surfaces += found
-        realized = [surface for surface in found if self.is_exact(surface)]
+            found = [problem.surface(vertices) for vertices in choices]
+        state = state.adding(*found)
+        realized = [surface for surface in found if problem.is_exact(surface)]
         if realized:
-            self.search_nearby(min(realized, key=lambda surface: surface.surface.fine_roughness))
-        return bool(realized)
-
-    def turn_patches(self, most: float) -> None:
-        """Turn over what is on the wrong side, leaving the best fit its share of so many factorizations.
-
-        Coarse surfaces are searched from the nearest attempt, others from the smooth end of the path: its
-        pits are where they should be, which is more than that lengths are nearly right.  Where lengths are
-        missed all over, as those with noise are, there is nothing to turn.
-        """
-        if not self.metric.space.is_euclidean:
-            return
-        start = min(self.surfaces, key=lambda surface: surface.residual).vertices
-        left = most - self.log.factorizations - FIT
-        if self.search.numbers.size > COARSE:
-            start = start if self.smooth is None else self.smooth
-            if not misses_locally(self.energy, start, self.metric.lengths):
-                return
-        with self.log.stage("local search") as recorder:
-            found = local_search(
-                self.energy, self.system, start, self.metric.lengths, recorder, max(left, 0.0)
+            state = with_smoother(
+                state, min(realized, key=lambda surface: surface.surface.fine_roughness), pipeline
             )
+        return replace(state, trusted=bool(realized), cost=pipeline.work.factorizations)
+
+
+class GuidedPath(Strategy):
+    """Step 3 in all other cases: a guided path of metrics; by levels if vertices are many.
+
+    Needs the start; finds a candidate, and the smooth end of the path.
+    """
+
+    key = "guided path"
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.regularized_continuation import Continued
+
+        problem = pipeline.problem
+        kept = pipeline.checkpoints.resume()
+        if kept is not None and "guided" in kept:
+            guided = Continued(kept["smooth"], kept["guided"])
+        else:
+            guided = self._followed(started(state), pipeline, kept)
+        with pipeline.log.stage("polish") as recorder:
+            recorder.keep(guided=guided.vertices, smooth=guided.smooth)
+            found = problem.annealed(guided.vertices, recorder)
+            recorder.show(vertices=found.vertices)
+        state = with_smoother(state.adding(found, smooth=guided.smooth), found, pipeline)
+        return replace(state, cost=pipeline.work.factorizations)
+
+    def _followed(self, start: Floats, pipeline: Pipeline, kept: Arrays | None) -> Continued:
+        """Where the path ends, near enough to the lengths for Newton's method."""
+        from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
+        from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
+        from isoembed.linalg import SingularMatrix
+
+        problem, metric = pipeline.problem, pipeline.problem.metric
+        with pipeline.log.stage("guided pull back") as recorder:
+            if goes_by_levels(metric, kept):
+                with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
+                    found = pulled_back_by_levels(metric, problem.system, start, recorder, kept)
+                    if found is not None:
+                        return Continued(found, found)
+                kept = None
+            path = log_linear(metric, start)
+            return regularized_continuation(problem.energy(start), start, path, recorder, kept)
+
+
+class LocalSearch(Strategy):
+    """After a pull-back that missed the lengths: patches on the wrong side are turned over.
+
+    Needs the start and candidates; finds two more.  Coarse surfaces are searched from the nearest candidate,
+    others from the smooth end of the path: its pits are where they should be, which is more than that lengths
+    are nearly right.  Where lengths are missed all over, as those with noise are, there is nothing to turn.
+    """
+
+    key = "local search"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        is_euclidean = pipeline.problem.metric.space.is_euclidean
+        return is_euclidean and pipeline.method.effort > 0 and missed(state, pipeline)
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.local_search import COARSE, local_search, misses_locally
+
+        problem, lengths = pipeline.problem, pipeline.problem.metric.lengths
+        energy, start = problem.energy(started(state)), state.nearest.vertices
+        left = pipeline.patch_budget(state) - FIT  # the best fit has its share
+        if len(start) > COARSE:
+            start = start if state.smooth is None else state.smooth
+            if not misses_locally(energy, start, lengths):
+                return state
+        with pipeline.log.stage("local search") as recorder:
+            found = local_search(energy, problem.system, start, lengths, recorder, max(left, 0.0))
             recorder.show(vertices=found.end)
-            polished = anneal(self.system, found.end, self.metric.lengths, recorder).vertices
-        end = self.surface(polished)
-        self.surfaces += [end, self.surface(found.nearest)]
-        self.search_nearby(end)
+            end = problem.annealed(found.end, recorder)
+        return with_smoother(state.adding(end, problem.surface(found.nearest)), end, pipeline)
 
-    def change_sides(self, most: float) -> None:
-        """Reflect what is on the wrong side of the nearest attempt, with so many factorizations."""
-        nearest = min(self.surfaces, key=lambda surface: surface.residual)
-        if nearest.residual > self.good and self.metric.space.is_euclidean:
-            self.log.expect({"changes of sides": 500.0})
-            with self.log.stage("changes of sides") as recorder:
-                found = with_flipped_vertices(
-                    self.energy, self.system, nearest.vertices, self.metric.lengths, recorder, most
-                )
-            self.surfaces.append(self.surface(found))
-            self.search_nearby(self.surfaces[-1])
 
-    def guided(self, recorder: StageRecorder) -> Continued:
-        """Where the guided path ends, near enough to the lengths for Newton's method."""
-        kept = self.log.resumed_at("guided pull back")
-        if goes_by_levels(self.metric, kept):
-            with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
-                found = pulled_back_by_levels(self.metric, self.system, self.start, recorder, kept)
-                if found is not None:
-                    return Continued(found, found)
-            kept = None
-        path = log_linear(self.metric, self.start)
-        return regularized_continuation(self.energy, self.start, path, recorder, kept)
+class BestFitting(Strategy):
+    """Where the lengths are still missed: the best fit to them, which is one more start, too.
 
-    def best_fit(self, most: float) -> FittedSurface | None:
-        """The smooth surface that comes nearest to the lengths; it is one more start, too."""
-        left = most - self.log.factorizations - POLISH_STEPS
-        with self.log.stage("best fit") as recorder:
-            fit = best_fit(self.metric, self.energy, self.start, recorder, left)
+    Needs the start; finds two candidates and the fit.
+    """
+
+    key = "best fit"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return missed(state, pipeline)
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.anneal import POLISH_STEPS
+        from isoembed.aim.best_fit import best_fit
+
+        problem, start = pipeline.problem, started(state)
+        left = np.inf if pipeline.method.best_fit else pipeline.patch_budget(state) - POLISH_STEPS
+        with pipeline.log.stage("best fit") as recorder:
+            fit = best_fit(problem.metric, problem.energy(start), start, recorder, left)
             if fit is None:
-                return None
-            polished = anneal(self.system, fit.vertices, self.metric.lengths, recorder).vertices
-            self.surfaces += [self.surface(near) for near in (fit.vertices, polished)]
-        return FittedSurface(
-            self.metric,
-            fit.vertices,
-            noise=fit.noise,
-            weight=fit.weight,
-            method=self.search.name,
-            tolerance=self.search.tolerance,
+                return state
+            polished = problem.annealed(fit.vertices, recorder)
+        return state.adding(problem.surface(fit.vertices), polished, fit=fit)
+
+
+class VertexReflections(Strategy):
+    """With more effort: reflections of vertices on the wrong side of the nearest candidate.
+
+    Needs the start and candidates; finds one more.
+    """
+
+    key = "vertex reflections"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        problem = pipeline.problem
+        return (
+            pipeline.method.effort > 1
+            and not problem.accepts(state.nearest)
+            and problem.metric.space.is_euclidean
         )
 
-    def smoothest(self) -> Embedding:
-        """The smoothest of the realizations, with the others beside it; if none, the nearest attempt.
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.reflection_search import with_reflected_vertices
 
-        Of a convex metric the convex one goes before all others.
-        """
-        different: list[Embedding] = []
-        for surface in self.surfaces:
-            realized = surface.converged and surface.residual < NEARLY  # whatever the tolerance
-            if realized and all(surface.distance(other) > SAME for other in different):
-                different.append(surface)
-        if not different:
-            return min(self.surfaces, key=lambda surface: surface.residual)
-        if len(different) > 1:
-            convex = self.search.convexification.is_convex
-            different.sort(key=lambda s: (convex and s.surface.concave_edges.any(), s.surface.fine_roughness))
-        if not self.sought:
-            return different[0]._with_others(different[1:])
-        said = sought(SOFTEST, NEAR)
-        found = different[0]._with_others(different[1:], Evidence("searched", said))
-        return found._with_message(f"{found.message}; {said}")
+        problem, energy = pipeline.problem, pipeline.problem.energy(started(state))
+        pipeline.log.expect({"changes of sides": 500.0})
+        with pipeline.log.stage("changes of sides") as recorder:
+            vertices = with_reflected_vertices(
+                energy,
+                problem.system,
+                state.nearest.vertices,
+                problem.metric.lengths,
+                recorder,
+                pipeline.reflection_budget(state),
+            )
+        found = problem.surface(vertices)
+        return with_smoother(state.adding(found), found, pipeline)
+
+
+class Choice(Strategy):
+    """The smoothest candidate with the lengths; if there is none, the best fit, or a diagnosis."""
+
+    key, is_decision = "choice", True
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return True
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        problem, fit, method = pipeline.problem, state.fit, pipeline.method
+        found = smoothest(state.candidates, problem.is_convex, state.searched)
+        if found.converged or (problem.accepts(found) and fit is None):
+            return replace(state, answer=found)
+        from isoembed.aim.diagnosis import diagnosis
+
+        fitted = None
+        if fit is not None:
+            fitted = FittedSurface(
+                problem.metric,
+                fit.vertices,
+                noise=fit.noise,
+                weight=fit.weight,
+                method=problem.name,
+                tolerance=problem.tolerance,
+            )
+        if method.best_fit and fitted is not None:
+            return replace(state, answer=fitted)
+        said = diagnosis(found, fitted, method.effort)
+        return replace(state, answer=found._with_message(said))
+
+
+class Neighbors(Strategy):
+    """Other realizations near one that was found at once.
+
+    A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors apart,
+    and the search would cost more than all else.
+    """
+
+    key, is_decision = "neighbors", True
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        found = answered(state)
+        is_small = found.triangulation.n_vertices <= 150
+        return (
+            found.converged
+            and found.uniqueness is None
+            and is_small
+            and bool(found.surface.concave_edges.any())
+        )
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        return replace(state, answer=with_neighbors(answered(state), pipeline.log))
+
+
+class FitWithinDigits(Strategy):
+    """For rounded lengths: a smooth surface that agrees with them, in the place of a rough one or of none."""
+
+    key, is_decision = "fit within digits", True
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        found = answered(state)
+        doubtful = found.surface.rough_edges.any() if found.converged else not pipeline.method.best_fit
+        return bool(doubtful) and pipeline.problem.metric.rounding is not None
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.measured_lengths import within_digits
+
+        start = state.start
+        if start is None:
+            start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
+        return replace(state, answer=within_digits(answered(state), start, pipeline.log))
+
+
+class AskedFor(Strategy):
+    """The realization that the caller asked for, among those that were found."""
+
+    key, is_decision = "asked for", True
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return pipeline.method.which is not None and answered(state).converged
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        which = pipeline.method.which
+        assert which is not None
+        return replace(state, answer=asked_for(answered(state), which, pipeline.log))
+
+
+class SmootherWithinErrors(Strategy):
+    """For lengths with errors: the smooth fit, with the vertices of the exact surface if that is better."""
+
+    key, is_decision = "smoother within errors", True
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        return state.measured is not None
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        found, exact = measured_surface(state, pipeline), answered(state)
+        smoother = exact.converged and exact.surface.fine_roughness < found.surface.fine_roughness
+        if smoother or (not found.converged and exact.residual < found.residual):
+            found = replace(found, vertices=exact.vertices, weight=0.0, message="")
+        return replace(state, answer=found)
+
+
+# What strategies share
+
+
+def started(state: State) -> Floats:
+    """The start of the pull-back, which all strategies behind `NearestPolyhedron` need."""
+    assert state.start is not None
+    return state.start
+
+
+def answered(state: State) -> Embedding:
+    """The answer, which all strategies behind `Choice` need."""
+    assert state.answer is not None
+    return state.answer
+
+
+def accepted(state: State, problem: Problem, vertices: Floats) -> State:
+    """The state with a surface of which only the residual is in doubt, if that is small."""
+    found = problem.surface(vertices)
+    return state.adding(found, trusted=True) if problem.accepts(found) else state
+
+
+def missed(state: State, pipeline: Pipeline) -> bool:
+    """Whether no candidate is accepted."""
+    problem = pipeline.problem
+    return not problem.accepts(smoothest(state.candidates, problem.is_convex, state.searched))
+
+
+def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State:
+    """The state with smoother realizations near one, if the surface nearly is one."""
+    from isoembed.aim.nearby_realizations import nearby_realizations
+
+    problem = pipeline.problem
+    if not surface.residual < NEARLY:
+        return state
+    with pipeline.log.stage("neighbors") as recorder:
+        met = nearby_realizations(
+            problem.system,
+            surface.vertices,
+            problem.metric.lengths,
+            recorder,
+            residual_tolerance=REALIZED,
+        )
+    return state.adding(*map(problem.surface, met), searched=True)
+
+
+def fresh(problem: Problem) -> Problem:
+    """The same problem, of whose convexification nothing was asked."""
+    return Problem(problem.metric, problem.tolerance, problem.name)
+
+
+def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
+    """Vertices of the polyhedron of a convex metric nearby, (V, 3), or what comes nearest."""
+    from isoembed.alexandrov.method import convex_polyhedron
+    from isoembed.metric.conformal_sphere import conformal_sphere
+    from isoembed.metric.curvature import area
+    from isoembed.metric.delaunay import delaunay
+    from isoembed.metric.polyhedral import PolyhedralMetric
+
+    metric, log = problem.metric, pipeline.log
+    log.expect(PULL_BACK)
+    with log.stage("waypoint") as recorder:
+        convex = problem.convexification.metric(FAR_MARGIN, recorder)
+    if convex is not None:
+        try:
+            found = convex_polyhedron(convex.normalized, PLACED, log)
+            return problem.in_given_order(convex.unit * found.vertices)
+        except NotEmbedded as failure:
+            nearest = failure.embedding.vertices[: problem.numbers.size]
+            return problem.in_given_order(convex.unit * nearest)
+        except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
+            pass
+    with log.stage("sphere") as recorder:
+        x = problem.oriented(conformal_sphere(delaunay(metric), recorder).points)
+        return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
+
+
+def polished_polyhedron(vertices: Floats, pipeline: Pipeline) -> Embedding:
+    """The polyhedron of a convex metric on the given triangles, with the lengths to rounding if it may be."""
+    found = pipeline.problem.surface(vertices)
+    if not REALIZED < found.residual < NEARLY:
+        return found
+    with pipeline.log.stage("polish") as recorder:
+        polished = pipeline.problem.annealed(vertices, recorder)
+    return found if polished.surface.concave_edges.any() else polished
+
+
+def measured_surface(state: State, pipeline: Pipeline) -> MeasuredSurface:
+    """The smooth surface within the errors of the lengths."""
+    from isoembed.aim.measured_lengths import measured_surface
+
+    assert state.measured is not None
+    problem = pipeline.problem
+    return measured_surface(pipeline.metric, state.measured, problem.name, problem.tolerance)
+
+
+STRATEGIES = (
+    FitWithinErrors(),
+    NewtonOnRadii(),
+    NearestPolytope(),
+    NewtonFromPolytope(),
+    NearestPolyhedron(),
+    NewtonOnLengths(),
+    PatchReflections(),
+    GuidedPath(),
+    LocalSearch(),
+    BestFitting(),
+    VertexReflections(),
+    Choice(),
+    Neighbors(),
+    FitWithinDigits(),
+    AskedFor(),
+    SmootherWithinErrors(),
+)

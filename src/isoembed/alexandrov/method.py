@@ -205,14 +205,12 @@ class _Search:
         with log.stage("flat vertices") as recorder:
             core, removal = remove_flat_vertices(original, self.flat)
             recorder.iterations = int(self.flat.sum())
+        belongs = {"deficits": given.deficits, "flat": self.flat}
+        kept = log.checkpoints.resume(**belongs)
         with log.stage("polytope") as recorder:
             order = core.order_in_memory()
             curved = np.flatnonzero(~self.flat)[order]
             tables = core.in_order(order)
-            belongs = {"deficits": given.deficits, "flat": self.flat}
-            kept = log.resumed_at("polytope")
-            if kept is not None and not all(np.array_equal(kept[name], belongs[name]) for name in belongs):
-                kept = None
             watch = _Watch.resumed(kept)
             path = follow_path(
                 tables,

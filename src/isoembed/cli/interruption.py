@@ -13,7 +13,8 @@ from isoembed.cli.screen import UsageError, print_error
 from isoembed.cli.signals import handled
 from isoembed.errors import Interrupted
 from isoembed.io import CHECKPOINT_ENDINGS, FileError, check_output, checkpoint_writer, write_atomically
-from isoembed.progress.stages import Checkpoint, Progress
+from isoembed.progress.checkpoints import Checkpoint
+from isoembed.progress.stages import Progress
 
 ENDING = ".checkpoint.npz"  # after the name of the output
 FOLDER = "isoembed-checkpoint-"  # before the name of a temporary folder

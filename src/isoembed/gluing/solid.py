@@ -11,7 +11,8 @@ from isoembed.methods import configured
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.nonlinear.acceptance import contraction
 from isoembed.nonlinear.stopping import never
-from isoembed.progress.stages import Checkpoint, Listener, Log
+from isoembed.progress.checkpoints import Checkpoint
+from isoembed.progress.stages import Listener, Log
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
 

@@ -10,13 +10,13 @@ from isoembed.io import npz
 from isoembed.io.files import FileError, Tables, Writer, check_ending, write_atomically
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import check_output
+from isoembed.progress.checkpoints import Checkpoint
 from isoembed.progress.fingerprint import Fingerprint
-from isoembed.progress.stages import Checkpoint
 
 CHECKPOINT_ENDINGS = (".npz",)
 
-KEPT = "kept/"  # before the names of the arrays, which are the method's own
-TEXTS = ("stage", "metric", "method", "version")
+KEPT, STATE = "kept/", "state/"  # before the names of the arrays, which are the method's own
+TEXTS = ("key", "metric", "method", "version")
 TOLERANCE = "tolerance"
 FACTORIZATIONS = "factorizations"
 
@@ -44,8 +44,11 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     texts = {name: _scalar(tables, name, "U", file) for name in TEXTS}
     tolerance = _scalar(tables, TOLERANCE, "f", file)
     fingerprint = Fingerprint(texts["metric"], texts["method"], tolerance, texts["version"])
-    arrays = {name.removeprefix(KEPT): array for name, array in tables.items() if name.startswith(KEPT)}
-    return Checkpoint(texts["stage"], arrays, fingerprint, _scalar(tables, FACTORIZATIONS, "i", file))
+    arrays, state = (
+        {name.removeprefix(prefix): array for name, array in tables.items() if name.startswith(prefix)}
+        for prefix in (KEPT, STATE)
+    )
+    return Checkpoint(texts["key"], arrays, state, fingerprint, _scalar(tables, FACTORIZATIONS, "i", file))
 
 
 def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
@@ -60,8 +63,9 @@ def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
     if fingerprint is None:
         raise ValueError("the checkpoint does not say which computation it belongs to")
     tables: dict[str, Any] = {KEPT + name: array for name, array in checkpoint.arrays.items()}
+    tables |= {STATE + name: array for name, array in checkpoint.state.items()}
     tables |= {name: getattr(fingerprint, name) for name in ("metric", "method", "version")}
-    tables |= {"stage": checkpoint.stage, TOLERANCE: fingerprint.tolerance}
+    tables |= {"key": checkpoint.key, TOLERANCE: fingerprint.tolerance}
     tables[FACTORIZATIONS] = checkpoint.factorizations
     return lambda temporary: npz.write(temporary, tables)
 

@@ -1,4 +1,7 @@
-"""Stages of a computation: their costs, snapshots for a listener, and checkpoints."""
+"""Stages of a computation: their costs, and snapshots for a listener.
+
+They only watch: nothing that a computation decides depends on them, least of all on what stages are called.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.progress.fingerprint import Fingerprint
+from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.time_left import TimeLeft
+from isoembed.progress.work import Work
 
 
 @dataclass(frozen=True)
@@ -81,46 +84,41 @@ class Progress:
     checkpoint: Checkpoint | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Checkpoint:
-    """State of an interrupted computation, from which it can go on.
-
-    Attributes
-    ----------
-    stage : str
-        The stage that kept it.
-    arrays : mapping of str to ndarray
-        What that stage needs to go on.
-    fingerprint : Fingerprint or None
-        What was being computed.
-    factorizations : int
-        Sparse factorizations of the computation until then.
-    """
-
-    stage: str
-    arrays: Mapping[str, NDArray[Any]]
-    fingerprint: Fingerprint | None = None
-    factorizations: int = 0
-
-
 Listener = Callable[[Progress], None]
 
 
 @dataclass
 class StageRecorder:
-    """Recorder of one running stage: its counters, snapshots and checkpoints.
+    """Recorder of one running stage, its snapshots and checkpoints.
 
-    A stage's code adds to the counters as it goes, calls `show`, and `keep` with what it could go on from.
+    A stage's code counts its iterations and factorizations here, calls `show`, and `keep` with what it could
+    go on from.
     """
 
     name: str
     log: Log
     iterations: int = 0
-    factorizations: int = 0
-    _before: int = 0  # factorizations of the computation when the stage began
+    _begun: int = field(init=False)  # factorizations of the computation when the stage began
     _last: dict[str, Any] = field(
         default_factory=lambda: dict.fromkeys(("t", "residual", "inverted", "partially_inverted", "level"))
     )
+
+    def __post_init__(self) -> None:
+        self._begun = self.work.factorizations
+
+    @property
+    def work(self) -> Work:
+        """Work of the computation, by which budgets are measured."""
+        return self.log.work
+
+    @property
+    def factorizations(self) -> int:
+        """Sparse factorizations of the stage, which are work of the computation."""
+        return self.work.factorizations - self._begun
+
+    @factorizations.setter
+    def factorizations(self, count: int) -> None:
+        self.work.factorizations = self._begun + count
 
     def show(
         self,
@@ -152,42 +150,28 @@ class StageRecorder:
         if log.listener is not None:
             seconds, remaining = log.clock() - log.start, log.time_left.remaining
             now = {**self._last, "seconds": seconds, "remaining": remaining, "vertices": vertices}
-            log.listener(Progress(self.name, self.iterations, **now, checkpoint=log.checkpoint))
+            log.listener(Progress(self.name, self.iterations, **now, checkpoint=log.checkpoints.last))
 
     def keep(self, **arrays: ArrayLike) -> None:
-        """Replace the checkpoint by what this stage could go on from.
-
-        It costs nothing: arrays are not copied, so they must not change any more.  What is kept has to hold
-        in the unit of ``metric.normalized``, and for the given vertices in the given order.
-        """
-        kept = {key: np.asarray(value) for key, value in arrays.items()}
-        self.log.checkpoint = Checkpoint(
-            self.name, kept, self.log.fingerprint, self._before + self.factorizations
-        )
+        """Replace the checkpoint by what the running strategy could go on from; see `Checkpoints.keep`."""
+        self.log.checkpoints.keep(**arrays)
 
 
 @dataclass
 class Log:
-    """Record of one computation: its stages and its last checkpoint.
+    """Record of the stages of one computation, which sends snapshots of them to a listener.
 
     Parameters
     ----------
     listener : callable, optional
         Receives a `Progress` at every iteration.
-    resumed : Checkpoint, optional
-        What to go on from.
-    fingerprint : Fingerprint, optional
-        What is being computed.
+    checkpoints : Checkpoints, optional
+        Of the computation, with its work.
     clock : callable
         The time in seconds; by default it stands still while functions are compiled.
 
     Attributes
     ----------
-    checkpoint : Checkpoint or None
-        What was kept last; until then, what the computation itself goes on from.
-    factorizations : int
-        Sparse factorizations of the closed stages and of those before the checkpoint.  What is done again to
-        go on from it counts once, so that an interruption changes nothing.
     start : float
         When it began.
     time_left : TimeLeft
@@ -195,46 +179,35 @@ class Log:
     """
 
     listener: Listener | None = None
-    resumed: Checkpoint | None = None
-    fingerprint: Fingerprint | None = None
+    checkpoints: Checkpoints = field(default_factory=Checkpoints)
     clock: Callable[[], float] = time.perf_counter
-    checkpoint: Checkpoint | None = field(init=False)
-    factorizations: int = field(init=False, default=0)
     start: float = field(init=False)
     time_left: TimeLeft = field(init=False)
     _stages: list[Stage] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
-        self.checkpoint = self.resumed
         self.start = self.clock()
         self.time_left = TimeLeft(self.clock)
 
     @property
-    def begun(self) -> str | None:
-        """The stage to go on from, if any."""
-        return None if self.resumed is None else self.resumed.stage
+    def work(self) -> Work:
+        """Work of the computation."""
+        return self.checkpoints.work
 
     def expect(self, weights: Mapping[str, float]) -> None:
         """Announce which stages come next and what they cost; see `TimeLeft.expect`."""
         self.time_left.expect(weights)
 
-    def resumed_at(self, stage: str) -> Mapping[str, NDArray[Any]] | None:
-        """Arrays of the checkpoint to go on from, if this stage kept it."""
-        return self.resumed.arrays if self.resumed is not None and stage == self.begun else None
-
     @contextmanager
     def stage(self, name: str) -> Iterator[StageRecorder]:
         """Open a stage; its costs are recorded when it closes, also when it fails."""
-        if self.resumed is not None and self.resumed.stage == name:
-            self.factorizations = self.resumed.factorizations
-        recorder, begin = StageRecorder(name, self, _before=self.factorizations), self.clock()
+        recorder, begin = StageRecorder(name, self), self.clock()
         self.time_left.begin(name)
         try:
             recorder.show()
             yield recorder
         finally:
             seconds = self.clock() - begin
-            self.factorizations += recorder.factorizations
             self._stages.append(Stage(name, seconds, recorder.iterations, recorder.factorizations))
             self.time_left.end()
 

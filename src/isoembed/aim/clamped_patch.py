@@ -1,4 +1,4 @@
-"""A patch of a surface that moves while the rest is held: its energy, and the local minima of that.
+"""Clamped patch: vertices that move while the rest of the surface is fixed, their energy and its minima.
 
 The energy is that of `isoembed.aim.regularized_energy`.  Patches are small: their matrices are dense.
 """
@@ -21,7 +21,7 @@ from isoembed.nonlinear.stopping import settled
 
 
 @dataclass(frozen=True, eq=False)
-class HeldPatch:
+class ClampedPatch:
     """The energy as a function of a few vertices, the others being held.
 
     Attributes
@@ -61,7 +61,7 @@ class HeldPatch:
         vertices: Indices,
         mu: float,
         spend: Callable[[float], None],
-    ) -> HeldPatch:
+    ) -> ClampedPatch:
         """That of these vertices."""
         triangulation, R = energy.triangulation, energy.fit_residuals
         n = len(vertices)

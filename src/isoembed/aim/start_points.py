@@ -1,4 +1,4 @@
-"""Leads: places near a surface from where Newton's method may come to other realizations of its lengths.
+"""Start points near a surface, from which Newton's method may come to other realizations of its lengths.
 
 They are ends of motions: all roots of the quadratic equations in several of the motions to where others are
 predicted (`nearby_motions`, `nearby_realizations`).  Each comes with the roughness that is expected there, as
@@ -19,22 +19,24 @@ from isoembed.arrays import Floats
 from isoembed.surface.smoothness import QuinticResiduals
 
 
-class Lead(NamedTuple):
+class StartPoint(NamedTuple):
     """Where to start Newton's method, and how rough the realization is expected to be."""
 
     roughness: float
     vertices: Floats
 
 
-class Leads(NamedTuple):
-    """Leads, the smoothest first, and how many systems of quadratic equations were solved incompletely."""
+class StartPoints(NamedTuple):
+    """Start points, the smoothest first, and the number of systems of equations solved incompletely."""
 
-    leads: list[Lead]
+    points: list[StartPoint]
     incomplete: int
 
 
-def leads(expansion: LengthExpansion, count: int, distance: float, hidden: int = 0, always: int = 0) -> Leads:
-    """Leads from a surface.
+def start_points(
+    expansion: LengthExpansion, count: int, distance: float, hidden: int = 0, always: int = 0
+) -> StartPoints:
+    """Start points near a surface.
 
     Parameters
     ----------
@@ -73,7 +75,7 @@ def leads(expansion: LengthExpansion, count: int, distance: float, hidden: int =
             if all(np.abs(motion - other).max() > close for other in tried):
                 tried.append(motion)
     plausible = [motion for motion in tried if _is_plausible(expansion, motion)]
-    return Leads(_smoothest_first(expansion, plausible, charts), incomplete)
+    return StartPoints(_smoothest_first(expansion, plausible, charts), incomplete)
 
 
 def _groups(found: Motions, soft: Floats, count: int) -> list[Floats]:
@@ -94,8 +96,8 @@ def _groups(found: Motions, soft: Floats, count: int) -> list[Floats]:
 
 def _smoothest_first(
     expansion: LengthExpansion, motions: list[Floats], charts: QuinticResiduals
-) -> list[Lead]:
-    """Leads to the ends of motions, and to the end of those together that make the surface smoother.
+) -> list[StartPoint]:
+    """Start points at the ends of motions, and to the end of those together that make the surface smoother.
 
     Motions are taken together that are beside each other, so that what the lengths are off adds up.
     """
@@ -110,8 +112,8 @@ def _smoothest_first(
         # Lengths after motions together, over the sum of each alone.
         if expected < smoothest and (not count or _missed(expansion, end) <= 1.5 * apart):
             together, smoothest, count = end, expected, count + 1
-    found = [Lead(roughness[i], x + motions[i]) for i in order]
-    return [Lead(smoothest, x + together), *found] if count > 1 else found
+    found = [StartPoint(roughness[i], x + motions[i]) for i in order]
+    return [StartPoint(smoothest, x + together), *found] if count > 1 else found
 
 
 def _is_plausible(expansion: LengthExpansion, motion: Floats) -> bool:

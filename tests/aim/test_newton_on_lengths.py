@@ -4,7 +4,8 @@ import numpy as np
 
 import smooth_bodies
 from isoembed.aim.accuracy import REALIZED
-from isoembed.aim.lengths_newton import LENGTHS_DEVIATION, newton_on_lengths
+from isoembed.aim.newton_on_lengths import newton_on_lengths
+from isoembed.aim.strategies import LENGTHS_DEVIATION
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.rigidity import LengthSystem

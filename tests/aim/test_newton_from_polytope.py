@@ -1,13 +1,15 @@
 """Newton's method on the radii from a polyhedron: convex and nearly convex metrics in few factorizations."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 import smooth_bodies
 from convex import CONVEX, in_units
 from isoembed.aim.convexification import NEAR_MARGIN, Convexification
-from isoembed.aim.radii_leap import _reflected, newton_on_radii, radii_start
-from isoembed.aim.radii_newton import inverted_vertices, without_curvature
+from isoembed.aim.newton_from_polytope import _reflected, newton_from_polytope, polytope_start
+from isoembed.aim.newton_on_radii import inverted_vertices, without_curvature
 from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
@@ -15,7 +17,7 @@ from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.surface.measures import vertex_normals
+from isoembed.surface.measures import outward, vertex_normals
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from sprinkled import box
 
@@ -26,8 +28,8 @@ def solved(metric):
     with log.stage("waypoint") as recorder:
         convex = Convexification(given).metric(NEAR_MARGIN, recorder)
     analyses = Analyses.of(given.half_edges())
-    start = radii_start(given, convex, analyses, log)
-    return start, newton_on_radii(given, start, analyses, log), log
+    start = polytope_start(given, convex, analyses, log)
+    return start, newton_from_polytope(given, start, analyses, log, partial(outward, given.faces)), log
 
 
 @pytest.mark.parametrize("name", CONVEX)
@@ -71,7 +73,8 @@ def test_it_deviates_to_second_order():
         convex = GluedMetric.of(metric.with_lengths(start.lengths))
         given = GluedMetric.of(metric)
         analyses, log = Analyses.of(given.half_edges()), Log()
-        solution = newton_on_radii(given, radii_start(given, convex, analyses, log), analyses, log)
+        start = polytope_start(given, convex, analyses, log)
+        solution = newton_from_polytope(given, start, analyses, log, partial(outward, given.faces))
         missed.append(solution.branch_deviation)
     assert 3 < missed[0] / missed[1] < 5
 
@@ -94,7 +97,7 @@ def test_flat_vertices_have_no_radii():
     vertices, faces, flat = box(3)
     assert flat.any()
     metric = GluedMetric.of(in_units(vertices, faces)[1])
-    assert radii_start(metric, metric, Analyses.of(metric.half_edges()), Log()) is None
+    assert polytope_start(metric, metric, Analyses.of(metric.half_edges()), Log()) is None
 
 
 @pytest.mark.parametrize("rank", [0, 10, 20, 40])

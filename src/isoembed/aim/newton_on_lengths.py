@@ -1,4 +1,4 @@
-"""Newton's method on the lengths, from a surface nearby at once to the given ones, while it converges."""
+"""Newton's method on the lengths, undamped, from a surface nearby to the given lengths at once."""
 
 from dataclasses import dataclass
 
@@ -13,12 +13,10 @@ from isoembed.surface.convexity import umbrella_heights
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
 
-LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
-
 
 @dataclass(frozen=True, eq=False)
 class BranchSolution:
-    """Where Newton's method on the lengths, or on the radii (`isoembed.aim.radii_leap`), ends.
+    """Where Newton's method on the lengths, or on the radii (`isoembed.aim.newton_from_polytope`), ends.
 
     Attributes
     ----------

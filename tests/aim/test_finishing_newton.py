@@ -6,7 +6,7 @@ import pytest
 import smooth_bodies
 import zoo
 from isoembed.aim.anneal import anneal
-from isoembed.aim.completion import completed
+from isoembed.aim.finishing_newton import completed
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 

@@ -1,7 +1,7 @@
-"""From a surface that nearly has its lengths to one that has them, by changes of sides.
+"""Search by vertex reflections, from a surface that nearly has its lengths to one that has them.
 
 Such a surface has, as a rule, a few vertices on the wrong side of their neighbors.  About a minimum of
-``|r|^2 + mu |R x|^2`` changes of sides (`isoembed.aim.side_changes`) are tried; for what promises less energy
+``|r|^2 + mu |R x|^2`` `isoembed.aim.vertex_reflections` are tried; for what promises less energy
 the whole surface is brought to its minimum (`isoembed.aim.energy_descent`).  mu falls with the errors, by the
 balance of the two terms, and where nothing helps.
 """
@@ -14,18 +14,19 @@ import numpy as np
 
 from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
 from isoembed.aim.anneal import anneal
-from isoembed.aim.condensed_patch import Condensation
 from isoembed.aim.energy_descent import descended
-from isoembed.aim.length_search import LengthSearch
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.aim.side_changes import GAIN, PATCHES, SideChange, SideChanges
+from isoembed.aim.schur_complement import Condensation
+from isoembed.aim.search_state import SearchState
+from isoembed.aim.vertex_reflections import GAIN, PATCHES, ReflectionTrial, ReflectionTrials
 from isoembed.arrays import Floats
 from isoembed.linalg import OutOfMemory, SingularMatrix
 from isoembed.progress.stages import StageRecorder
+from isoembed.progress.work import Budget
 from isoembed.surface.rigidity import LengthSystem
 
 
-def with_flipped_vertices(
+def with_reflected_vertices(
     energy: RegularizedEnergy,
     system: LengthSystem,
     vertices: Floats,
@@ -56,19 +57,19 @@ def with_flipped_vertices(
     ndarray, shape (V, 3)
         What misses the lengths least of all that was met.
     """
-    search = _Flips(energy, system, vertices, lengths, recorder, most)
-    search.follow(vertices, search.told(vertices))
+    search = _ReflectionSearch(energy, system, vertices, lengths, recorder, Budget(recorder.work, most))
+    search.follow(vertices, search.balanced_penalty(vertices))
     passed_over = 0
     while search.turn is not None and not (search.is_done or search.pass_over):
         passed_over += 1
         search.pass_over = passed_over
         search.follow(*search.turn)
-    recorder.factorizations += round(search.cost)
+    recorder.factorizations += round(search.budget.shares)
     return search.nearest
 
 
-class _Flips(LengthSearch):
-    """The search by changes of sides.
+class _ReflectionSearch(SearchState):
+    """The search by vertex reflections.
 
     Attributes
     ----------
@@ -87,7 +88,7 @@ class _Flips(LengthSearch):
         """Whether there is no more to do, or may not be done."""
         return self.missed <= REALIZED or self.exhausted
 
-    def told(self, x: Floats) -> float:
+    def balanced_penalty(self, x: Floats) -> float:
         """The mu that balances the two terms of the energy."""
         r = self.energy.residuals(x, self.lengths)
         rough = max(np.sum((self.energy.fit_residuals @ x) ** 2), np.finfo(float).tiny)
@@ -103,10 +104,10 @@ class _Flips(LengthSearch):
 
     def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
         """The minimum of the energy, with so many factorizations at most."""
-        begun = self.recorder.factorizations
+        descent = Budget(self.recorder.work, most)
 
         def is_enough(_: Floats) -> bool:
-            return self.recorder.factorizations - begun >= most or self.exhausted
+            return descent.exhausted or self.exhausted
 
         x = descended(self.energy, x, self.lengths, mu, self.recorder, is_enough)
         self.keep(x)
@@ -114,12 +115,12 @@ class _Flips(LengthSearch):
         return x
 
     def follow(self, x: Floats, mu: float) -> None:
-        """Let mu fall from one value on, and take what changes of sides help, until none does."""
+        """Let mu fall from one value on, and take what reflections help, until none does."""
         x, vain, was_fine = self.descended(x, mu), 0, False
         while not self.is_done:
-            told = self.told(x)
-            if told < 0.9 * mu:
-                x, mu = self.descended(x, told), told
+            balanced = self.balanced_penalty(x)
+            if balanced < 0.9 * mu:
+                x, mu = self.descended(x, balanced), balanced
                 continue
             # Mean edge lengths^2: below it every kind of change is tried.
             fine = mu < 1e-8 * self.energy.unit**2
@@ -137,22 +138,24 @@ class _Flips(LengthSearch):
             x = self.descended(x, mu)
 
     def better(self, x: Floats, mu: float, kinds: int | None) -> Floats | None:
-        """The minimum of less energy that a change of sides leads to; None if none is found.
+        """The minimum of less energy that a reflection leads to; None if none is found.
 
         Single vertices are reflected in patches of so many kinds; for None, all that there is.
         """
         try:
-            surface = Condensation(self.energy, x, self.lengths, mu, self.spend)
+            surface = Condensation(self.energy, x, self.lengths, mu, self.budget.spend)
         except (SingularMatrix, OutOfMemory):
             return None
-        changes = SideChanges(surface, lambda: self.is_done)
+        changes = ReflectionTrials(surface, lambda: self.is_done)
         for tries in _tries(changes, kinds):
             found = self.first_better(surface, tries)
             if found is not None or self.is_done:
                 return found
         return None
 
-    def first_better(self, surface: Condensation, tries: Sequence[Sequence[SideChange]]) -> Floats | None:
+    def first_better(
+        self, surface: Condensation, tries: Sequence[Sequence[ReflectionTrial]]
+    ) -> Floats | None:
         """The first minimum of less energy that some changes together lead to."""
         vain = 0
         for changes in tries:
@@ -173,7 +176,7 @@ class _Flips(LengthSearch):
         return None
 
 
-def _tries(changes: SideChanges, kinds: int | None) -> Iterator[list[list[SideChange]]]:
+def _tries(changes: ReflectionTrials, kinds: int | None) -> Iterator[list[list[ReflectionTrial]]]:
     """What to try, kind by kind: each time some changes together."""
     for found in changes.singles(len(PATCHES) if kinds is None else kinds):
         yield _one_by_one(found)
@@ -185,11 +188,11 @@ def _tries(changes: SideChanges, kinds: int | None) -> Iterator[list[list[SideCh
             yield _one_by_one(found)
 
 
-def _one_by_one(changes: Iterable[SideChange]) -> list[list[SideChange]]:
+def _one_by_one(changes: Iterable[ReflectionTrial]) -> list[list[ReflectionTrial]]:
     return [[change] for change in changes]
 
 
-def _halves(changes: list[SideChange]) -> list[list[SideChange]]:
+def _halves(changes: list[ReflectionTrial]) -> list[list[ReflectionTrial]]:
     """All, the better half, and so on, down to two."""
     halves = []
     while len(changes) > 1:

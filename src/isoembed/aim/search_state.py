@@ -1,14 +1,15 @@
-"""A search for a surface with given lengths: what it has spent, and what has missed them least."""
+"""State of a search for a surface with given lengths: its budget, and the nearest surface so far."""
 
 import numpy as np
 
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.progress.stages import StageRecorder
+from isoembed.progress.work import Budget
 from isoembed.surface.rigidity import LengthSystem
 
 
-class LengthSearch:
+class SearchState:
     """What searches share.
 
     Parameters
@@ -21,14 +22,11 @@ class LengthSearch:
         Where it begins.
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Counts factorizations.
-    most : float
-        Factorizations after which nothing more is tried.
+        Listens.
+    budget : Budget
 
     Attributes
     ----------
-    cost : float
-        What counts as shares of factorizations, added up.
     nearest : ndarray, shape (V, 3)
         What has missed the lengths least of all that was kept.
     missed : float
@@ -42,25 +40,16 @@ class LengthSearch:
         vertices: Floats,
         lengths: Floats,
         recorder: StageRecorder,
-        most: float,
+        budget: Budget,
     ) -> None:
-        self.energy, self.system, self.lengths, self.recorder = energy, system, lengths, recorder
-        self.most, self.cost, self._begun = most, 0.0, recorder.factorizations
+        self.energy, self.system, self.lengths = energy, system, lengths
+        self.recorder, self.budget = recorder, budget
         self.nearest, self.missed = vertices, self.largest_residual(vertices)
-
-    def spend(self, cost: float) -> None:
-        """Add what counts as a share of a factorization."""
-        self.cost += cost
-
-    @property
-    def spent(self) -> float:
-        """Factorizations, and what else counts as shares of one."""
-        return self.recorder.factorizations - self._begun + self.cost
 
     @property
     def exhausted(self) -> bool:
-        """Whether as much is spent as may be."""
-        return self.spent >= self.most
+        """Whether the budget is."""
+        return self.budget.exhausted
 
     def largest_residual(self, x: Floats) -> float:
         """Largest error of the lengths, in mean edge lengths."""
@@ -75,5 +64,5 @@ class LengthSearch:
 
     def show(self, x: Floats) -> None:
         """Tell a listener of a surface, and of the share of the search that is done."""
-        done = 1.0 if self.exhausted else self.spent / self.most
+        done = 1.0 if self.budget.exhausted else self.budget.spent / self.budget.limit
         self.recorder.show(vertices=x, residual=self.largest_residual(x), done=done)

@@ -7,9 +7,9 @@ import isoembed
 import smooth_bodies
 from isoembed import Aim, NotEmbedded
 from isoembed.aim.anneal import anneal
-from isoembed.aim.flipped_vertices import _halves, with_flipped_vertices
+from isoembed.aim.reflection_search import _halves, with_reflected_vertices
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.aim.side_changes import reflections
+from isoembed.aim.vertex_reflections import reflections
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.linalg import OutOfMemory
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -32,7 +32,7 @@ def pushed_in():
 def searched(metric, charts, start, most):
     recorder = smooth_bodies.recorder()
     energy, system = RegularizedEnergy(metric, charts), LengthSystem(metric.triangulation)
-    return with_flipped_vertices(energy, system, start, metric.lengths, recorder, most), recorder
+    return with_reflected_vertices(energy, system, start, metric.lengths, recorder, most), recorder
 
 
 def missed(metric, vertices):

@@ -1,8 +1,8 @@
-"""Changes of sides: reflections of vertices in the planes of their neighbors, and what becomes of them.
+"""Vertex reflections in the planes of neighbors, each relaxed with the patch about it.
 
 No small motion brings a vertex to the other side of its neighbors: near flat places lengths change in second
 order alone.  So vertices are reflected, and the patch about each is relaxed, the rest following
-(`isoembed.aim.condensed_patch`).  Tried are those where the lengths are missed most.
+(`isoembed.aim.schur_complement`).  Tried are those where the lengths are missed most.
 
 Where J becomes singular, the errors r that stay are a stress in equilibrium, and spread.  If the reflection
 of a vertex changes the lengths by d, what is left of them is ``(|r|^2 + r . d)^2 / |r|^2``, to first order.
@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isoembed.aim.condensed_patch import Condensation, CondensedPatch
+from isoembed.aim.schur_complement import Condensation, CondensedPatch
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
@@ -33,7 +33,7 @@ PROMISE = (0.03, 2.0)  # -r . d over |r|^2 of a shallow vertex: least and most
 GAIN = 1e-3  # relative decrease of the energy that counts
 
 
-class SideChange(NamedTuple):
+class ReflectionTrial(NamedTuple):
     """What becomes of a reflection.
 
     Attributes
@@ -55,8 +55,8 @@ class SideChange(NamedTuple):
         return self.patch.followed(self.motion)
 
 
-class SideChanges:
-    """The changes of sides of a surface at a minimum of its energy.
+class ReflectionTrials:
+    """Vertex reflections of a surface at a minimum of its energy.
 
     Parameters
     ----------
@@ -72,19 +72,19 @@ class SideChanges:
     def _reflected(self) -> Floats:
         return reflections(self.surface.energy.triangulation, self.surface.vertices)
 
-    def singles(self, kinds: int) -> Iterator[list[SideChange]]:
+    def singles(self, kinds: int) -> Iterator[list[ReflectionTrial]]:
         """Single vertices that promise less energy, the best first, in patches of so many kinds in turn."""
         return self._in_patches(PATCHES[:kinds], 1)
 
-    def pairs(self) -> Iterator[list[SideChange]]:
+    def pairs(self) -> Iterator[list[ReflectionTrial]]:
         """Pairs of vertices that do."""
         # Kinds of patches in which pairs of vertices are reflected, at last.
         return self._in_patches(PATCHES[:3], 2)
 
-    def _in_patches(self, patches: Sequence[tuple[int, int]], count: int) -> Iterator[list[SideChange]]:
+    def _in_patches(self, patches: Sequence[tuple[int, int]], count: int) -> Iterator[list[ReflectionTrial]]:
         tried: set[tuple[int, int]] = set()
         for centers, rings in patches:
-            changes: list[SideChange] = []
+            changes: list[ReflectionTrial] = []
             for center in self._most_missed(centers):
                 if (center, rings) in tried:
                     continue
@@ -93,9 +93,9 @@ class SideChanges:
                 changes += self._relaxed(center, rings, flipped)
             yield self._promising(changes)
 
-    def shallow(self) -> list[SideChange]:
+    def shallow(self) -> list[ReflectionTrial]:
         """Shallow vertices that promise less energy, the best first, their patches apart."""
-        changes: list[SideChange] = []
+        changes: list[ReflectionTrial] = []
         for v in self._shallow():
             changes += self._relaxed(v, RINGS, [(v,)])
         taken = np.zeros(len(self.surface.vertices), dtype=bool)
@@ -106,13 +106,15 @@ class SideChanges:
                 apart.append(change)
         return apart
 
-    def _promising(self, changes: Sequence[SideChange]) -> list[SideChange]:
+    def _promising(self, changes: Sequence[ReflectionTrial]) -> list[ReflectionTrial]:
         """Those with which the energy falls; where it would fall below 0 the expansion is wrong."""
         value = self.surface.value
         promising = [change for change in changes if -value < change.growth < -GAIN * value]
         return sorted(promising, key=lambda change: change.growth)
 
-    def _relaxed(self, center: int, rings: int, flipped: Iterable[tuple[int, ...]]) -> Iterator[SideChange]:
+    def _relaxed(
+        self, center: int, rings: int, flipped: Iterable[tuple[int, ...]]
+    ) -> Iterator[ReflectionTrial]:
         """What becomes of reflections of some vertices in the patch about a center."""
         vertices = self._about(center, rings)
         if self.is_done() or len(vertices) > LARGEST:
@@ -129,7 +131,7 @@ class SideChanges:
             relaxed, growth = patch.relaxed(motion)
             # Share of its way that is left to a vertex on the other side.
             if np.abs(relaxed).max() > 1e-3 * np.abs(motion).max():  # else all have fallen back
-                yield SideChange(growth, patch, relaxed)
+                yield ReflectionTrial(growth, patch, relaxed)
 
     def _about(self, center: int, rings: int) -> Indices:
         """The vertices within so many rings of one."""

@@ -1,5 +1,7 @@
 """Newton's method on the radii at once: convex and nearly convex metrics, or None."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,8 @@ import isoembed
 import smooth_bodies
 import zoo
 from convex import CONVEX, in_units
-from isoembed.aim import radii_newton
-from isoembed.aim.radii_newton import newton_on_radii_at_once
+from isoembed.aim import newton_on_radii as module
+from isoembed.aim.newton_on_radii import newton_on_radii
 from isoembed.alexandrov import homotopy
 from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.polytope import Polytope
@@ -16,6 +18,7 @@ from isoembed.gallery import HarmonicSurface, triangulate
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
+from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import length_residuals
 from sprinkled import box
 
@@ -24,7 +27,7 @@ def at_once(metric):
     """What the given triangles alone lead to, and the log."""
     given, log = GluedMetric.of(metric), Log()
     analyses = Analyses.of(given.half_edges())
-    return newton_on_radii_at_once(given, analyses, log, np.arange(given.n_vertices)), log
+    return newton_on_radii(given, analyses, log, partial(outward, given.faces)), log
 
 
 AT_ONCE = {**CONVEX, "drum": smooth_bodies.drum(), "fluted": triangulate(HarmonicSurface(3, 2, 0.12), 500)}
@@ -50,7 +53,7 @@ def test_what_has_too_many_negative_eigenvalues_is_left_to_flips(monkeypatch):
     vertices, metric = in_units(*mesh)
     assert at_once(metric)[0] is None
     assert smooth_bodies.misfit(isoembed.embed(metric).vertices, vertices) < 1e-10
-    monkeypatch.setattr(radii_newton, "CONVEX", 2)
+    monkeypatch.setattr(module, "CONVEX", 2)
     found, _ = at_once(metric)  # it has the same lengths
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-12
     assert smooth_bodies.misfit(found, vertices) > 1e-3

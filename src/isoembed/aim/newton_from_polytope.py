@@ -1,22 +1,23 @@
-"""Newton's method on the radii where the given triangles do not lead there at once: from a convex polyhedron.
+"""Newton's method on the radii from the polytope of a convex metric, over triangles of its own.
 
 The polyhedron is that of the metric itself, on triangles of its own, or of a convex metric near it.  The path
 to it follows `isoembed.alexandrov`, with flips; from there one leap, or a few, lead back to the given
 triangles.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from isoembed.aim.lengths_newton import BranchSolution
-from isoembed.aim.radii_newton import SETTLED, inverted_vertices, without_curvature
+from isoembed.aim.newton_on_lengths import BranchSolution
+from isoembed.aim.newton_on_radii import SETTLED, inverted_vertices, without_curvature
 from isoembed.alexandrov.doubly_covered import THIN
 from isoembed.alexandrov.homotopy import NEWTON_CURVATURE, Stalled, Waypoint, follow_path
 from isoembed.alexandrov.newton import Analyses, Solution, pinned
 from isoembed.alexandrov.placement import placed, realized
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
@@ -24,12 +25,9 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.nonlinear.continuation import extrapolated
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
-from isoembed.surface.measures import outward
-
-RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
 
 
-def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
+def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
     """Lead a polytope over a convex metric to where Newton's method may begin.
 
     Parameters
@@ -52,7 +50,7 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
     """
     if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths, convex.curvature)).any():
         return None
-    deficits, kept = convex.deficits, log.resumed_at("polytopes")
+    deficits, kept = convex.deficits, log.checkpoints.resume()
     # Deficits: with less curvature the height of a vertex is decided.
     close = np.minimum(NEWTON_CURVATURE * deficits.max(), 0.1 * deficits)
     with log.stage("polytopes") as recorder:
@@ -80,12 +78,12 @@ def radii_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log
     return None
 
 
-def newton_on_radii(
+def newton_from_polytope(
     given: GluedMetric,
     start: Floats,
     analyses: Analyses,
     log: Log,
-    numbers: Indices | None = None,
+    ordered: Callable[[Floats], Floats],
 ) -> BranchSolution | None:
     """Realize a metric that is convex or nearly so.
 
@@ -94,12 +92,12 @@ def newton_on_radii(
     given : GluedMetric
         Of mean edge length 1 or so.
     start : ndarray, shape (V,) or (V, 3)
-        Radii or vertices, from `radii_start`.
+        Radii or vertices, from `polytope_start`.
     analyses : Analyses
         Of the given triangles.
     log : Log
-    numbers : ndarray of int, shape (V,), optional
-        Other numbers of the vertices, by which they are shown and returned.
+    ordered : callable
+        Takes vertices to the order and orientation in which they are shown and returned.
 
     Returns
     -------
@@ -114,7 +112,6 @@ def newton_on_radii(
     """
     with log.stage("leap") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
-        recorder.keep(start=start)
         try:
             found = _followed(given.half_edges(directed=False), start, analyses, recorder)
         except SingularMatrix:
@@ -122,9 +119,7 @@ def newton_on_radii(
         if found is None:
             return None
         solution, branch_deviation = found
-        vertices = outward(given.faces, realized(solution, recorder))
-        if numbers is not None:
-            vertices = vertices[np.argsort(numbers)]
+        vertices = ordered(realized(solution, recorder))
         recorder.show(vertices=vertices)
     return BranchSolution(vertices, branch_deviation)
 

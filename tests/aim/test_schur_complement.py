@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import smooth_bodies
-from isoembed.aim.condensed_patch import Condensation
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.schur_complement import Condensation
 from isoembed.gallery import HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 

@@ -1,4 +1,4 @@
-"""Mirrored patches: realizations of metrics with dents, each pushed in or out.
+"""Patch reflections: realizations of metrics with dents, each pushed in or out.
 
 A path of smooth surfaces from a convex one comes to a dent by way of a flat spot, and may leave it on the
 wrong side.  Where a metric has dents (`isoembed.metric.dents`), they are made at once: the vertices of a
@@ -77,7 +77,7 @@ class HarmonicPatch:
         return reflected
 
 
-def mirrored_realizations(
+def reflected_realizations(
     metric: PolyhedralMetric,
     system: LengthSystem,
     energy: RegularizedEnergy,

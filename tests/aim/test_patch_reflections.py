@@ -6,7 +6,7 @@ import pytest
 import isoembed
 import smooth_bodies
 from isoembed import PolyhedralMetric, embed
-from isoembed.aim.mirrored_patches import HarmonicPatch, mirrored_realizations
+from isoembed.aim.patch_reflections import HarmonicPatch, reflected_realizations
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.gallery import Sphere, triangulate
 from isoembed.metric.dents import dents
@@ -60,7 +60,7 @@ def search(vertices, faces, factor=1.0):
     start = vertices / np.linalg.norm(vertices, axis=1)[:, None] / given.unit
     recorder = smooth_bodies.recorder()
     energy = RegularizedEnergy(metric, start)
-    choices = mirrored_realizations(
+    choices = reflected_realizations(
         metric, LengthSystem(metric.triangulation), energy, start, dents(metric), recorder
     )
     return choices, metric, recorder
@@ -101,7 +101,7 @@ def test_a_start_that_is_too_far_from_the_lengths_is_given_up_at_once():
     start = vertices * [1.0, 6.0, 1.0]
     recorder, energy = smooth_bodies.recorder(), RegularizedEnergy(metric, start)
     system = LengthSystem(metric.triangulation)
-    assert not list(mirrored_realizations(metric, system, energy, start, patches, recorder))
+    assert not list(reflected_realizations(metric, system, energy, start, patches, recorder))
     assert recorder.factorizations < 20
 
 

@@ -5,9 +5,10 @@ their curvatures vanish, whether the edges be convex or not (Bobenko and Izmesti
 Fourier 58, 2008, who need convexity for existence only).  So the radii are all that has to be found: one
 unknown a vertex, and a matrix with the pattern of the triangulation, in the place of three unknowns and the
 edges.  They are led there from equal radii at once, or else from those of a polyhedron nearby
-(`isoembed.aim.radii_leap`).  The positions follow at the end.
+(`isoembed.aim.newton_from_polytope`).  The positions follow at the end.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,19 +17,18 @@ from isoembed.alexandrov.homotopy import CONVEX, NEWTON_CURVATURE, Waypoint, fol
 from isoembed.alexandrov.newton import Analyses, Solution, forcing_term, pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
-from isoembed.arrays import Floats, Indices, Mask
+from isoembed.arrays import Floats, Mask
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.measures import outward
 
 SETTLED = 1e-12  # radians: curvatures that are left to the polish
 LOOSEST = 1e-3  # largest residual of Newton's linear equations, relative
 
 
-def newton_on_radii_at_once(
-    given: GluedMetric, analyses: Analyses, log: Log, numbers: Indices
+def newton_on_radii(
+    given: GluedMetric, analyses: Analyses, log: Log, ordered: Callable[[Floats], Floats]
 ) -> Floats | None:
     """Realize a metric that is convex or nearly so, with nothing but its own triangles on the way.
 
@@ -39,8 +39,8 @@ def newton_on_radii_at_once(
     analyses : Analyses
         Of the given triangles.
     log : Log
-    numbers : ndarray of int, shape (V,)
-        Other numbers of the vertices, by which they are shown and returned.
+    ordered : callable
+        Takes vertices to the order and orientation in which they are shown and returned.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def newton_on_radii_at_once(
     near = np.full(deficits.size, NEWTON_CURVATURE * deficits.max())
     if (deficits > rounding).all():
         near = np.minimum(near, 0.3 * deficits)  # deficits: curvature of a vertex at which the path may end
-    kept = log.resumed_at("radii")
+    kept = log.checkpoints.resume()
     with log.stage("radii") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         try:
@@ -77,7 +77,7 @@ def newton_on_radii_at_once(
             return None
         if state.inverse.negative_pivots != CONVEX:
             return None
-        vertices = outward(given.faces, realized(state, recorder))[np.argsort(numbers)]
+        vertices = ordered(realized(state, recorder))
         recorder.show(vertices=vertices, t=0.0)
     return vertices
 

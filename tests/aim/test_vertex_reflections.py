@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import smooth_bodies
-from isoembed.aim import side_changes as module
-from isoembed.aim.condensed_patch import Condensation
+from isoembed.aim import vertex_reflections as module
 from isoembed.aim.energy_descent import descended
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.aim.side_changes import PROMISE, SHALLOW, SIDE_RINGS, SideChanges, reflections
+from isoembed.aim.schur_complement import Condensation
+from isoembed.aim.vertex_reflections import PROMISE, SHALLOW, SIDE_RINGS, ReflectionTrials, reflections
 from isoembed.gallery import Ellipsoid, HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 
@@ -60,11 +60,11 @@ def test_shallow_vertices_change_the_lengths_little_and_to_the_better(surface):
             promised[v] = d @ d
     expected = sorted(promised, key=promised.__getitem__)[:SHALLOW]
     assert len(expected) > 0
-    assert SideChanges(surface, never)._shallow() == expected
+    assert ReflectionTrials(surface, never)._shallow() == expected
 
 
 def test_the_lengths_are_missed_most_at_centers_which_are_apart(surface):
-    changes = SideChanges(surface, never)
+    changes = ReflectionTrials(surface, never)
     centers = list(changes._most_missed(4))
     squares = surface.residuals**2
     around = [squares[surface.energy.triangulation.incidence[[v]].indices].sum() for v in range(150)]
@@ -74,7 +74,7 @@ def test_the_lengths_are_missed_most_at_centers_which_are_apart(surface):
 
 
 def test_what_promises_more_than_all_energy_is_not_believed(surface):
-    for changes in SideChanges(surface, never).singles(2):
+    for changes in ReflectionTrials(surface, never).singles(2):
         growths = [change.growth for change in changes]
         assert growths == sorted(growths)
         assert all(-surface.value < growth < 0 for growth in growths)
@@ -87,14 +87,14 @@ def test_nothing_is_tried_once_all_is_spent(surface):
         tried.append(None)
         return len(tried) > 3
 
-    for changes in SideChanges(surface, is_done).singles(1):
+    for changes in ReflectionTrials(surface, is_done).singles(1):
         assert len(changes) <= 2
     assert len(tried) < 10
 
 
 def test_shallow_vertices_that_are_tried_together_have_patches_apart(surface, monkeypatch):
     monkeypatch.setattr(module, "RINGS", 1)
-    together = SideChanges(surface, never).shallow()
+    together = ReflectionTrials(surface, never).shallow()
     vertices = np.concatenate([change.patch.vertices for change in together])
     assert len(together) > 1
     assert len(np.unique(vertices)) == len(vertices)
@@ -103,13 +103,13 @@ def test_shallow_vertices_that_are_tried_together_have_patches_apart(surface, mo
 def test_pairs_are_two_near_a_center(surface, monkeypatch):
     monkeypatch.setattr(module, "PATCHES", ((1, 2),))
     monkeypatch.setattr(module, "SIDE_RINGS", 1)
-    (changes,) = SideChanges(surface, never).pairs()
-    (center,) = SideChanges(surface, never)._most_missed(1)
-    near = SideChanges(surface, never)._about(center, 2)
+    (changes,) = ReflectionTrials(surface, never).pairs()
+    (center,) = ReflectionTrials(surface, never)._most_missed(1)
+    near = ReflectionTrials(surface, never)._about(center, 2)
     assert changes
     assert all(np.array_equal(change.patch.vertices, near) for change in changes)
 
 
 def test_large_patches_are_left_out(surface, monkeypatch):
     monkeypatch.setattr(module, "LARGEST", 10)
-    assert list(SideChanges(surface, never).singles(2)) == [[], []]
+    assert list(ReflectionTrials(surface, never).singles(2)) == [[], []]

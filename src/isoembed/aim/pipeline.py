@@ -1,0 +1,207 @@
+"""The pipeline of the default method: it runs strategies in turn, and keeps and resumes their state."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from numpy.typing import ArrayLike, NDArray
+
+from isoembed.aim.problem import Problem
+from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log
+
+if TYPE_CHECKING:
+    from isoembed.aim.adaptive import Aim
+    from isoembed.aim.best_fit import BestFit
+
+FITS = "measured", "fit"
+SPENT = "spent"  # factorizations before a strategy
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What is known between two strategies.  All arrays but the body have the given order of the vertices.
+
+    Attributes
+    ----------
+    candidates : tuple of Embedding
+        Surfaces that were found, in order.
+    trusted : bool
+        Whether one of them is accepted, and on the branch of a convex surface.
+    body : ndarray, shape (V,) or (V, 3), or None
+        Radii or vertices of a convex body, in the order of the convexification, from which Newton's method on
+        the radii starts.
+    start : ndarray, shape (V, 3), or None
+        The convex surface from which the pull-back starts.
+    smooth : ndarray, shape (V, 3), or None
+        Where the guided path ended, before the penalty vanished.
+    searched : bool
+        Whether other realizations were sought near a candidate.
+    cost : int
+        Factorizations until the end of the pull-back, by which those of a search after it are measured.
+    measured, fit : BestFit or None
+        The smooth surface within the errors of the lengths, and the nearest one if their errors are unknown.
+    answer : Embedding or None
+        The surface that was chosen.
+    is_final : bool
+        Whether no other strategy is to follow.
+    """
+
+    candidates: tuple[Embedding, ...] = ()
+    trusted: bool = False
+    body: Floats | None = None
+    start: Floats | None = None
+    smooth: Floats | None = None
+    searched: bool = False
+    cost: int = 0
+    measured: BestFit | None = None
+    fit: BestFit | None = None
+    answer: Embedding | None = None
+    is_final: bool = False
+
+    def adding(self, *surfaces: Embedding, **changes: Any) -> State:
+        """The state with more candidates, and other changes."""
+        return replace(self, candidates=(*self.candidates, *surfaces), **changes)
+
+    @property
+    def nearest(self) -> Embedding:
+        """The candidate with the smallest residual."""
+        return min(self.candidates, key=lambda surface: surface.residual)
+
+    def arrays(self) -> dict[str, ArrayLike]:
+        """What defines it, but for the answer, for a checkpoint."""
+        kept: dict[str, ArrayLike] = {name: getattr(self, name) for name in ("trusted", "searched", "cost")}
+        for name in ("body", "start", "smooth"):
+            if getattr(self, name) is not None:
+                kept[name] = getattr(self, name)
+        for name in FITS:
+            fit = getattr(self, name)
+            if fit is not None:
+                kept |= {name: fit.vertices, f"{name} numbers": [fit.weight, fit.noise, fit.score]}
+        return kept | {f"candidate {k}": surface.vertices for k, surface in enumerate(self.candidates)}
+
+    @classmethod
+    def of_arrays(cls, kept: Mapping[str, NDArray[Any]], problem: Problem) -> State:
+        """The state that `arrays` gave."""
+        known: dict[str, Any] = {name: kept.get(name) for name in ("body", "start", "smooth")}
+        if any(name in kept for name in FITS):
+            from isoembed.aim.best_fit import BestFit
+
+            known |= {
+                name: BestFit(kept[name], *kept[f"{name} numbers"].tolist()) for name in FITS if name in kept
+            }
+        count = sum(name.startswith("candidate ") for name in kept)
+        return cls(
+            candidates=tuple(problem.surface(kept[f"candidate {k}"]) for k in range(count)),
+            trusted=bool(kept["trusted"]),
+            searched=bool(kept["searched"]),
+            cost=int(kept["cost"]),
+            **known,
+        )
+
+
+INITIAL = State()
+
+
+class Strategy(ABC):
+    """A strategy of the default method: when it applies, and what it makes of a state.
+
+    Attributes
+    ----------
+    key : str
+        In checkpoints; never changed.
+    is_decision : bool
+        Whether it finds an answer from the candidates: it is repeated where a run goes on behind it.
+    """
+
+    key: ClassVar[str]
+    is_decision: ClassVar[bool] = False
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        """Whether it is to be tried: as a rule, unless a candidate is trusted."""
+        return not state.trusted
+
+    @abstractmethod
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        """What is known after it."""
+
+
+class Pipeline:
+    """One run of the default method.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Normalized.
+    method : Aim
+    tolerance : float
+    log : Log
+        Only listens.
+
+    Attributes
+    ----------
+    problem : Problem
+        With the lengths as if exact.
+    checkpoints : Checkpoints
+        Kept when a strategy begins, and by strategies as they go.
+    work : Work
+        Factorizations so far.
+    """
+
+    def __init__(self, metric: PolyhedralMetric, method: Aim, tolerance: float, log: Log) -> None:
+        self.metric, self.method, self.log = metric, method, log
+        self.checkpoints, self.work = log.checkpoints, log.work
+        exact = metric if metric.length_errors is None else metric.with_length_errors(0.0)
+        self.problem = Problem(exact, tolerance, method.name)
+
+    def run(self, strategies: Sequence[Strategy]) -> Embedding:
+        """The answer of strategies that are tried in turn; a resumed run goes on at the one that kept it."""
+        state, goal = self._resumed(strategies)
+        for strategy in strategies:
+            is_goal = strategy.key == goal
+            if goal and not (is_goal or strategy.is_decision):
+                continue
+            if is_goal or strategy.applies(state, self):
+                self._begin(strategy.key, state, is_new=not goal)
+                goal = "" if is_goal else goal
+                state = strategy.run(state, self)
+            if state.is_final:
+                break
+        assert state.answer is not None  # the last strategies give one
+        return state.answer._with_stages(self.log.stages)
+
+    # Budgets: factorizations that a failure may cost, by those of the pull-back
+
+    def patch_budget(self, state: State) -> float:
+        """What is left to patches and the best fit."""
+        effort = min(self.method.effort, 10.0)  # more does not make them better
+        return (2 + effort) * state.cost - self.work.factorizations
+
+    def reflection_budget(self, state: State) -> float:
+        """What vertex reflections may take."""
+        return self.method.effort * state.cost
+
+    # Checkpoints
+
+    def _resumed(self, strategies: Sequence[Strategy]) -> tuple[State, str]:
+        """The state to go on from, and the key of the strategy that goes on, if any."""
+        kept = self.checkpoints.resumed
+        if kept is None or kept.key not in {strategy.key for strategy in strategies}:
+            return INITIAL, ""
+        if not kept.state:
+            return INITIAL, kept.key
+        self.work.factorizations = int(kept.state[SPENT])
+        return State.of_arrays(kept.state, self.problem), kept.key
+
+    def _begin(self, key: str, state: State, is_new: bool) -> None:
+        """Begin a strategy; all but the first keep a checkpoint, unless it is what the run goes on from."""
+        is_first = state is INITIAL and not self.work.factorizations
+        known = {} if is_first else {**state.arrays(), SPENT: self.work.factorizations}
+        self.checkpoints.begin(key, known)
+        if is_new and known:
+            self.checkpoints.keep()

@@ -1,0 +1,119 @@
+"""The problem that all strategies share: a metric, its convexification, and when a surface is accepted."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.aim.accuracy import PLACED, REALIZED
+from isoembed.aim.convexification import Convexification
+from isoembed.alexandrov.newton import Analyses
+from isoembed.arrays import Floats
+from isoembed.embedding.embedding import Embedding
+from isoembed.metric.glued import GluedMetric
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import StageRecorder
+from isoembed.surface.measures import outward
+
+if TYPE_CHECKING:
+    from isoembed.aim.regularized_energy import RegularizedEnergy
+    from isoembed.surface.rigidity import LengthSystem
+
+
+class Problem:
+    """A metric to embed, with what follows from it and a tolerance.
+
+    Parameters
+    ----------
+    metric : PolyhedralMetric
+        Of mean edge length 1 or so.
+    tolerance : float
+    name : str
+        Of the method, which the surfaces bear.
+
+    Attributes
+    ----------
+    good : float
+        Largest residual of an accepted surface.
+    numbers : ndarray of int, shape (V,)
+        The vertices in the order of the `convexification`, in which what is near is near in memory.
+    """
+
+    def __init__(self, metric: PolyhedralMetric, tolerance: float, name: str) -> None:
+        self.metric, self.tolerance, self.name = metric, tolerance, name
+        self.good = max(tolerance, REALIZED)  # below that, the tolerance is beyond rounding
+        tables = GluedMetric.of(metric).half_edges(directed=False)
+        self.numbers = tables.order_in_memory()
+        self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
+        self._energy: tuple[Floats, RegularizedEnergy] | None = None
+
+    # Derived once, and freed
+
+    @cached_property
+    def analyses(self) -> Analyses:
+        """Symbolic factorization that all factorizations for the radii share."""
+        return Analyses.of(self.convexification.given.half_edges(directed=False))
+
+    def forget_analyses(self) -> None:
+        """Free the memory of `analyses`, which large bodies need for what follows."""
+        vars(self).pop("analyses", None)
+
+    @cached_property
+    def system(self) -> LengthSystem:
+        """The equations for the lengths."""
+        from isoembed.surface.rigidity import LengthSystem  # slow to import, and convex bodies do without
+
+        return LengthSystem(self.metric.triangulation, space=self.metric.space)
+
+    def energy(self, start: Floats) -> RegularizedEnergy:
+        """The regularized energy about a convex surface (V, 3)."""
+        from isoembed.aim.regularized_energy import RegularizedEnergy
+
+        if self._energy is None or self._energy[0] is not start:
+            self._energy = start, RegularizedEnergy(self.metric, start)
+        return self._energy[1]
+
+    def annealed(self, vertices: Floats, recorder: StageRecorder) -> Embedding:
+        """The surface to which Newton's method on the lengths leads."""
+        from isoembed.aim.anneal import anneal
+
+        return self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
+
+    # Convexity
+
+    @property
+    def is_nearly_convex(self) -> bool:
+        """Whether a body of pyramids may have this metric."""
+        # Of 4 pi: negative curvature of a metric that may be nearly convex.
+        return self.convexification.negative_curvature < 0.03
+
+    @property
+    def is_convex(self) -> bool:
+        """Whether no deficit is negative beyond rounding."""
+        return self.convexification.is_convex
+
+    # Acceptance
+
+    def surface(self, vertices: Floats) -> Embedding:
+        """The surface with these vertices."""
+        return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
+
+    def accepts(self, surface: Embedding) -> bool:
+        """Whether no other surface needs to be sought, as this one has the lengths."""
+        return surface.residual <= self.good
+
+    def is_exact(self, surface: Embedding) -> bool:
+        """Whether a surface is a realization, whatever the tolerance, as far as rounding allows."""
+        return surface.residual <= min(self.good, PLACED)
+
+    # Order and orientation
+
+    def oriented(self, vertices: Floats) -> Floats:
+        """The vertices or their mirror image: the given triangles are counterclockwise from outside."""
+        return outward(self.metric.faces, vertices)
+
+    def in_given_order(self, vertices: Floats) -> Floats:
+        """Vertices of the convexification in the given order, `oriented`."""
+        return self.oriented(vertices[np.argsort(self.numbers)])
