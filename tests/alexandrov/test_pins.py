@@ -52,6 +52,17 @@ def test_pins_of_large_bodies_are_not_coplanar(axes):
     assert abs(np.linalg.det(directions[pins])) > 0.1
 
 
+@pytest.mark.parametrize("height", [0.1, 0.01])
+def test_bipyramids_over_polygons_of_many_sides_take_few_factorizations(height):
+    vertices, faces = bipyramid(1200, height, height)
+    p, directions = polytope(vertices, faces)
+    pins = independent_directions(p, rough_directions(p, dissect(p.jacobian())))
+    assert abs(np.linalg.det(directions[pins])) > 0.9
+    found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
+    assert found.converged
+    assert sum(stage.factorizations for stage in found.stages) < 30  # with coplanar pins 120
+
+
 @pytest.mark.parametrize("n", [5, 6, 7])
 @pytest.mark.parametrize("up", [1, 7, 50])
 @pytest.mark.parametrize("down", [0.001, 0.7, 5])

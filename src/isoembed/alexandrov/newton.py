@@ -25,6 +25,7 @@ GMRES_ITERATIONS = 30
 DECREASE = 0.25  # least decrease over that of the linear model
 MAX_STEPS = 40
 LOOSEST = 1e-2  # largest residual of the linear equations, relative
+CREEPING = 0.9  # share of the curvatures that a step leaves: three such in a row end the iteration
 
 
 @dataclass(eq=False)
@@ -162,7 +163,7 @@ def newton(
         Curvatures at which it may end before they vanish.
     """
     state, fresh = pinned(p, analyses, recorder), True
-    forcing, done = LOOSEST, False
+    forcing, done, creeping = LOOSEST, False, 0
     for _ in range(MAX_STEPS):
         if enough is not None and (np.abs(p.curvatures) <= enough).all():
             return state
@@ -179,7 +180,9 @@ def newton(
         for fraction in search.parameters():
             q = Polytope.over(p.tables, p.radii + fraction * dr)
             if q is not None and search.accepts(float(np.linalg.norm(q.curvatures)), size, fraction):
-                forcing = forcing_term(float(np.linalg.norm(q.curvatures) / size), LOOSEST)
+                ratio = float(np.linalg.norm(q.curvatures) / size)
+                forcing = forcing_term(ratio, LOOSEST)
+                creeping = creeping + 1 if ratio > CREEPING else 0
                 p, fresh = q, False
                 state = replace(state, polytope=p)
                 break
@@ -192,6 +195,8 @@ def newton(
             continue
         recorder.iterations += 1
         recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
+        if creeping == 3 and not done:  # large flat faces are cut anew at each step, which takes n^2 flips
+            return None
     return state if done else None
 
 

@@ -20,6 +20,7 @@ from scipy.sparse import csc_array, csr_array, eye_array, kron
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import OutOfMemory, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg.dissection import Dissection
 from isoembed.linalg.superlu import checked_lu
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
@@ -97,9 +98,9 @@ class LengthSystem:
 
     def __init__(self, triangulation: Triangulation, *, space: Space = EUCLIDEAN) -> None:
         self.triangulation, self.space = triangulation, space
-        self._dissection = dissect(triangulation.adjacency)
         # The edges are held in the order in which they are eliminated: neighbors then are near in memory.
-        self._order = self._dissection.edge_order(triangulation.edges)
+        by_number = np.arange(triangulation.n_edges)
+        self._order = by_number if self._by_vertices else self._dissection.edge_order(triangulation.edges)
         self._ends = triangulation.edges[self._order].astype(np.int32)
 
     def step(self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float = 0.0) -> Floats:
@@ -119,8 +120,8 @@ class LengthSystem:
         r, surface = residuals[self._order], Projected.of(self.space, vertices)
         J = self._matrix(surface, lengths)
         damping = mu * self._mean_diagonal(J)
-        if self._vertex_system is not None:
-            return surface.motion(self._step_by_vertices(self._vertex_system, surface, J, r, damping))
+        if self._by_vertices:
+            return surface.motion(self._step_by_vertices(surface, J, r, damping))
         try:
             linear = LinearizedLengths(J, self._factor(J, damping), self._order)
         except OutOfMemory:
@@ -218,16 +219,21 @@ class LengthSystem:
         return self._solver.factor(J.gram(pattern.indptr, pattern.indices, damping), single=single)
 
     @cached_property
-    def _vertex_system(self) -> VertexSystem | None:
-        """J^T J, where it has fewer entries than J J^T."""
+    def _dissection(self) -> Dissection:
+        return dissect(self.triangulation.adjacency)
+
+    @cached_property
+    def _by_vertices(self) -> bool:
+        """Whether J^T J has fewer entries than J J^T."""
         t = self.triangulation
         degrees = np.bincount(t.edges.ravel()).astype(np.int64)
-        fewer = 9 * (t.n_vertices + 2 * t.n_edges) < int((degrees**2).sum()) - t.n_edges
-        return VertexSystem(t) if fewer else None
+        return bool(9 * (t.n_vertices + 2 * t.n_edges) < int((degrees**2).sum()) - t.n_edges)
 
-    def _step_by_vertices(
-        self, system: VertexSystem, surface: Projected, J: RigidityMatrix, r: Floats, damping: float
-    ) -> Floats:
+    @cached_property
+    def _vertex_system(self) -> VertexSystem:
+        return VertexSystem(self.triangulation)
+
+    def _step_by_vertices(self, surface: Projected, J: RigidityMatrix, r: Floats, damping: float) -> Floats:
         """The same step by factors of J^T J; without damping, by those of J with a triangle held.
 
         J then is square, and its factors lose half as many digits as those of J^T J.
@@ -235,7 +241,7 @@ class LengthSystem:
         rows = np.empty_like(J.rows)
         rows[self._order] = J.rows
         if damping > 0:
-            return system.damped(rows, damping).solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
+            return self._vertex_system.damped(rows, damping).solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
         lu = checked_lu(_square(J, surface.positions), "COLAMD")
         if not np.abs(lu.U.diagonal()).min() > 1e-14:  # the rows have entries up to 1
             raise SingularMatrix("J is singular to working precision")
