@@ -14,9 +14,17 @@ Rocks are ellipsoids of semiaxes 150, 120 and 100 whose vertices have independen
 1.5, 3 and 6 units in each coordinate; scans and horizons are smooth.  Printed for each family: how many
 there are of each status; the farthest vertex of the answer from the true ones over that of the floor
 (`rounded_truth`), median and 95 % quantile; how many answers are crumpled, with a `fine_roughness` more
-than twice that of the true surface or of the floor; and the percentage of areas, volumes and integrals of
-the mean curvature within two stated standard deviations, of the answers that state some.  A refusal counts
-as infinitely far, crumpled, and outside.
+than twice that of the true surface or of the floor; how many more than three times as far as the floor are
+other surfaces, which agree with the lengths and are as smooth as the true one to 5 %, so that nothing tells
+them from it; and the percentage of areas, volumes and integrals of the mean curvature within two stated
+standard deviations, of the answers that state some.  A refusal counts as infinitely far, crumpled, and
+outside.
+
+Percentages are judged where 30 answers or more state deviations: at least 90, and at most 99 of Gaussian
+errors.  Where all edges have one length, its rounding error is always within sqrt(3) deviations.
+
+By default three numbers of digits and one seed, 15 minutes or so of one core; in full
+``--digits 2 3 4 5 6 7 8 9 --seeds 3 --most 2000``.
 """
 
 import argparse
@@ -42,6 +50,7 @@ SIZE = 150.0  # the largest distance from the center
 ROUGHNESSES = (1.5, 3.0, 6.0)
 ROCKS, SCANS = (40, 80, 200), (300, 700, 2000)
 MEDIAN, MOST = 1.5, 3.0  # ratios asked of half and of 95 % of the answers
+STATED = 30  # answers with deviations, of which percentages are judged
 
 
 def hull(points, directions):
@@ -126,7 +135,7 @@ def measured(true, faces, digits, question, seed):
         lengths = exact.lengths + sigma * np.random.default_rng(seed).standard_normal(exact.lengths.shape)
     else:
         lengths = np.round(np.rint(exact.lengths / unit) * unit, max(digits, 12))
-    fallen = {"ratio": np.inf, "off": np.inf, "crumpled": True, "inside": [False] * 3}
+    fallen = {"ratio": np.inf, "off": np.inf, "crumpled": True, "other": False, "inside": [False] * 3}
     try:
         metric = PolyhedralMetric(exact.faces, lengths, exact.edges)
         found = answer(metric, sigma, question != "rounded")
@@ -134,9 +143,10 @@ def measured(true, faces, digits, question, seed):
         return {"status": type(failure).__name__, **fallen}
     best = least_squares_surface(exact.edges, lengths, true, sigma)
     off, floor = farthest(found.vertices, true), farthest(best, true)
-    smooth = max(
+    as_true, as_best = (
         Embedding(exact, x, method="aim", tolerance=1.0).surface.fine_roughness for x in (true, best)
     )
+    roughness = found.surface.fine_roughness
     inside = None
     if found.length_errors is not None:
         stated = isoembed.Sensitivity(found).integral_deviation(found.length_errors)
@@ -146,7 +156,8 @@ def measured(true, faces, digits, question, seed):
         "status": found.status,
         "ratio": off / floor,
         "off": off,
-        "crumpled": bool(found.surface.fine_roughness > 2 * smooth + 1e-9),
+        "crumpled": bool(roughness > 2 * max(as_true, as_best) + 1e-9),
+        "other": bool(off > MOST * floor and found.converged and roughness <= 1.05 * as_true),
         "inside": inside,
     }
 
@@ -172,18 +183,20 @@ def table(family, options):
                 continue
             ratios = np.array([row["ratio"] for row in rows])
             median, most = np.median(ratios), np.quantile(ratios, 0.95, method="higher")
-            crumpled = sum(row["crumpled"] for row in rows)
+            crumpled, other = (sum(row[name] for row in rows) for name in ("crumpled", "other"))
             stated = [row["inside"] for row in rows if row["inside"] is not None]
             inside = 100 * np.mean(stated or [[np.nan] * 3], axis=0)
             statuses = ", ".join(f"{n} {name}" for name, n in Counter(r["status"] for r in rows).items())
             print(
                 f"{family:18} {digits} digits {question:9} {len(rows):3d}: median {median:8.2f}, "
-                f"95 % {most:8.2f}, crumpled {crumpled:2d}; inside "
+                f"95 % {most:8.2f}, crumpled {crumpled:2d}, other {other:2d}; inside "
                 f"{inside[0]:3.0f} {inside[1]:3.0f} {inside[2]:3.0f} %; {statuses}",
                 flush=True,
             )
             wrong += (median > MEDIAN) + (most > MOST) + (crumpled > 0)
-            wrong += bool(stated) * sum(not 90 <= share <= 99 for share in inside)
+            if len(stated) >= STATED:
+                most_inside = 99 if question == "gaussian" else 100
+                wrong += sum(not 90 <= share <= most_inside for share in inside)
     return wrong
 
 
@@ -193,10 +206,10 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--families", nargs="+", choices=FAMILIES, default=FAMILIES, metavar="NAME")
-    parser.add_argument("--digits", nargs="+", type=int, default=list(range(2, 10)), metavar="N")
+    parser.add_argument("--digits", nargs="+", type=int, default=[3, 5, 7], metavar="N")
     parser.add_argument("--questions", nargs="+", default=["rounded", "given", "gaussian"], metavar="NAME")
-    parser.add_argument("--seeds", type=int, default=3, metavar="N")
-    parser.add_argument("--most", type=int, default=2000, metavar="N", help="vertices at most")
+    parser.add_argument("--seeds", type=int, default=1, metavar="N")
+    parser.add_argument("--most", type=int, default=700, metavar="N", help="vertices at most")
     parser.add_argument("--each", action="store_true", help="print a line for each surface")
     options = parser.parse_args()
     start = time.process_time()

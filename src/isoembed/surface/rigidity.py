@@ -241,7 +241,8 @@ class LengthSystem:
         rows = np.empty_like(J.rows)
         rows[self._order] = J.rows
         if damping > 0:
-            return self._vertex_system.damped(rows, damping).solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
+            damped = self._vertex_system.damped(rows, damping)
+            return damped.solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
         lu = checked_lu(_square(J, surface.positions), "COLAMD")
         if not np.abs(lu.U.diagonal()).min() > 1e-14:  # the rows have entries up to 1
             raise SingularMatrix("J is singular to working precision")
