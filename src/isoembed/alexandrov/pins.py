@@ -26,9 +26,9 @@ def independent_directions(p: Polytope, directions: Floats) -> Indices:
 def rough_directions(p: Polytope, dissection: Dissection) -> Floats:
     """Unit vectors from the apex, shape (V, 3): no more than a sketch.
 
-    Pyramid is built on pyramid where errors do not grow too much from one to the next.  Elsewhere the vertices
-    are where they were put when the triangles were dissected, by the number of edges between them, which says
-    nothing about bodies with vertices of many edges.
+    Pyramid is built on pyramid where errors do not grow too much from one to the next.  Elsewhere the
+    vertices are where they were put when the triangles were dissected, by the number of edges between them,
+    which says nothing about bodies with vertices of many edges.
     """
     tables = p.tables
     i, j = tables.ends
