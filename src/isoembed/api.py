@@ -1,4 +1,4 @@
-"""Functions that users call: embed, glue and unfold what a file, a mesh or an object holds."""
+"""`embed`, `glue` and `unfold`: the functions that users call, with paths, meshes and objects as input."""
 
 from __future__ import annotations
 

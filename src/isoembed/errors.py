@@ -1,4 +1,4 @@
-"""How a request can end badly: no metric, a bad parameter, no embedding, no horizon, an interruption.
+"""Exceptions and warnings.
 
 And what is said about a mesh that is taken all the same.
 """

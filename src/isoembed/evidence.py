@@ -1,4 +1,4 @@
-"""Evidence for nonexistence or uniqueness: a proof or an unsuccessful search."""
+"""Kinds of evidence, proof or search, for statements of nonexistence or uniqueness."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Base class of embedding methods, and `solve`, which runs one on a metric.
+"""Base class of embedding methods; `solve` normalizes the unit of length and runs one.
 
 A method declares its capabilities, so that no code depends on its name.
 """

@@ -1,4 +1,4 @@
-"""Thresholds of algorithms: each has a value, a unit and a sentence, and one home.
+"""Numerical thresholds with value, unit and description.
 
 An algorithm's thresholds are the fields of one frozen dataclass, made with `threshold`; the tables of
 ``docs/thresholds.md`` are made from them.

@@ -245,7 +245,7 @@ def test_that_of_another_computation_is_refused(run):
     [
         (["--resume", "no.npz"], "there is no file no.npz"),
         (["--resume", "metric.npz"], "INPUT and the checkpoint are the same file metric.npz"),
-        (["--resume", "metric.npz", "-o", "a.ply"], "metric.npz is not a checkpoint: it has no 'stage'"),
+        (["--resume", "metric.npz", "-o", "a.ply"], "metric.npz is not a checkpoint: it has no 'key'"),
         (["--checkpoint", "a.ply"], "a.ply has the ending '.ply', not one of .npz"),
         (["--checkpoint", "no/a.npz"], "there is no folder"),
         (["--checkpoint", "a.npz", "-o", "./a.npz"], "--output and the checkpoint are the same file a.npz"),

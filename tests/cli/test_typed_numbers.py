@@ -131,6 +131,7 @@ def test_a_rock_in_whole_millimeters():
         assert exact.residual < 1e-10 and farthest(exact.vertices, true) > 30
 
 
+@pytest.mark.filterwarnings("ignore:embedding.concave_edges:DeprecationWarning")  # an old script
 def test_a_needle_that_both_methods_find(capsys):
     spec = importlib.util.spec_from_file_location("bipyramid", NUMBERS / "14_bipyramid_refused.py")
     spec.loader.exec_module(importlib.util.module_from_spec(spec))

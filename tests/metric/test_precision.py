@@ -100,11 +100,11 @@ def test_the_refusal_names_the_precision_and_the_repair():
     metric = PolyhedralMetric.from_mesh(vertices.astype("f4"), faces)
     sentence = (
         r"the coordinates have single precision, which puts deficits off by up to \de-06; if deficits of .* "
-        r"are noise, --repair (\S+) .* finds a polyhedron, with lengths changed by \de-07 of"
+        r"are noise, method=Alexandrov\(repair=(\S+)\) finds a polyhedron, with lengths changed by \de-07 of"
     )
     with pytest.raises(InvalidMetric, match=sentence) as caught:
         embed(metric, method="alexandrov")
-    level = float(str(caught.value).split("--repair ")[1].split()[0])
+    level = float(str(caught.value).split("repair=")[1].split(")")[0])
     solid = embed(metric, method=Alexandrov(repair=level))
     assert solid.volume == pytest.approx(1, rel=1e-5)
 

@@ -1,4 +1,4 @@
-"""Tolerances of realizations."""
+"""Values of the tolerances by which surfaces are realizations, and differ."""
 
 REALIZED = 1e-11  # mean edge lengths: the largest residual of a realization
 SAME = 1e-7  # mean edge lengths: realizations as near as this are one

@@ -1,4 +1,4 @@
-"""The default method: AIM by way of the nearest convex metric.
+"""The default method, `Aim`: uniformize to convexity, embed by Alexandrov's theorem, pull back.
 
 The paper's three steps, each of them replaced by one that does not fail:
 

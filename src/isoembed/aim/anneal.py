@@ -1,4 +1,4 @@
-"""Annealing (paper, section 2.2): Newton's method on the lengths, Eq. (fmin), from given vertices."""
+"""Newton's method on the lengths from given vertices: the paper's annealing (section 2.2)."""
 
 from dataclasses import dataclass
 from itertools import count

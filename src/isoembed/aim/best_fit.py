@@ -1,4 +1,4 @@
-"""The best fit to lengths with errors: a smooth surface near to them.
+"""Best fit: smooth surface fitted to noisy lengths in least squares, with estimated noise and weight.
 
 Surfaces that have such lengths have dimples; where the errors are large, often none is found.
 The best fit minimizes

@@ -1,4 +1,4 @@
-"""Selection among the realizations of a metric: convex, smoothest, or nearest to a given surface.
+"""Choice among several realizations of a metric: convex, smoothest, or nearest to a given surface.
 
 A strategy that is trusted ends at one realization, on the branch of the convex surface that it came from.
 That one is the answer unless another is asked for, be it a little rougher than a twin of its own.

@@ -1,4 +1,4 @@
-"""Clamped patch: vertices that move while the rest of the surface is fixed, their energy and its minima.
+"""Clamped patch: energy minimization over the vertices of a patch, with the rest of the surface fixed.
 
 The energy is that of `isoembed.aim.regularized_energy`.  Patches are small: their matrices are dense.
 """

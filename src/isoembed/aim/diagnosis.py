@@ -1,4 +1,4 @@
-"""What to say of lengths for which no surface was found: where they are missed, and what can be done."""
+"""Error message of a failed embedding: where the lengths are missed, and what to try."""
 
 import numpy as np
 

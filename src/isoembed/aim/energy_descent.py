@@ -1,4 +1,4 @@
-"""Descent to a minimum of the regularized energy, by Newton's method with all second derivatives.
+"""Newton descent of the regularized energy with exact Hessians.
 
 Where vertices are nearly in the plane of their neighbors the lengths change in second order alone, and so
 does J: Gauss-Newton steps on ``|r|^2 + mu |R x|^2`` (`isoembed.aim.regularized_energy`) overshoot there as

@@ -1,4 +1,4 @@
-"""The regularized energy of a coarse surface, measured on fine edges of the surface that it interpolates.
+"""Regularized energy on a coarse level: few degrees of freedom, interpolated, measured on fine edges.
 
 Where there are many vertices, the way from the convex surface to the given lengths is found for a few of
 them.  There is no metric on these: the errors r are those of *given* edges, whose ends quintics interpolate.

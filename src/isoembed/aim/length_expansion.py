@@ -1,4 +1,4 @@
-"""Edge lengths of a surface whose vertices move, to second order.
+"""Second-order Taylor expansion of the edge lengths in displacements of the vertices.
 
 With d the motions of the vertices, the `length_residuals` are
 

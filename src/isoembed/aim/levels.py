@@ -1,4 +1,4 @@
-"""Pull-back by levels, where the curvature is negative and vertices are many.
+"""Multilevel pull-back for large meshes with negative curvature.
 
 The guided path is followed for a few thousand well spread vertices; then come levels with more of them, and
 then Newton's method on all lengths, its steps split into smooth and rough ones.  How many the last level has

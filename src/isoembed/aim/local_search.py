@@ -1,4 +1,4 @@
-"""Local search: patches that a pull-back left on the wrong side are turned over, one by one.
+"""Local search: reflection of patches on the wrong side, one by one.
 
 A surface that was followed from a convex one and got lost is, as a rule, right but for some patches: a pit is
 a bump, a vertex stands on the other side of its neighbors.  Its energy, ``|r|^2 + mu |R x|^2``

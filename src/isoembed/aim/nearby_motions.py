@@ -1,4 +1,4 @@
-"""Motions from a surface to where other realizations of its lengths are predicted.
+"""Predicted motions from a realization to nearby ones, from soft modes and the second-order expansion.
 
 If x + d has the lengths of x, then ``J d + 1/2 Q(d, d) = 0`` (`length_expansion`): d is a fixed point of
 

@@ -1,4 +1,4 @@
-"""Nearby realizations: other surfaces with the same lengths, near where a surface is soft.
+"""Nearby realizations with the same lengths, along the softest modes of a surface.
 
 Along motions v_j of the vertices the errors of the lengths are ``r + sum_j s_j J v_j + 1/2 sum_jk s_j s_k
 Q(v_j, v_k)`` (`length_expansion`): as far as the ``J v_i`` go, a few quadratic equations, in Euclidean space

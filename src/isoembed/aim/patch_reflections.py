@@ -1,4 +1,4 @@
-"""Patch reflections: realizations of metrics with dents, each pushed in or out.
+"""Patch reflections: dents of a metric, each pushed in or out.
 
 A path of smooth surfaces from a convex one comes to a dent by way of a flat spot, and may leave it on the
 wrong side.  Where a metric has dents (`isoembed.metric.dents`), they are made at once: the vertices of a

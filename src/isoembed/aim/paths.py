@@ -1,4 +1,4 @@
-"""Families of metrics between the given and the uniform one (paper, sections 2.1 and 2.3)."""
+"""Paths of metrics from the given to the uniform one (paper, sections 2.1 and 2.3)."""
 
 import numpy as np
 

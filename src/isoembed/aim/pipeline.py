@@ -1,4 +1,4 @@
-"""The pipeline of the default method: it runs strategies in turn, and keeps and resumes their state."""
+"""Pipeline of strategies: runs them in turn, spends the budget, keeps and resumes checkpoints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The problem that all strategies share: a metric, its convexification, and when a surface is accepted."""
+"""Problem shared by all strategies: metric, convexification, and acceptance of a surface as a realization."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All roots of a few quadratic equations, by homotopy.
+"""Roots of small systems of quadratic equations by homotopy.
 
 k equations of degree 2 in k unknowns have 2^k complex roots, counted with multiplicities and at infinity
 (Bezout).  Those of ``s_i^2 = s_i`` are the corners of a cube.  As t goes from 0 to 1, the roots of

@@ -1,4 +1,4 @@
-"""The search for realizations of lengths near a surface.
+"""Breadth-first search for realizations near a surface.
 
 From one realization to the next: the `start_points` about each are followed by Newton's method.
 The surface that is meant is, as a rule, among the smooth ones.  So first of all the smoothest is made

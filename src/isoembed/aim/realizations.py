@@ -1,4 +1,4 @@
-"""Realizations of a metric near one of them, as far as a search finds them."""
+"""Search for all realizations of a metric within a distance of one (`isoembed.realizations`)."""
 
 from __future__ import annotations
 

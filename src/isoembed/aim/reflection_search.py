@@ -1,4 +1,4 @@
-"""Search by vertex reflections, from a surface that nearly has its lengths to one that has them.
+"""Search over vertex reflections, from nearly right lengths to a realization.
 
 Such a surface has, as a rule, a few vertices on the wrong side of their neighbors.  About a minimum of
 ``|r|^2 + mu |R x|^2`` `isoembed.aim.vertex_reflections` are tried; for what promises less energy

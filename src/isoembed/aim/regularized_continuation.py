@@ -1,4 +1,4 @@
-"""Regularized continuation: guided adiabatic pull-back where the curvature is negative, as smooth as can be.
+"""Regularized continuation: pull-back for negative curvature by a penalty method with weight mu -> 0.
 
 It follows the metrics from an embedded one to the given one by Gauss-Newton steps on the energy of
 `isoembed.aim.regularized_energy`.  Both R and K lead the surface there; then K is let go, and then R, after

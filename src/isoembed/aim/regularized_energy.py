@@ -1,4 +1,4 @@
-"""The energy of the regularized continuation: errors of the lengths, and distance from smooth surfaces.
+"""Regularized energy: squared length errors plus mu times squared distance from a smooth surface.
 
 Where the curvature is negative, surfaces flex: many have nearly the same lengths, and plain Newton steps
 wander among them.  Those are sought that minimize

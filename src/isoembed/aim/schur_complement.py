@@ -1,4 +1,4 @@
-"""Schur complement of a patch that moves far while the rest of the surface follows: its energy and minima.
+"""Schur complement of a patch: its energy, with all other vertices eliminated to first order.
 
 About a minimum of ``|r|^2 + mu |R x|^2`` (`isoembed.aim.regularized_energy`) the energy is quadratic for
 small motions.  If the vertices of a patch change sides, only the edges among them leave that regime.  So

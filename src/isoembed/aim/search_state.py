@@ -1,4 +1,4 @@
-"""State of a search for a surface with given lengths: its budget, and the nearest surface so far."""
+"""State of a search: remaining budget and nearest surface so far."""
 
 import numpy as np
 

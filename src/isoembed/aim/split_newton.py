@@ -1,4 +1,4 @@
-"""Newton's method on many lengths, its steps split into smooth motions and rough ones.
+"""Newton's method on many lengths, with steps split into smooth and rough components.
 
 Newton's method converges only from where rough errors are small beside the heights of vertices above their
 neighbors.  Of a surface that was found for chosen vertices, P z, the smooth errors are the larger ones.  So

@@ -1,4 +1,4 @@
-"""Start points near a surface, from which Newton's method may come to other realizations of its lengths.
+"""Start points of Newton's method for other realizations near a surface.
 
 They are ends of motions: all roots of the quadratic equations in several of the motions to where others are
 predicted (`nearby_motions`, `nearby_realizations`).  Each comes with the roughness that is expected there, as

@@ -1,4 +1,4 @@
-"""The strategies of the default method, in the order in which they are tried.
+"""Strategies of the default method in the order in which they are tried.
 
 The paper's three steps, uniformize, embed and pull back, are `NearestPolyhedron` and what follows it.  Convex
 metrics, and those that nearly are, do without: the strategies before it go to their surface at once.  Those

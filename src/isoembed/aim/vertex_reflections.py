@@ -1,4 +1,4 @@
-"""Vertex reflections in the planes of neighbors, each relaxed with the patch about it.
+"""Vertex reflections in the planes of the neighbors (mirror images), relaxed with the patch around.
 
 No small motion brings a vertex to the other side of its neighbors: near flat places lengths change in second
 order alone.  So vertices are reflected, and the patch about each is relaxed, the rest following

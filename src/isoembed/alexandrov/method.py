@@ -1,4 +1,4 @@
-"""The exact convex polyhedron of a convex metric, by the theorem of Alexandrov (1941)."""
+"""The method ``alexandrov``: entry point of Alexandrov's polyhedra, and their error messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Newton's method on the radii of a generalized polytope.
+"""Newton's method on the radii with flips, from a nearly flat polytope to the polyhedron.
 
 Three radii are pinned, which fixes the apex: it may move, so the curvatures do not determine it.
 """

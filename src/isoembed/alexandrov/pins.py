@@ -1,4 +1,4 @@
-"""Gauge of the apex: three vertices whose radii fix its place."""
+"""Choice of three vertices whose radii are held fixed, against translations of the apex."""
 
 import numpy as np
 from scipy.linalg import qr

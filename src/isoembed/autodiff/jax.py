@@ -1,4 +1,4 @@
-"""Embedding as a differentiable JAX function."""
+"""Registration of the embedding as a differentiable JAX function."""
 
 from collections.abc import Callable
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""Vertices as a function of the lengths near a surface: derivative and adjoint."""
+"""Embedding as a differentiable function of the lengths: values, derivative and adjoint."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Embedding as a differentiable PyTorch function."""
+"""Registration of the embedding as a differentiable PyTorch function."""
 
 from collections.abc import Callable
 from typing import Any

@@ -17,8 +17,6 @@ from isoembed.cli.screen import UsageError, print_aside, print_error, print_json
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import summary
 from isoembed.cli.waiting import held
-from isoembed.embedding.certify import certify
-from isoembed.embedding.report import report
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer, ending
@@ -104,6 +102,8 @@ def answer(
 
     @cache
     def whole() -> Mapping[str, Any]:  # it takes a while: only if it is asked for
+        from isoembed.embedding.report import report
+
         return {**report(embedding), **(failure.report if failure is not None else {}), **reported}
 
     try:
@@ -157,6 +157,8 @@ def _proof(embedding: isoembed.Embedding) -> str:
         return ""
     if embedding.triangulation.n_vertices > CERTIFIED:
         return "not certified: 'isoembed certify' does that for many vertices"
+    from isoembed.embedding.certify import certify
+
     return certify(embedding).reason
 
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from isoembed.embedding.embedding import Embedding
-from isoembed.embedding.report import report
 
 
 def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False) -> str:
@@ -12,6 +11,8 @@ def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False)
 
     Of one that failed the message is left out: it is the error.
     """
+    from isoembed.embedding.report import report
+
     found = report(embedding)
     size, residual = found["input"], found["residual"]
     convexity, smoothness = found["convexity"], found["smoothness"]

@@ -1,1 +1,1 @@
-"""What `isoembed.embed` returns: a surface with the metric that it realizes, and how it was found."""
+"""Embeddings, what `isoembed.embed` returns, with their reports, comparisons and sensitivities."""

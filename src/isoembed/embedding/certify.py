@@ -1,4 +1,4 @@
-"""Proof that an exact surface is near an embedding."""
+"""`isoembed.certify`: certificate of an embedding."""
 
 from isoembed.embedding.embedding import Embedding
 from isoembed.proof.certificate import Certificate

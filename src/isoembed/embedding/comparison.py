@@ -1,4 +1,4 @@
-"""Two surfaces of the same triangles compared: how far apart they are, and how their curvature differs.
+"""`isoembed.compare`: distance and curvature differences of two surfaces on one triangulation.
 
 Where both are proven to be near exact surfaces of the same lengths, no vertex a farther than D_a, all of it
 holds for these, with errors that are proven, too.  What depends on a motion of one of them is for the best in

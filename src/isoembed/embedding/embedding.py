@@ -1,4 +1,4 @@
-"""Embeddings: surfaces in space, the metrics that they realize, and how they were found.
+"""Embeddings: the metric, the surface in space, the residuals, and how it was found.
 
 What is costly to compute, or slow to import, is computed and imported when it is asked for.
 """

@@ -1,4 +1,4 @@
-"""Patches in which two surfaces with the same lengths are mirror images: bumps of one, dents of the other."""
+"""Mirror-image patches of two surfaces with the same lengths: bumps of one, dents of the other."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Old names of what an `Embedding` had, until version 0.5: each warns, and says where it went."""
+"""Deprecated names of `Embedding`, with the places they moved to."""
 
 from __future__ import annotations
 

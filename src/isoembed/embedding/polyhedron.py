@@ -1,4 +1,4 @@
-"""A surface with flat faces that are more than triangles."""
+"""Embeddings with polygonal faces."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""The report of an embedding, as the command writes it."""
+"""`isoembed.report`: JSON report of an embedding."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sensitivity of a surface to its lengths: derivatives, and what errors of the lengths do."""
+"""`isoembed.Sensitivity`: derivatives of a surface with respect to its lengths; propagation of errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Folding of a crease pattern by its fold angles."""
+"""Folding of a crease pattern by its fold angles to a solid."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence

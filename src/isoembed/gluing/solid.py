@@ -1,4 +1,4 @@
-"""Embedding of nets: folded by their fold angles, or as the convex polyhedron."""
+"""Embedding of nets: chooses between folding by fold angles and the convex polyhedron."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Checkpoints in files: NumPy archives that carry a fingerprint."""
+"""Reading and writing of checkpoints, as NumPy archives."""
 
 import os
 from pathlib import Path

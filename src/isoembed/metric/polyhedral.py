@@ -1,4 +1,4 @@
-"""Polyhedral metrics: a triangulated surface with edge lengths."""
+"""Polyhedral metrics: a triangulated surface with edge lengths, and their unit."""
 
 from __future__ import annotations
 

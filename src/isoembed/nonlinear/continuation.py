@@ -1,4 +1,4 @@
-"""Continuation: predictors by extrapolation, and penalty continuation, whose weight vanishes."""
+"""Continuation: extrapolating predictors, and the loop of a penalty method, weight mu -> 0."""
 
 from collections.abc import Callable
 

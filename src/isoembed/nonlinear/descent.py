@@ -1,4 +1,4 @@
-"""Descent: from point to point along curves, by an acceptance rule, until a stopping rule holds."""
+"""Descent loop with exchangeable step, acceptance rule and stopping rule."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Fingerprint of a computation, by which a checkpoint is matched on resumption."""
+"""Fingerprint of a computation: decides whether a checkpoint belongs to it."""
 
 from __future__ import annotations
 

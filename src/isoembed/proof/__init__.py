@@ -1,4 +1,4 @@
-"""Proofs that exact surfaces are near computed ones: from a metric and vertices to a certificate.
+"""Proofs: certificates that a realization is near computed vertices.
 
 What is computed in floats here has a bound on its rounding errors.
 """

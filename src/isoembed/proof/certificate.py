@@ -1,4 +1,4 @@
-"""A proof that exact vertices are near computed ones, for surfaces of any shape.
+"""Certificates of surfaces of any shape: assembly of existence, uniqueness and embeddedness.
 
 The theorem is that of `nearby_realization`.  That faces do not cross is verified for all vertices that are as
 near as the exact ones.

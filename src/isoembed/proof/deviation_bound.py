@@ -1,4 +1,4 @@
-"""How far the quantities of a surface in R^3 can be off because the lengths of its edges are: proven bounds.
+"""Proven bounds on the change of a surface when its lengths change.
 
 `nearby_realization` proves that lengths within errors of the given ones have a realization y near the
 vertices x.  With z, s, J and r as there, no vertex is farther from x than ``|z_a - x_a| + r / s_a``.  And y

@@ -1,4 +1,4 @@
-"""Numbers to twice the digits of floats: pairs of a float and what its rounding lost.
+"""Double-double arithmetic.
 
 Sums and products of floats are pairs exactly (Dekker, A floating-point technique for extending the available
 precision, Numer. Math. 18, 1971); those of pairs are off by a few U^2, relative to the sizes of their terms.

@@ -1,4 +1,4 @@
-"""Residuals of lengths to twice the digits of floats, with bounds on what is still missing.
+"""Enclosures of length residuals in double-double arithmetic.
 
 The residuals of an answer are rounding errors themselves.  So differences and products are split into their
 rounded values and what rounding took from them (`pairs`).

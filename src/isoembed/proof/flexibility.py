@@ -1,4 +1,4 @@
-"""Flexibility: infinitesimal flexes of triangulated surfaces, followed as far as they go.
+"""Flexibility: infinitesimal flexes of triangulated surfaces, and their finite extension.
 
 Floats prove neither that a surface flexes nor that it does not: a motion that was followed is one along which
 the lengths were kept to rounding, and one that could not be followed is not shown to be of first order only.

@@ -1,4 +1,4 @@
-"""The equations between lengths and vertices, as polynomials of degree 2 or 4, with bounds for a proof.
+"""Length equations as polynomials of degree 2 or 4, with bounds on their second derivatives.
 
 In conformal coordinates of a space of curvature k, with ``m = 1 + k |p|^2 / 4``, the chord of two points has
 the square ``|p - q|^2 / (m_p m_q)``.  So

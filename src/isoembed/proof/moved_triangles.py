@@ -1,4 +1,4 @@
-"""Bounds on what happens to triangles in R^3 whose corners move.
+"""Bounds on angles, areas and crossings of triangles whose corners move.
 
 A motion of the corners by d_a is linear on the triangle, ``p + L p``, ``L = sum of d_a grad lambda_a``, where
 the gradients of the barycentric coordinates lambda have the norms 1 / h_a, h being the triangle's heights.

@@ -1,4 +1,4 @@
-"""A proof that an exact realization is near given vertices, and that no other one is.
+"""Existence and uniqueness of a realization near given vertices (Newton-Kantorovich).
 
 Let l be the lengths, floats taken as exact numbers, and for points y
 

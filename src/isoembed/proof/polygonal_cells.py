@@ -1,4 +1,4 @@
-"""Faces of a polyhedron: triangles merged across flat edges, and their outlines."""
+"""Faces of a convex polyhedron in a proof: triangles merged across flat edges."""
 
 from __future__ import annotations
 

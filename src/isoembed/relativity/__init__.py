@@ -1,4 +1,4 @@
-"""For relativists: surfaces in slices of spacetime, horizon files, and quasi-local energies.
+"""Relativity: horizons and other surfaces in slices of spacetime, and their quasi-local energies.
 
 Units are geometric, G = c = 1.  The mean curvature of relativity is the trace k = k1 + k2.
 """

@@ -1,4 +1,4 @@
-"""Scheduling of a run's tasks in chunks, with reruns after killed processes."""
+"""Scheduling of a run's tasks in chunks, restarted after killed processes."""
 
 from __future__ import annotations
 

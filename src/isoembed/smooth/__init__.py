@@ -1,6 +1,4 @@
-"""Smooth metrics on the sphere: what they are, their curvature and geodesics, how they are triangulated, and
-their embedding to many digits in spherical harmonics, which begins with the embedding of a triangulation.
-"""
+"""Smooth metrics on the sphere: curvature, geodesics, triangulation, and spectral embedding."""
 
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.band import Band

@@ -1,4 +1,4 @@
-"""Extrinsic geometry: coordinates in space, and what can be measured on them.
+"""Extrinsic geometry of triangulated surfaces.
 
 The room's noun is `Embedding`; the measures are functions of a triangulation and its vertices.
 """

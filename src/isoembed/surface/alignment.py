@@ -1,4 +1,4 @@
-"""Alignment of two placements of the same points by a rigid motion."""
+"""Alignment of two point sets by a rigid motion, and their distance."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""How far a smooth surface bulges out of the triangles that are inscribed in it, and integrals of that.
+"""Height of a smooth surface over its inscribed triangles, and integrals of it.
 
 The height over a triangle is the f of `smooth_integrals`, a quadratic function of barycentric coordinates.
 """

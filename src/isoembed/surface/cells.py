@@ -1,4 +1,4 @@
-"""Well spread vertices of a triangulation, and the cells about them: where a coarse surface is known."""
+"""Coarse vertices, well spread, and their Voronoi cells on a triangulation."""
 
 from __future__ import annotations
 

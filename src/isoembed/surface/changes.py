@@ -1,4 +1,4 @@
-"""How much the quantities of a surface change, or may: standard deviations, bounds, differences."""
+"""Standard deviations, bounds and differences of a surface's quantities, as records."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of changes of the vertices or the lengths of a surface, and of errors."""
+"""Validation of displacements, length changes and length errors."""
 
 import numpy as np
 from numpy.typing import ArrayLike

@@ -1,4 +1,4 @@
-"""Chords of the geodesics of a surface, which are the edges of an inscribed polyhedron."""
+"""Lengths of chords from lengths of geodesics, to the order of the curvature."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Concave edges, and the vertices that the paper calls inverted and partially inverted (section 2.2)."""
+"""Concave edges; inverted and partially inverted vertices (paper, section 2.2)."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Extrinsic curvature of a triangulated surface: dihedral angles and mean curvature, H = (k1 + k2) / 2.
+"""Dihedral angles and mean curvature H = (k1 + k2) / 2 of a triangulated surface.
 
 Relativity writes k = k1 + k2 = 2 H: its integral is twice `integrated_mean_curvature`.
 """

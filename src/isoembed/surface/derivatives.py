@@ -1,4 +1,4 @@
-"""How a surface moves with the lengths of its edges.
+"""Derivatives of the vertices with respect to the edge lengths: forward and adjoint.
 
 To first order ``dl = J dx``, J being the rigidity matrix of `isoembed.surface.rigidity`.  It has full row
 rank where the surface is infinitesimally rigid, and then dx is given by dl up to rigid motions: ``dx = J^+

@@ -1,4 +1,4 @@
-"""How far a surface may be off because the lengths of its edges are.
+"""Standard deviations of a surface's quantities from errors of its lengths.
 
 Independent errors of the lengths, of standard deviations s, move every quantity f of the surface by
 ``df/dl . dl`` to first order: its standard deviation is ``|s df/dl|``.  Lengths whose errors are the same

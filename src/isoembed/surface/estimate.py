@@ -1,4 +1,4 @@
-"""Numbers with an estimate of their error."""
+"""Values with an error estimate."""
 
 from __future__ import annotations
 

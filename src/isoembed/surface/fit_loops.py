@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops of local polynomial fits: neighborhoods, weights of constant terms, second derivatives."""
+"""Compiled local polynomial fits."""
 
 from __future__ import annotations
 

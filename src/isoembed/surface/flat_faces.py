@@ -1,4 +1,4 @@
-"""Faces of a triangulated surface: the triangles, or flat faces of several, with no crease between them."""
+"""Polygonal faces: coplanar triangles merged."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Rigidity of interpolated surfaces: how edges within cells change with the values that are interpolated.
+"""Rigidity matrix of an interpolated surface.
 
 The surface is ``P z``, z the values of the chosen vertices.  Of each cell some edges are measured: those
 inside or, if there are few, all that it has a part in.  Their ends are interpolated from the cell's stencil,

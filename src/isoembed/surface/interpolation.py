@@ -1,4 +1,4 @@
-"""Smooth interpolation from cells: quintics fitted to the values of the chosen vertices around."""
+"""Smooth interpolation from coarse vertices by local quintic fits."""
 
 from __future__ import annotations
 

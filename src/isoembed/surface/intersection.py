@@ -1,4 +1,4 @@
-"""Self-intersection of a triangulated surface: a tree of boxes proposes pairs, separating axes decide."""
+"""Self-intersections of a triangulated surface: bounding box tree and separating axes."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Residuals of local fits: a function at a vertex minus a polynomial fitted to its neighbors alone.
+"""Residuals of local polynomial fits to the neighbors of each vertex.
 
 The polynomial is fitted by weighted least squares over a chart, an image of the neighbors in the plane with
 the vertex itself at the origin.  Its value there is its constant term, and the neighbors' weights in that

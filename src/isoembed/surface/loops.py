@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over the faces, edges and vertices of surfaces."""
+"""Compiled loops over faces, edges and vertices."""
 
 from __future__ import annotations
 

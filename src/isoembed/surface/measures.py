@@ -1,4 +1,4 @@
-"""Lengths, normals, area and volume of a triangulated surface."""
+"""Edge lengths, normals, area and volume; outward orientation, by positive volume."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Many polynomial fits at a time, by their normal equations, where these are well conditioned.
+"""Local polynomial fits in batches, by normal equations.
 
 The fits are those of `local_fit`, which orthogonalizes the columns of one fit after the other.  Here the fits
 of a few hundred vertices go through the same steps side by side, so that each step is one operation on rows

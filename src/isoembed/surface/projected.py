@@ -1,4 +1,4 @@
-"""Surfaces in projective coordinates, where rigidity is that of Euclidean space.
+"""Rigidity in hyperbolic and spherical space through projective coordinates.
 
 With y = x / w and motions x' = w z of the points, lengths change by
 

@@ -1,4 +1,4 @@
-"""The rigidity matrix J as three numbers an edge: products with it, and J J^T, without building it.
+"""Matrix-free products with the rigidity matrix J, and assembly of J J^T.
 
 A row of J per edge holds ``(x_a - x_b)^T / l_ab`` at a and its negative at b.
 """

@@ -1,4 +1,4 @@
-"""Lines on a surface that are not edges of its triangles."""
+"""Line segments on a surface, such as seams."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Second derivatives at the vertices: the surface's shape operator, and the Hessians of functions on it.
+"""Shape operator and Hessians at the vertices, by local fits.
 
 About each vertex the surface is the graph of a polynomial over the plane across the vertex's normal, fitted
 by weighted least squares to the vertices within three edges; functions are fitted over the same plane.

@@ -1,4 +1,4 @@
-"""Integrals over the smooth surface that a polyhedron stands for, to fourth order in the edge length.
+"""Fourth-order integrals over the smooth surface that a triangulation approximates.
 
 Area, volume and the integral of H of a polyhedron differ from those of the surface through its vertices by
 the square of the edge length.  The surface bulges out of each triangle by a height that the curvatures along

@@ -1,4 +1,4 @@
-"""Smoothness of a surface, which tells it from others with the same lengths.
+"""Roughness measures of a surface, and rough edges.
 
 Near a smooth surface there are others with its lengths, to rounding, in which a few vertices stand on the
 other side of their neighbors.  Here each vertex is compared with a cubic fitted to its neighbors alone, in a

@@ -1,4 +1,4 @@
-"""An order of points in which neighbors in space are mostly neighbors in the list.
+"""Morton (Z-curve) order of points.
 
 What walks through a large surface in this order finds most of what it needs in the processor's cache, however
 the vertices are numbered.

@@ -1,4 +1,4 @@
-"""Triangulated surfaces in space and their extrinsic geometry, measured when it is asked for."""
+"""Surfaces: triangulation, vertices and space, with all measures of extrinsic geometry, computed lazily."""
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, fields

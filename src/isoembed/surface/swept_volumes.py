@@ -1,4 +1,4 @@
-"""How the volume in hyperbolic and spherical space changes with the vertices.
+"""Derivative of the volume in hyperbolic and spherical space.
 
 With the fourth coordinate w, a point of a triangle is ``sum of s_i X_i`` over its norm, s barycentric, and a
 motion with the normal speeds phi_i of the corners has the speed ``sum of s_i phi_i`` there, over the same

@@ -1,4 +1,4 @@
-"""What a surface in Euclidean, hyperbolic or spherical space looks like from one of its points, or faces.
+"""Tangent frames at points and faces, in Euclidean, hyperbolic and spherical space.
 
 Seen from a point of it, space is drawn in the conformal model with that point as its center: there lengths
 are right to second order, and a plane is as curved as it is.  Vectors at a point are those to which the

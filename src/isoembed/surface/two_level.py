@@ -1,4 +1,4 @@
-"""Steps where the factors of J J^T do not fit: J^T J by conjugate gradients, preconditioned on two levels.
+"""Two-level preconditioned conjugate gradients on J^T J, where memory lacks for a factorization.
 
 The mesh is taken apart into aggregates of some thirty vertices.  On the coarse level these move as rigid
 bodies, which changes only the edges between them: a matrix of six unknowns an aggregate, whose factors are a

@@ -18,7 +18,9 @@ def pair(d, axis=(0.0, 0.0, 1.0), masses=(0.5, 0.5)):
 
 def test_a_common_horizon_appears_where_its_area_is_discontinuous():
     steps = list(track_horizons(pair(d) for d in (0.8, 0.78, END - 1e-3, 0.74)))
-    assert [step.continued for step in steps] == [(None, None), (0, 1), (None,), (0,)]
+    first, second, *others = (step.continued for step in steps)
+    assert first == (None, None) and sorted(second) == [0, 1]  # equal areas, whose order rounding decides
+    assert others == [(None,), (0,)]
     common = steps[2].horizons[0]
     assert "may be discontinuous" in common.notes[-1]
     assert f"{steps[1].horizons[0].area:.6g}" in common.notes[-1]

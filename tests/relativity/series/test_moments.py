@@ -174,7 +174,7 @@ def metric_components(metric):
         (
             ["h.t0.ah1.gp", "h.t32.ah1.gp"],
             None,
-            r"h\.t0\.ah1\.gp holds .*, but no metric: .*: name it with --geometry",
+            r"h\.t0\.ah1\.gp holds .*, but no metric: .*: name it with geometry=",
         ),
     ],
 )
@@ -217,7 +217,7 @@ def test_folders_of_something_else(tmp_path):
             "kerr-shild",
             r"there is no file or folder kerr-shild, nor a slice in closed form of that",
         ),
-        (tmp_path, None, r"h\.t0\.ah1\.gp holds .*: name it with --geometry$"),
+        (tmp_path, None, r"h\.t0\.ah1\.gp holds .*: name it with geometry=$"),
     ):
         with pytest.raises(FileError, match=sentence):
             moments([given], geometry)

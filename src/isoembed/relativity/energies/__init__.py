@@ -1,1 +1,1 @@
-"""Quasi-local energies of surfaces, each with an error."""
+"""Quasi-local energies with error estimates."""

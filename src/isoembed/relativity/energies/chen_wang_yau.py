@@ -1,4 +1,4 @@
-"""Chen-Wang-Yau energy: that of Wang and Yau with an (anti-)de Sitter reference, for tau = 0.
+"""Chen-Wang-Yau energy with an (anti-)de Sitter reference, for tau = 0.
 
 The surface is embedded in the static slice of the reference, hyperbolic or spherical space of the curvature
 k = cosmological constant / 3, and V, the length of the static Killing vector there, is the cosine `Space.cs`

@@ -1,4 +1,4 @@
-"""A surface of a slice, its smooth embedding in a space, and the energies that follow."""
+"""Smooth embedding of a surface of a slice, and the energies that follow from it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

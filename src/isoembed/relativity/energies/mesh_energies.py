@@ -1,4 +1,4 @@
-"""Energies of a surface that is given as a polyhedral metric, with data at its vertices."""
+"""Quasi-local energies of a polyhedral metric with data at its vertices, and their deviations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Integrals of a surface's energies by spectral quadrature over the sphere of directions."""
+"""Spectral quadrature of energies over the sphere."""
 
 from __future__ import annotations
 

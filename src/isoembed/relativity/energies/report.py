@@ -1,4 +1,4 @@
-"""Reports of quasi-local energies as JSON and text: of surfaces, embedded or not, and of triangles."""
+"""Reports of quasi-local energies, as JSON and text."""
 
 from __future__ import annotations
 

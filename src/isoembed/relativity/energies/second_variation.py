@@ -1,4 +1,4 @@
-"""Second variation of the Wang-Yau energy in the time function tau, X following tau.
+"""Second variation of the Wang-Yau energy in the time function, with the embedding that follows it.
 
 They guide Newton's method and tell minima, for which some digits do: X is taken in few harmonics, for which
 the linearized isometry equations of all of tau's harmonics are one small dense system.

@@ -1,4 +1,4 @@
-"""Time functions on a surface, and the metric of the surface that they make of it in Minkowski space."""
+"""Time functions tau of the Wang-Yau energy, and the metric g + d tau^2."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The Wang-Yau quasi-local energy: for a time function, or for the one that makes it least."""
+"""Wang-Yau quasi-local energy, for a given time function or the optimal one."""
 
 from collections.abc import Callable
 from dataclasses import replace

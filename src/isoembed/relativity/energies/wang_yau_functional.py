@@ -1,4 +1,4 @@
-"""Wang-Yau functional E(tau) of one surface, with its derivatives in the time function tau.
+"""Wang-Yau functional E(tau), with gradient and Hessian.
 
 With |H|^2 = k^2 - p^2, W^2 = 1 + |grad tau|^2, S^2 = |H|^2 W^2 + (lap tau)^2 and theta the angle of
 sinh theta = -lap tau / (|H| W),

@@ -1,4 +1,4 @@
-"""The Wang-Yau energy of a surface, with its time function and its image in Minkowski space."""
+"""Result of a Wang-Yau energy: value, time function, image in Minkowski space."""
 
 from __future__ import annotations
 

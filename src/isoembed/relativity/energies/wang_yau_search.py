@@ -1,4 +1,4 @@
-"""Minimization of the Wang-Yau energy over time functions, and continuation to a given one."""
+"""Minimization of the Wang-Yau functional over time functions."""
 
 from __future__ import annotations
 

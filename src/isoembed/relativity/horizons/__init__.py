@@ -1,1 +1,1 @@
-"""Horizons: the finder, files of simulation codes, spin, multipoles, circumferences, stability."""
+"""Apparent horizons: finder, file formats, spin, multipoles, circumferences, stability."""

@@ -1,4 +1,4 @@
-"""Shape files of AHFinderDirect of the Einstein Toolkit: h.t<iteration>.ah<number>.gp.
+"""Reader for horizon shapes of AHFinderDirect (Einstein Toolkit), h.t<iteration>.ah<number>.gp.
 
 They hold the radius of the horizon about an origin on up to six patches of an inflated cube [1]_, and points
 in the coordinates of the slice; no metric.  Runs with symmetries write fewer patches.

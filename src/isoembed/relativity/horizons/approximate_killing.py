@@ -1,4 +1,4 @@
-"""Approximate Killing vectors of a metric on the sphere: the rotations that shear it least.
+"""Approximate Killing vectors of a metric on the sphere.
 
 A field without divergence has a potential z, ``phi^a = eps^ab D_b z``.  Its shear ``D_(a phi_b)``, zero for a
 symmetry of the metric, has the square of the trace-free part of ``D_a D_b z``; the fields that make

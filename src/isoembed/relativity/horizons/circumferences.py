@@ -1,4 +1,4 @@
-"""Circumferences of a surface around and across the poles of its symmetry."""
+"""Equatorial and polar circumferences of a horizon."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Multipole moments (l, m) of horizons without symmetry, in conformally round coordinates.
+"""Multipole moments (l, m) of horizons without symmetry, in conformal coordinates.
 
 A metric on the sphere is conformal to round ones of unit radius, and one of them, up to rotations, has no
 area dipole, ``int n dA = 0`` with n its unit vectors [1]_.  With its harmonics the multipoles are

@@ -1,4 +1,4 @@
-"""Leaf of a foliation by constant expansion: a surface with a given mean radius, and its derivative."""
+"""Surface of constant expansion with a given mean radius: leaf of a foliation."""
 
 from __future__ import annotations
 

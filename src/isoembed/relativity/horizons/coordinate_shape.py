@@ -1,4 +1,4 @@
-"""Coordinate shape of a horizon: points in the coordinates of a slice, and a closed surface through them.
+"""Coordinate shape of a horizon: points in slice coordinates, and the surface through them.
 
 Lengths in these coordinates are not lengths on the horizon: for those the 3-metric is needed.
 """

@@ -1,4 +1,4 @@
-"""Comparison of the Gaussian curvature in a horizon file with that of the metric in use.
+"""Check of the Gaussian curvature in a horizon file against its metric.
 
 A file's own Gaussian curvature and that of the metric which a geometry induces on its points agree only if
 mass, spin, time and units are those of the file.

@@ -1,4 +1,4 @@
-"""Discretization of a family of surfaces in harmonics of one degree, and its linearized equations."""
+"""Discretization of a surface family in spherical harmonics, and its linearized equations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Horizon classification: whether the expansion of outgoing light rays is zero, nearly zero, or not."""
+"""Classification of surfaces as horizons, by the expansion of outgoing light rays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Horizon finder: marginally outer trapped surfaces, and surfaces of constant expansion, in any slice."""
+"""Horizon finder: marginally outer trapped surfaces and surfaces of constant expansion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Foliation by surfaces of constant expansion, from a large sphere inward to a horizon.
+"""Foliation by surfaces of constant expansion, inward to the outermost horizon or to none.
 
 The leaves are parametrized by their mean radius; the expansion c is found with each of them.  It is 2 / r on
 large spheres and 0 at a horizon; ``c R / 2``, R the areal radius, falls from 1 to 0 in Schwarzschild.  Leaves

@@ -1,4 +1,4 @@
-"""Horizons that were found: surfaces of constant expansion with residual, errors and stability."""
+"""Result of the horizon finder: surface, residual, errors and stability."""
 
 from __future__ import annotations
 

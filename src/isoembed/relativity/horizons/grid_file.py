@@ -1,4 +1,4 @@
-"""Metrics on theta-phi grids from files, with k, p and K(., n) where they are there."""
+"""Reader for metrics and data on (theta, phi) grids."""
 
 import os
 from typing import Any

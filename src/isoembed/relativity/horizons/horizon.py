@@ -1,4 +1,4 @@
-"""Horizons, from files or found, in their slice: the smooth surface through points, data and facts."""
+"""Horizon of a slice: smooth surface, data of its energies, origin and notes."""
 
 from __future__ import annotations
 

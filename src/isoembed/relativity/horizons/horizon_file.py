@@ -1,4 +1,4 @@
-"""Horizon files of any format."""
+"""Reader for horizon files of any format."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Format of horizon files: what recognizes a file, and what reads it."""
+"""Interface of a horizon file format: recognition and reader."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

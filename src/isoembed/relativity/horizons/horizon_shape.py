@@ -1,4 +1,4 @@
-"""Intrinsic shape of a horizon: its circumferences and multipoles, which need no embedding."""
+"""Intrinsic shape of a horizon: circumferences and multipoles."""
 
 from __future__ import annotations
 

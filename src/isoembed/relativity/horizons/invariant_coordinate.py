@@ -1,4 +1,4 @@
-"""The invariant coordinate of a symmetric surface: what cos(theta) is on a round sphere.
+"""Invariant coordinate of an axisymmetric surface, as cos(theta) on a round sphere.
 
 A symmetry with the field phi, whose orbits close after 2 pi, has ``D_a zeta = (4 pi / A) eps_ba phi^b`` [1]_:
 zeta goes from -1 to 1 and dA = A / 4 pi dzeta dphi.

@@ -1,4 +1,4 @@
-"""Shape and spin multipoles of a horizon.
+"""Mass and spin multipoles of an axisymmetric horizon.
 
 With zeta the invariant coordinate and R the areal radius, the geometric multipoles [1]_ are
 ``I_n = 1/2 int K Y_n0(zeta) dA`` and ``L_n = -int Im Psi_2 Y_n0(zeta) dA``, where ``2 Im Psi_2`` is the

@@ -1,4 +1,4 @@
-"""Newton's method for surfaces of constant expansion in a family, in spherical harmonics."""
+"""Newton's method for surfaces of constant expansion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Images of the sphere of any shape, displaced along normals; foliation of a horizon's interior."""
+"""Images of the sphere of any shape, parameterized by displacement along the normals of a surface."""
 
 from __future__ import annotations
 

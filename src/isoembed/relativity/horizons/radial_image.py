@@ -1,4 +1,4 @@
-"""Star-shaped images of the sphere, displaced along the radius: change of degree and center, refinement."""
+"""Star-shaped surfaces, displaced along the radius; change of degree and center."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Refinement in degree: surfaces of constant expansion in more and more harmonics, until rounding is left."""
+"""Refinement in degree of a surface of constant expansion, to rounding."""
 
 from __future__ import annotations
 

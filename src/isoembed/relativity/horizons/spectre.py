@@ -1,4 +1,4 @@
-"""Horizon files of SpECTRE: surface data, and harmonic coefficients of surfaces.
+"""Reader for SpECTRE's surface data and harmonic coefficients of horizons.
 
 Surface data are in HDF5 groups ``<surface>.vol``.  Coefficients are in HDF5 datasets ``<surface>_Ylm.dat``,
 or in text files of such a name.

@@ -1,4 +1,4 @@
-"""Spin of a surface: its angular momentum and the axis of it, from the metric and K(., n) on the surface.
+"""Spin of a surface: angular momentum and its axis.
 
 ``J = 1 / 8 pi int K(phi, n) dA`` about a rotation phi.  Where the surface has one symmetry, phi is that, and
 J about other axes vanishes.  Where the surface is nearly round, or has its shape from tides, the rotation

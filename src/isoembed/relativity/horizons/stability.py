@@ -1,4 +1,4 @@
-"""Stability of a surface of constant expansion: the least eigenvalue of the stability operator.
+"""Stability: principal eigenvalue of the stability operator.
 
 ``L psi`` is the change of the expansion when the surface moves outward by psi.  Of its eigenvalues the one
 with the least real part is real, and has a positive eigenfunction: a horizon is stable where it is not

@@ -1,4 +1,4 @@
-"""Axis of rotational symmetry of a slice, for horizons that are surfaces of revolution."""
+"""Axis of rotational symmetry of a slice."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""HDF5 files with the horizons of an evolution: the arrays of one horizon, with an axis of time in front.
+"""Reader for HDF5 files with the horizons of an evolution, time in front.
 
 A group, or the file itself, holds ``time`` (T,), and maybe ``iteration`` (T,), beside what `read_horizon`
 knows of one horizon, with an axis more:

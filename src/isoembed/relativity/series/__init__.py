@@ -1,1 +1,1 @@
-"""Horizons of a whole evolution, each with its own slice: what is read of which moment, and embedded."""
+"""Series: horizons of a whole evolution with their slices, embedded."""

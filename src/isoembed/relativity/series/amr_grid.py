@@ -1,4 +1,4 @@
-"""Slices on grids with adaptive mesh refinement (AMR): interpolation on the finest level at each point.
+"""AMR slices: interpolation on the finest level at each point.
 
 Only the parts of a level that points lie in are read, in cubes of the lattice with a margin for the
 interpolation.  Where a level ends, points within four spacings of its end are interpolated on the next

@@ -1,4 +1,4 @@
-"""Slices in the HDF5 files of Carpet: the metric and the extrinsic curvature of ADMBase.
+"""Reader for slices in Carpet's HDF5 files of ADMBase.
 
 Carpet writes a data set for every variable, iteration, refinement level and component, with its place and
 time as attributes, into one file for each variable or group of variables, and for each process [1]_.

@@ -1,4 +1,4 @@
-"""Files of Carpet in the folder of a simulation: which slices they hold, across processes and restarts.
+"""Index of Carpet's files in a simulation folder, across processes and restarts.
 
 Names of files are those of a variable or of a group, as ``gxx.xyz.h5``, ``gxx.file_3.h5`` and
 ``admbase-metric.xyz.h5``; names of data sets are as ``ADMBASE::gxx it=1024 tl=0 rl=5 c=3``.

@@ -1,4 +1,4 @@
-"""Slices in openPMD files of CarpetX: the metric and the extrinsic curvature of ADMBaseX.
+"""Reader for slices in CarpetX's openPMD files of ADMBaseX.
 
 A file, which is a folder ``*.bp4`` or ``*.bp5``, holds iterations; these hold a mesh for each group of
 variables and refinement level, as ``admbasex_metric_patch00_lev02``, with a record for each variable, and

@@ -1,4 +1,4 @@
-"""Series of horizons from Python: moments in, results out, here or on any executor."""
+"""`embed_series`: horizons of a series embedded from Python, here or on an executor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of files of an evolution: what they say of series, iteration and time, and patterns of them."""
+"""File names of an evolution: series, iteration and time, and patterns."""
 
 import glob
 import os

@@ -1,4 +1,4 @@
-"""Symmetries of simulations of which only a part of the grid exists, and what they make of matrices there.
+"""Reflection and rotation symmetries of simulation grids.
 
 A run in bitant, quadrant or octant mode has points in a half, a quarter or an eighth of space; the rest is
 its image under reflections in the planes x = 0, y = 0, z = 0, or under rotations about the z-axis.

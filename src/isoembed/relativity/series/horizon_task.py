@@ -1,4 +1,4 @@
-"""Task of a run: the horizon of a moment is read, embedded and reported; a refusal is a result, too."""
+"""Task that reads, embeds and reports one horizon of a series."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Horizons and grid data of kuibit, taken as they are.
+"""Horizons and grid data from kuibit objects.
 
 Used are the public attributes of ``OneHorizon``, ``HierarchicalGridData`` and ``UniformGridData`` of kuibit
 1.4 or later [1]_, which need not be installed to read this.

@@ -1,4 +1,4 @@
-"""Moments of an evolution: a horizon at a time and the slice that it is in."""
+"""Time steps of an evolution: one horizon and the slice that contains it."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""Moments of a series from what a user names: files and folders of horizons, and their slices."""
+"""List of a series' time steps, from the files and folders that a user names."""
 
 import os
 import re

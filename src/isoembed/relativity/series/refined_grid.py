@@ -1,4 +1,4 @@
-"""Slices on grids with refinement levels, each of several components: the finest level around a surface.
+"""Slices on nested refinement levels with several components (Carpet).
 
 A level is a lattice of points, of which its components hold boxes.  A box of the surface with the stencil of
 the interpolation is filled from the components of one level and from their images under the symmetry of the

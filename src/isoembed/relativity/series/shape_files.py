@@ -1,4 +1,4 @@
-"""Files of horizons: which series and moments are in them."""
+"""Index of horizon files: their series and moments."""
 
 import contextlib
 import os

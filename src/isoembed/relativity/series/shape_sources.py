@@ -1,4 +1,4 @@
-"""Files of horizons as sources: a file with one horizon, or one moment of a file with many."""
+"""Sources of horizons: one file, or one moment of a file with many."""
 
 import hashlib
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Sources of horizons and slices: readable in another process, with a hash of their content.
+"""Sources of horizons and slices: picklable references with a content hash.
 
 A source is pickled to a worker: it holds paths and choices, never an open file.
 """

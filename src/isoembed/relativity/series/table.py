@@ -1,4 +1,4 @@
-"""Table of a run: a row for each horizon, sorted by series and time; CSV, and HDF5 with the harmonics."""
+"""Table of a series in CSV and HDF5, one row for each horizon."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Slices of spacetime, in closed form or on grids, and the surfaces in them."""
+"""Slices of spacetime, in closed form or on grids, and surfaces in them."""

@@ -1,4 +1,4 @@
-"""Slices that are given on a Cartesian grid, interpolated to eighth order."""
+"""Slices on a Cartesian grid, interpolated to eighth order."""
 
 from __future__ import annotations
 

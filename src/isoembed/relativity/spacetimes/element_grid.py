@@ -1,4 +1,4 @@
-"""Slices that are given on elements, each the image of a cube, by values at the nodes of polynomials.
+"""Slices on spectral elements.
 
 Spectral and discontinuous-Galerkin codes have such data.  A point is looked for in the elements whose boxes
 it is in: Newton's method inverts the map of the element, the polynomial through the coordinates of its nodes.

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Loops over the points of grids."""
+"""Compiled interpolation on grids."""
 
 from __future__ import annotations
 

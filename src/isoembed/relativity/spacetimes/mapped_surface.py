@@ -1,4 +1,4 @@
-"""Surfaces in a slice that need not be star-shaped: the coordinates by direction in spherical harmonics."""
+"""Surfaces of any shape in a slice: coordinates in spherical harmonics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Points of a surface as they are seen from its center: directions, distances and solid angles."""
+"""Directions, distances and solid angles of surface points about a center."""
 
 import numpy as np
 from numpy.typing import ArrayLike

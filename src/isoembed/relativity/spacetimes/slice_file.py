@@ -1,4 +1,4 @@
-"""Files of slices on Cartesian grids, .npz or HDF5, with one slice, or in HDF5 with those of an evolution.
+"""Reader for slices on Cartesian grids, .npz or HDF5.
 
 One slice is arrays of one shape (nx, ny, nz), [i, j, k] being the point ``origin + spacing * (i, j, k)``:
 ``gxx gxy gxz gyy gyz gzz`` and, unless the slice is time-symmetric, ``kxx kxy kxz kyy kyz kzz``; besides

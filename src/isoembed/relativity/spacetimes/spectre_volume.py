@@ -1,4 +1,4 @@
-"""Volume data of SpECTRE: slices on elements, in groups with the ending .vol of HDF5 files.
+"""Reader for SpECTRE's volume data.
 
 An observation holds the values at the nodes of all elements one after the other, the first axis of each
 element running fastest: ``InertialCoordinates_x`` ..., ``SpatialMetric_xx``, ``_yx``, ... and maybe

@@ -1,4 +1,4 @@
-"""Closed surfaces in a slice, as maps of the unit sphere that are known to second order."""
+"""Closed surfaces in a slice, as maps of the unit sphere with derivatives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Data of quasi-local energies: the metric of a surface, and how it lies in its slice."""
+"""Energy data of a surface: induced metric, mean curvature, momentum."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Error propagation from the position of a surface and from its slice to metric, curvature, momentum."""
+"""Error propagation from position and slice to metric, curvature and momentum."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Slices that are others translated, rotated, or with scaled extrinsic curvature."""
+"""Translated, rotated and rescaled slices."""
 
 from __future__ import annotations
 
