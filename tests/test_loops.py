@@ -11,7 +11,7 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import Mesh
 from isoembed.mesh.loops import find, pinched, reached_faces
 from isoembed.smooth.harmonics import Harmonics
-from isoembed.surface.loops import face_normals
+from isoembed.surface.triangle_loops import face_normals
 from places import ROOT
 
 SOURCES = ROOT / "src"

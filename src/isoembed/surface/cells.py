@@ -10,8 +10,8 @@ from scipy.sparse import csr_array
 
 from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.interpolation_loops import chosen_centers
 from isoembed.surface.local_fit import edge_lengths_about
-from isoembed.surface.loops import chosen_centers
 from isoembed.surface.measures import edge_lengths
 
 

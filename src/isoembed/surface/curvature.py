@@ -11,9 +11,9 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
-from isoembed.surface.loops import folds
 from isoembed.surface.measures import amplitudes, edge_lengths, face_normals, triangle_areas
 from isoembed.surface.tangent_frames import sides
+from isoembed.surface.triangle_loops import folds
 
 TINY = float(np.finfo(np.float64).tiny)
 

@@ -16,7 +16,7 @@ from isoembed.arrays import Floats
 from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
-from isoembed.surface.loops import add_cell_products
+from isoembed.surface.interpolation_loops import add_cell_products
 
 MAX_EDGES = 30  # measured in a cell: an interpolated surface has fewer degrees of freedom
 DIAGONAL_SHIFT = 1e-6  # relative: beyond rounding in single precision

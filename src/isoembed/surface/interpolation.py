@@ -11,8 +11,8 @@ from scipy.sparse import csr_array, eye_array
 from isoembed.arrays import Floats, Indices
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.cells import VertexCells
+from isoembed.surface.interpolation_loops import products_of, projected, transposed_products
 from isoembed.surface.local_fit import FitResiduals, edge_lengths_about, neighborhoods
-from isoembed.surface.loops import products_of, projected, transposed_products
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import THREE_RINGS
 

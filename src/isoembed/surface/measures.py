@@ -7,11 +7,11 @@ from isoembed.metric.distances import straight_lengths
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.surface.cone_volumes import cone_volumes
-from isoembed.surface.loops import boxes_of, curved_areas
-from isoembed.surface.loops import face_areas as face_areas
-from isoembed.surface.loops import face_normals as face_normals
-from isoembed.surface.loops import vertex_normals as vertex_normals
 from isoembed.surface.tangent_frames import sides
+from isoembed.surface.triangle_loops import boxes_of, curved_areas
+from isoembed.surface.triangle_loops import face_areas as face_areas
+from isoembed.surface.triangle_loops import face_normals as face_normals
+from isoembed.surface.triangle_loops import vertex_normals as vertex_normals
 
 
 def edge_lengths(edges: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices32
 from isoembed.linalg.memory import OutOfMemory, require_memory
-from isoembed.surface.loops import couplings, edge_rows, gram_values, length_rates, vertex_forces
+from isoembed.surface.rigidity_loops import couplings, edge_rows, gram_values, length_rates, vertex_forces
 
 DIAGONAL_SHIFT = 1e-10  # relative, added to J^T J: it fixes the motions that change no edge
 

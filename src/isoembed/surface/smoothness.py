@@ -19,9 +19,9 @@ from isoembed.arrays import Floats, Indices, Indices32, Mask
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.curvature import FLAT_ANGLE, dihedral_angles
 from isoembed.surface.local_fit import FitResiduals, Surroundings, edge_lengths_about, sums_at_ends
-from isoembed.surface.loops import polar_charts, residuals_of, transposed_residuals_of
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.normal_fits import THREE_RINGS, TWO_RINGS
+from isoembed.surface.smoothness_loops import polar_charts, residuals_of, transposed_residuals_of
 from isoembed.surface.spatial_order import spatial_order
 
 CHUNK = 1 << 16  # vertices fitted together: their charts take memory

@@ -18,7 +18,8 @@ from scipy.sparse import bsr_array, csr_array, eye_array
 from isoembed.arrays import Floats, Indices32
 from isoembed.linalg import Dissection, SymmetricFactor, analyze, dissect
 from isoembed.linalg.krylov import Approximation, conjugate_gradients
-from isoembed.surface.loops import (
+from isoembed.surface.rigidity_matrix import DIAGONAL_SHIFT, RigidityMatrix
+from isoembed.surface.two_level_loops import (
     aggregates,
     coarse_blocks,
     diagonal_blocks,
@@ -27,7 +28,6 @@ from isoembed.surface.loops import (
     times_blocks,
     wrenches_of,
 )
-from isoembed.surface.rigidity_matrix import DIAGONAL_SHIFT, RigidityMatrix
 
 MAX_AGGREGATE = 48  # vertices of a body of the coarse level
 SMOOTHED = 2.0 / 30  # least eigenvalue of D^-1 J^T J that is smoothed

@@ -1,0 +1,216 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
+"""Compiled interpolation from coarse vertices: choice of the vertices, products, rigidity."""
+
+from __future__ import annotations
+
+import cython
+import numpy as np
+from cython.cimports.libc.math import sqrt
+
+if cython.compiled:
+    pass
+else:
+    pass
+
+Int = cython.typedef(cython.longlong)
+ConstInt = cython.typedef(cython.const[cython.longlong])
+Real = cython.typedef(cython.double)
+ConstReal = cython.typedef(cython.const[cython.double])
+Flag = cython.typedef(cython.uchar)
+Single = cython.typedef(cython.float)
+
+INF = cython.declare(cython.double, float("inf"))
+
+
+def chosen_centers(
+    indptr: ConstInt[::1], indices: ConstInt[::1], hops: ConstReal[::1], order: ConstInt[::1], radius: Real
+):
+    """Vertices, in order, farther than the radius from those before; and the cell of every vertex."""
+    n = indptr.shape[0] - 1
+    distance: Real[::1] = np.full(n, INF)
+    cell: Int[::1] = np.full(n, -1, dtype=np.int64)
+    waiting: Int[::1] = np.empty(n, dtype=np.int64)
+    is_waiting: Flag[::1] = np.zeros(n, dtype=np.bool_)  # round and round
+    chosen: Int[::1] = np.empty(n, dtype=np.int64)
+    count: Int = 0
+    head: Int
+    size: Int
+    for v in order:
+        if distance[v] <= radius:
+            continue
+        chosen[count], distance[v], cell[v] = v, 0.0, count
+        waiting[0] = v
+        head = 0
+        size = 1
+        while size > 0:
+            u = waiting[head]
+            head, size = (head + 1) % n, size - 1
+            is_waiting[u] = False
+            for p in range(indptr[u], indptr[u + 1]):
+                w, there = indices[p], distance[u] + hops[p]
+                if there < distance[w] and there <= 2 * radius:
+                    distance[w], cell[w] = there, count
+                    if not is_waiting[w]:
+                        waiting[(head + size) % n], is_waiting[w] = w, True
+                        size += 1
+        count += 1
+    return np.array(chosen[:count]), np.asarray(cell)
+
+
+def products_of(
+    rows: ConstInt[::1],
+    starts: ConstInt[::1],
+    indptr: ConstInt[::1],
+    indices: ConstInt[::1],
+    weights: ConstReal[::1],
+    values: ConstReal[:, ::1],
+):
+    products: Real[:, ::1] = np.empty((rows.shape[0], 3))
+    at: Int = 0
+    for cell in range(starts.shape[0] - 1):
+        for k in range(starts[cell], starts[cell + 1]):
+            x: Real = 0.0
+            y: Real = 0.0
+            z: Real = 0.0
+            for p in range(indptr[cell], indptr[cell + 1]):
+                vertex = indices[p]
+                x += weights[at] * values[vertex, 0]
+                y += weights[at] * values[vertex, 1]
+                z += weights[at] * values[vertex, 2]
+                at += 1
+            row = rows[k]
+            products[row, 0], products[row, 1], products[row, 2] = x, y, z
+    return np.asarray(products)
+
+
+def transposed_products(
+    rows: ConstInt[::1],
+    starts: ConstInt[::1],
+    indptr: ConstInt[::1],
+    indices: ConstInt[::1],
+    weights: ConstReal[::1],
+    forces: ConstReal[:, ::1],
+):
+    products: Real[:, ::1] = np.zeros((starts.shape[0] - 1, 3))
+    largest: Int = 0
+    for cell in range(starts.shape[0] - 1):
+        largest = max(largest, indptr[cell + 1] - indptr[cell])
+    sums: Real[:, ::1] = np.empty((3, largest))
+    at: Int = 0
+    for cell in range(starts.shape[0] - 1):
+        begin, size = indptr[cell], indptr[cell + 1] - indptr[cell]
+        sums[:, :size] = 0.0  # rows of numbers are added up at once
+        for p in range(starts[cell], starts[cell + 1]):
+            row = rows[p]
+            for k in range(3):
+                force = forces[row, k]
+                for i in range(size):
+                    sums[k, i] += force * weights[at + i]
+            at += size
+        for i in range(size):
+            for k in range(3):
+                products[indices[begin + i], k] += sums[k, i]
+    return np.asarray(products)
+
+
+def projected(
+    points: ConstReal[:, ::1],
+    normals: ConstReal[:, ::1],
+    units: ConstReal[::1],
+    targets: ConstReal[:, ::1],
+    indptr: ConstInt[::1],
+    indices: ConstInt[::1],
+):
+    """Targets in the tangent planes at points, in their units, (nnz, 2).
+
+    Not in polar charts: these are no smooth coordinates of a surface that is curved otherwise than a sphere.
+    """
+    x: Real
+    y: Real
+    k: Int
+    charts: Real[:, ::1] = np.empty((indices.shape[0], 2))
+    first: Real[::1] = np.empty(3)
+    second: Real[::1] = np.empty(3)
+    for row in range(points.shape[0]):
+        unit = units[row]
+        k = 0
+        for c in range(1, 3):
+            if abs(normals[row, c]) < abs(normals[row, k]):
+                k = c
+        i, j = (k + 1) % 3, (k + 2) % 3
+        size = sqrt(normals[row, i] * normals[row, i] + normals[row, j] * normals[row, j])
+        first[k], first[i], first[j] = 0.0, -normals[row, j] / size, normals[row, i] / size
+        for c in range(3):
+            a, b = (c + 1) % 3, (c + 2) % 3
+            second[c] = normals[row, a] * first[b] - normals[row, b] * first[a]
+        for at in range(indptr[row], indptr[row + 1]):
+            there = indices[at]
+            x = y = 0.0
+            for c in range(3):
+                x += first[c] * (targets[there, c] - points[row, c])
+                y += second[c] * (targets[there, c] - points[row, c])
+            charts[at, 0], charts[at, 1] = x / unit, y / unit
+    return np.asarray(charts)
+
+
+def add_cell_products(
+    starts: ConstInt[::1],
+    stencil_indptr: ConstInt[::1],
+    stencil_indices: ConstInt[::1],
+    differences: ConstReal[::1],
+    rows: ConstReal[:, ::1],
+    indptr: ConstInt[::1],
+    indices: ConstInt[::1],
+    values: Real[::1],
+):
+    """Add the products of the rows of each cell to the zeros of a symmetric matrix in blocks of 3 x 3.
+
+    They are added up below the diagonal, then copied above it.
+    """
+    n = indptr.shape[0] - 1
+    diagonal: Int[::1] = np.empty(n, dtype=np.int64)
+    for column in range(n):
+        p: Int = indptr[column]
+        while indices[p] < column:
+            p += 1
+        diagonal[column] = p
+    at: Int = 0  # in the differences
+    for cell in range(starts.shape[0] - 1):
+        first, last = starts[cell], starts[cell + 1]
+        begin = stencil_indptr[cell]
+        size = stencil_indptr[cell + 1] - begin
+        if first == last:
+            continue
+        dense = np.empty((last - first, 3 * size), dtype=np.float32)
+        J: Single[:, ::1] = dense
+        for edge in range(first, last):
+            for j in range(size):
+                for k in range(3):
+                    J[edge - first, 3 * j + k] = differences[at] * rows[edge, k]
+                at += 1
+        products: Single[:, ::1] = np.dot(dense.T, dense)
+        for j in range(size):
+            column = stencil_indices[begin + j]
+            start = indptr[column]
+            p = diagonal[column]
+            width = 3 * (indptr[column + 1] - start)
+            for i in range(j, size):
+                row = stencil_indices[begin + i]
+                while indices[p] < row:
+                    p += 1
+                place = 9 * start + 3 * (p - start)
+                for b in range(3):
+                    for a in range(3):
+                        values[place + b * width + a] += products[3 * j + b, 3 * i + a]
+    above: Int[::1] = np.array(indptr[:n])  # the next block above the diagonal, by column
+    for column in range(n):
+        start, width = indptr[column], 3 * (indptr[column + 1] - indptr[column])
+        for p in range(diagonal[column] + 1, indptr[column + 1]):
+            row = indices[p]
+            first, mirrored = indptr[row], 3 * (indptr[row + 1] - indptr[row])
+            place = 9 * start + 3 * (p - start)
+            image = 9 * first + 3 * (above[row] - first)
+            above[row] += 1
+            for b in range(3):
+                for a in range(3):
+                    values[image + a * mirrored + b] = values[place + b * width + a]

@@ -1,0 +1,96 @@
+# cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
+"""Compiled residuals of local fits, and the charts of vertex neighborhoods."""
+
+from __future__ import annotations
+
+import cython
+import numpy as np
+from cython.cimports.libc.math import sqrt
+
+if cython.compiled:
+    pass
+else:
+    pass
+
+Int = cython.typedef(cython.longlong)
+ConstInt = cython.typedef(cython.const[cython.longlong])
+ConstInt32 = cython.typedef(cython.const[cython.int])
+Real = cython.typedef(cython.double)
+ConstReal = cython.typedef(cython.const[cython.double])
+
+
+def residuals_of(
+    indptr: ConstInt32[::1],
+    indices: ConstInt32[::1],
+    weights: ConstReal[::1],
+    own: ConstReal[::1],
+    vectors: ConstReal[:, ::1],
+):
+    x: Real
+    y: Real
+    z: Real
+    residuals: Real[:, ::1] = np.empty((vectors.shape[0], 3))
+    for v in range(own.shape[0]):
+        x, y, z = own[v] * vectors[v, 0], own[v] * vectors[v, 1], own[v] * vectors[v, 2]
+        for p in range(indptr[v], indptr[v + 1]):
+            w = indices[p]
+            x -= weights[p] * vectors[w, 0]
+            y -= weights[p] * vectors[w, 1]
+            z -= weights[p] * vectors[w, 2]
+        residuals[v, 0], residuals[v, 1], residuals[v, 2] = x, y, z
+    return np.asarray(residuals)
+
+
+def transposed_residuals_of(
+    indptr: ConstInt32[::1],
+    indices: ConstInt32[::1],
+    weights: ConstReal[::1],
+    own: ConstReal[::1],
+    vectors: ConstReal[:, ::1],
+):
+    products: Real[:, ::1] = np.zeros((vectors.shape[0], 3))
+    for v in range(own.shape[0]):
+        x, y, z = vectors[v, 0], vectors[v, 1], vectors[v, 2]
+        products[v, 0] += own[v] * x
+        products[v, 1] += own[v] * y
+        products[v, 2] += own[v] * z
+        for p in range(indptr[v], indptr[v + 1]):
+            w = indices[p]
+            products[w, 0] -= weights[p] * x
+            products[w, 1] -= weights[p] * y
+            products[w, 2] -= weights[p] * z
+    return np.asarray(products)
+
+
+def polar_charts(begin: Int, indptr: ConstInt[::1], indices: ConstInt32[::1], surface: object):
+    """Directions of neighbors in the tangent planes of vertices, times distances in their units, (nnz, 2)."""
+    vertices: ConstReal[:, ::1] = surface.vertices
+    normals: ConstReal[:, ::1] = surface.normals
+    units: ConstReal[::1] = surface.units
+    k: Int
+    charts: Real[:, ::1] = np.zeros((indices.shape[0], 2))
+    first: Real[::1] = np.empty(3)
+    second: Real[::1] = np.empty(3)  # perpendicular to each other and to the normal, of equal size
+    for row in range(indptr.shape[0] - 1):
+        v = begin + row
+        unit = units[v]
+        k = 0
+        for c in range(1, 3):
+            if abs(normals[v, c]) < abs(normals[v, k]):
+                k = c
+        i, j = (k + 1) % 3, (k + 2) % 3
+        first[k], first[i], first[j] = 0.0, -normals[v, j], normals[v, i]
+        for c in range(3):
+            a, b = (c + 1) % 3, (c + 2) % 3
+            second[c] = normals[v, a] * first[b] - normals[v, b] * first[a]
+        for at in range(indptr[row], indptr[row + 1]):
+            w = indices[at]
+            dx, dy = vertices[w, 0] - vertices[v, 0], vertices[w, 1] - vertices[v, 1]
+            dz = vertices[w, 2] - vertices[v, 2]
+            x = first[0] * dx + first[1] * dy + first[2] * dz
+            y = second[0] * dx + second[1] * dy + second[2] * dz
+            in_plane = x * x + y * y
+            if in_plane > 0.0:
+                stretch = sqrt((dx * dx + dy * dy + dz * dz) / in_plane) / unit
+                charts[at, 0], charts[at, 1] = stretch * x, stretch * y
+    return np.asarray(charts)
