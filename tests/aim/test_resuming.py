@@ -124,6 +124,15 @@ def test_from_checkpoints_in_curved_space_the_same_surface_comes(curvature, tmp_
         goes_on_to(whole, metric, "aim", checkpoint, tmp_path)
 
 
+def test_the_time_left_of_a_run_that_goes_on_is_estimated():
+    metric = PolyhedralMetric.from_mesh(*triangulate(Ergosphere(epsilon=0.3), 100))
+    found, _ = every_checkpoint(metric, "aim")
+    first = next(checkpoint for checkpoint in found if checkpoint.key == "guided path")
+    left: list = []
+    isoembed.embed(metric, resume=first, progress=lambda p: left.append((p.stage, p.remaining)))
+    assert any(stage == "guided pull back" and seconds is not None for stage, seconds in left)
+
+
 def noisy():
     """Lengths of no surface, for which all is tried."""
     vertices, faces = smooth_bodies.ellipsoid(80)

@@ -21,7 +21,10 @@ from isoembed.cli.advice import in_options
         ("allow it: tolerance=0.02 moves", "allow it: --tolerance 0.02 moves"),
         ("marginal=True or marginal=False decides", "--marginal or --not-marginal decides"),
         ("it goes with geometry=", "it goes with --geometry"),
+        ("(method=Aim(effort=10)).", "(--effort 10)."),
         ("the residual is 1e-05, not 2", "the residual is 1e-05, not 2"),
+        ("there is no file merge=1e-6.obj", "there is no file merge=1e-6.obj"),
+        ("geometry=5.npz, a/tolerance=3/b.npz", "geometry=5.npz, a/tolerance=3/b.npz"),
     ],
 )
 def test_arguments_become_options(argument, option):

@@ -134,3 +134,11 @@ def test_all_wrong_is_wrong(metrics, tmp_path, monkeypatch, capfd):
     assert main(["embed", "--quiet", "wrong.npz", "other.npz", "-o", "out"]) == 2
     assert [row["status"] for row in rows().values()] == ["refused"] * 2
     assert capfd.readouterr().err.count("\n") == 2
+
+
+def test_surfaces_with_a_boundary_are_refused_with_what_to_do(run, metrics):
+    disc = PolyhedralMetric.from_mesh(np.eye(3), [[0, 1, 2]])
+    write_metric("disc.npz", disc)
+    status, _, err = run("disc.npz", "m3.npz", "-o", "out")
+    assert status == 3
+    assert "disc: " in err and "--boundary free is for such surfaces" in err

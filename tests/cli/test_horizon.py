@@ -97,7 +97,8 @@ def test_a_grid_needs_no_geometry_and_without_matplotlib_there_is_no_picture(run
     assert (status, err) == (0, "")
     found = strict(out)
     assert found["hawking"] is None and found["liu_yau"] is None
-    assert "not treated as a horizon, because k is unknown: if it is one, marginal=True" in found["notes"][0]
+    note = "not treated as a horizon, because k is unknown: if it is one, marginal=True gives its Hawking"
+    assert note in found["notes"][0]
     status, out, err = run("grid.npz", "--marginal", "--vertices", 60, "--json")
     assert (status, err) == (0, "")
     found = strict(out)

@@ -146,6 +146,14 @@ def test_other_files_are_refused(file, metric):
         read_checkpoint(file)
 
 
+def test_one_of_an_earlier_version_is_refused_as_such(file):
+    with np.load(file) as archive:
+        tables = dict(archive)
+    np.savez(file, stage=tables.pop("key"), **tables)
+    with pytest.raises(FileError, match="is a checkpoint of an earlier isoembed"):
+        read_checkpoint(file)
+
+
 @pytest.mark.parametrize("value", ["1e-10", [1e-10], 1])
 def test_a_tolerance_that_is_no_number_is_no_tolerance(file, value):
     with np.load(file) as archive:

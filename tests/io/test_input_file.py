@@ -3,6 +3,7 @@
 import gzip
 import io
 import os
+import subprocess
 import sys
 
 import numpy as np
@@ -178,3 +179,9 @@ def test_what_h5py_raises_of_damaged_files(error, tmp_path):
     sentence = "is not a readable HDF5 file: Unknown string encoding"
     with InputFile(tmp_path / "a.h5") as file, pytest.raises(FileError, match=sentence), file.hdf5():
         raise error("Unknown string encoding (value 2)")
+
+
+def test_damaged_hdf5_files_do_not_crash_the_interpreter_at_its_exit(tmp_path):
+    (tmp_path / "a.h5").write_bytes(b"")
+    command = [sys.executable, "-m", "isoembed", "horizon", tmp_path / "a.h5"]
+    assert subprocess.run(command, capture_output=True).returncode == 2

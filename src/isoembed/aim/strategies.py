@@ -37,19 +37,10 @@ FIT = 36  # factorizations of the best fit, as a rule
 # Seconds that stages take as a rule, 40,000 vertices, for the time left.
 AT_ONCE = {"radii": 1.0}
 BY_A_POLYTOPE = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
-PULL_BACK = {
-    "waypoint": 1.0,
-    "flat vertices": 0.05,
-    "polytope": 1.0,
-    "placement": 0.2,
-    "edge paths": 0.1,
-    "pull back": 2.0,
-    "guided pull back": 100.0,
-    "polish": 2.0,
-    "neighbors": 15.0,
-    "mirrored patches": 50.0,
-    "local search": 100.0,
-}
+POLYHEDRON = {"waypoint": 1.0, "flat vertices": 0.05, "polytope": 1.0, "placement": 0.2, "edge paths": 0.1}
+GUIDED = {"guided pull back": 100.0, "polish": 2.0, "neighbors": 15.0}
+LOCAL = {"local search": 100.0}
+PULL_BACK = {"pull back": 2.0, **GUIDED, "mirrored patches": 50.0, **LOCAL}
 
 
 class FitWithinErrors(Strategy):
@@ -177,6 +168,7 @@ class NewtonOnLengths(Strategy):
         from isoembed.aim.newton_on_lengths import newton_on_lengths
 
         problem, start = pipeline.problem, started(state)
+        pipeline.log.expect(PULL_BACK)
         with pipeline.log.stage("pull back") as recorder:
             recorder.show(t=1.0, vertices=start)
             solution = newton_on_lengths(
@@ -243,6 +235,7 @@ class GuidedPath(Strategy):
         from isoembed.aim.regularized_continuation import Continued
 
         problem = pipeline.problem
+        pipeline.log.expect(GUIDED)
         kept = pipeline.checkpoints.resume()
         if kept is not None and "guided" in kept:
             guided = Continued(kept["smooth"], kept["guided"])
@@ -297,6 +290,7 @@ class LocalSearch(Strategy):
             start = start if state.smooth is None else state.smooth
             if not misses_locally(energy, start, lengths):
                 return state
+        pipeline.log.expect(LOCAL)
         with pipeline.log.stage("local search") as recorder:
             found = local_search(energy, problem.system, start, lengths, recorder, max(left, 0.0))
             recorder.show(vertices=found.end)
@@ -525,7 +519,7 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
     from isoembed.metric.polyhedral import PolyhedralMetric
 
     metric, log = problem.metric, pipeline.log
-    log.expect(PULL_BACK)
+    log.expect(POLYHEDRON | PULL_BACK)
     with log.stage("waypoint") as recorder:
         convex = problem.convexification.metric(FAR_MARGIN, recorder)
     if convex is not None:

@@ -8,18 +8,21 @@ OPTIONS = (
     (rf"(?:method=)?Alexandrov\(repair={NUMBER}\)", r"--method alexandrov --repair \1"),
     (rf"(?:method=)?Aim\(effort={NUMBER}\)", r"--effort \1"),
     (r"(?:method=)?Aim\(best_fit=True\)", "--best-fit"),
-    (r'\bmethod="(\w+)"', r"--method \1"),
-    (r"\bboundary='(\w+)'", r"--boundary \1"),
-    (rf"\b(merge|tolerance|curvature)={NUMBER}", r"--\1 \2"),
-    (r"\bmarginal=True", "--marginal"),
-    (r"\bmarginal=False", "--not-marginal"),
-    (r"\bgeometry=", "--geometry"),
+    (r'method="(\w+)"', r"--method \1"),
+    (r"boundary='(\w+)'", r"--boundary \1"),
+    (rf"(merge|tolerance|curvature)={NUMBER}", r"--\1 \2"),
+    (r"marginal=True", "--marginal"),
+    (r"marginal=False", "--not-marginal"),
+    (r"geometry=", "--geometry"),
 )
 """Patterns of arguments, and the options that stand for them."""
 
 
 def in_options(message: str) -> str:
-    """A message of the library with options in the place of the arguments that it advises."""
+    """A message of the library with options in the place of the arguments that it advises.
+
+    Arguments are whole words: a part of the name of a file, such as ``merge=1e-6.obj``, is none.
+    """
     for argument, option in OPTIONS:
-        message = re.sub(argument, option, message)
+        message = re.sub(rf"(?<![^\s(]){argument}(?=[.,;:)]*(?:\s|$))", option, message)
     return message

@@ -36,11 +36,13 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     Raises
     ------
     FileError
-        The file cannot be read or holds no checkpoint.
+        The file cannot be read, or holds no checkpoint or one of an earlier version.
     """
     check_ending(path, CHECKPOINT_ENDINGS)
     with InputFile(path) as file:
         tables = npz.read(file)
+    if "stage" in tables and "key" not in tables:
+        raise FileError(f"{file} is a checkpoint of an earlier isoembed, from which this one cannot go on")
     texts = {name: _scalar(tables, name, "U", file) for name in TEXTS}
     tolerance = _scalar(tables, TOLERANCE, "f", file)
     fingerprint = Fingerprint(texts["metric"], texts["method"], tolerance, texts["version"])

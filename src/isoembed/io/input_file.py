@@ -167,6 +167,8 @@ class InputFile(os.PathLike[str]):
             raise
         except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:  # h5py's: damaged
             why = first_line(" ".join(str(error).split()).strip("'\""))
+            # Its frames hold h5py's driver of open files, which crashes if it is freed at exit only.
+            error.__traceback__ = None
             raise FileError(f"{self} is not a readable HDF5 file: {why}") from None
 
 

@@ -75,12 +75,7 @@ class EmbeddingTask:
             warnings.simplefilter("always", MeshNote)
             try:
                 with unchanged(self.path):
-                    metric = read_metric(
-                        self.path,
-                        merge=self.merge,
-                        space=self.space,
-                        any_surface=self.method.takes_boundary,
-                    )
+                    metric = read_metric(self.path, merge=self.merge, space=self.space, any_surface=True)
                 chosen = self.method.takes_length_errors
                 errors = self.length_error if chosen else None
                 found = solve(metric, self.method, tolerance=self.tolerance, length_errors=errors)

@@ -129,7 +129,7 @@ def classify_horizon(
         return _noted(
             data,
             "not treated as a horizon, because k is unknown: if it is one, marginal=True gives its "
-            " Hawking and its Kijowski-Liu-Yau energy",
+            "Hawking and its Kijowski-Liu-Yau energy",
         )
     test = test or expansion_test(data)
     expansion = f"the expansion is {test.largest_expansion:.2g} +- {test.expansion_error:.1g}"
