@@ -143,12 +143,12 @@ class Embedding:
         Parameters
         ----------
         errors : float or array_like, shape (E,)
-            Standard deviations of the lengths, in their unit, as of `deviation`.
+            Standard deviations of the lengths, in their unit, as of `Sensitivity.deviation`.
 
         Raises
         ------
         InvalidParameter, InvalidMetric
-            As `integral_deviation`.
+            As `Sensitivity.integral_deviation`.
         """
         self.triangulation.check_sphere()
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))

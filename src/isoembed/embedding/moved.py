@@ -50,8 +50,10 @@ def moved(embedding: Embedding, name: str) -> Any:
     Raises
     ------
     AttributeError
-        There never was such a name.
+        There never was such a name, or the property of this name raised it.
     """
+    if hasattr(type(embedding), name):
+        return object.__getattribute__(embedding, name)  # raises the property's own error again
     if name in ON_SURFACE:
         place = f"embedding.surface.{ON_SURFACE[name]}"
     elif name in OF_SENSITIVITY:

@@ -244,7 +244,7 @@ class Sensitivity:
         """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.
 
         Whatever the lengths are, within these errors of the metric's, there is a surface with them that
-        differs from this one by no more.  The theorem is that of a `certificate`.  With errors of 0 it is how
+        differs from this one by no more.  The theorem is that of a `Certificate`.  With errors of 0 it is how
         far the exact surface may be.
 
         Parameters
