@@ -61,7 +61,9 @@ def moved(embedding: Embedding, name: str) -> Any:
     elif name in FUNCTIONS:
         place = FUNCTIONS[name][0]
     else:
-        raise AttributeError(f"{type(embedding).__name__!r} object has no attribute {name!r}", name=name)
+        raise AttributeError(
+            f"{type(embedding).__name__!r} object has no attribute {name!r}", name=name, obj=embedding
+        )
     warnings.warn(
         f"embedding.{name} is {place} now; the old name goes with version 0.5",
         DeprecationWarning,

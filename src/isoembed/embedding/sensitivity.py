@@ -13,6 +13,7 @@ from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
+from isoembed.mesh.triangulation import frozen
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.precision import shared_errors
 from isoembed.proof.deviation_bound import DeviationBound
@@ -33,7 +34,7 @@ class Sensitivity:
     Parameters
     ----------
     embedding : Embedding
-        In `SheetEmbedding` and other surfaces that are not closed of genus 0 there are no derivatives.
+        Closed, of genus 0: derivatives of others, such as a `SheetEmbedding`, raise `InvalidMetric`.
     """
 
     embedding: Embedding
@@ -45,7 +46,7 @@ class Sensitivity:
     @cached_property
     def _normalized(self) -> Floats:
         """The vertices in the unit of the normalized metric."""
-        return self.embedding.vertices / self._metric.unit
+        return frozen(self.embedding.vertices / self._metric.unit)
 
     @cached_property
     def _derivatives(self) -> LengthDerivatives:
