@@ -19,6 +19,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.embedding.mirrored import mirrored_dents
 from isoembed.embedding.moved import moved
 from isoembed.evidence import Evidence
+from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import dual_areas, gaussian_curvature
 from isoembed.metric.glued import GluedMetric
@@ -384,6 +385,20 @@ class Embedding:
         if not self.converged:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
+
+    @cached_property
+    def _smallest_singular_value(self) -> float:
+        """See `Sensitivity.smallest_singular_value`; raises InvalidMetric."""
+        from isoembed.surface.rigidity import LengthSystem
+
+        t, normalized = self.triangulation, self.metric.normalized
+        t.check_sphere()  # of others J is not square, rigid motions apart
+        system = LengthSystem(t, space=normalized.space)
+        try:
+            x = self.vertices / self.metric.unit
+            return float(system.smallest_singular_values(x, normalized.lengths, 1)[0][0])
+        except SingularMatrix:
+            return 0.0
 
     @property
     def _reported(self) -> Mapping[str, Any]:

@@ -21,7 +21,6 @@ from isoembed.proof.length_equations import NotProven
 from isoembed.surface.checked import checked, checked_errors
 from isoembed.surface.derivatives import LengthDerivatives, Variation, volume_gradient
 from isoembed.surface.deviation import Deviation, IntegralDeviation
-from isoembed.surface.rigidity import LengthSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,25 +268,19 @@ class Sensitivity:
             return DeviationBound.unproven(metric.triangulation, str(obstacle))
         return found.scaled(self._metric.unit)
 
-    @cached_property
+    @property
     def smallest_singular_value(self) -> float:
         """Smallest singular value of the rigidity matrix J, rigid motions apart: 0 if the surface can flex.
 
         To first order, the vertices need not move by more than its inverse times a change of the lengths,
-        both in the Euclidean norm.  It takes one factorization of J J^T, as a step of Newton's method does.
+        both in the Euclidean norm.  It takes one factorization of J J^T, once for each embedding.
 
         Raises
         ------
         InvalidMetric
             As `jvp`.
         """
-        t, lengths = self._metric.triangulation, self._metric.normalized.lengths
-        t.check_sphere()  # of others J is not square, rigid motions apart
-        system = LengthSystem(t, space=self._metric.normalized.space)
-        try:
-            return float(system.smallest_singular_values(self._normalized, lengths, 1)[0][0])
-        except SingularMatrix:
-            return 0.0
+        return self.embedding._smallest_singular_value
 
     def _flat_errors(self, errors: ArrayLike) -> Floats:
         """Errors of the lengths of a surface in R^3 in the normalized unit, (E,), checked."""

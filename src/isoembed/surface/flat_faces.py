@@ -64,7 +64,7 @@ class FlatFaces(TriangleFaces):
     triangulation, of_triangles
         As of `TriangleFaces`.
     lengths : ndarray, shape (E,)
-        Lengths of the edges of the triangles.
+        Lengths of the edges of the triangles, in the `unit` of the surface.
     flat : ndarray of bool, shape (V,)
         The vertices inside faces and edges.
     """
