@@ -289,3 +289,18 @@ def test_singular_values_are_computed_once(monkeypatch):
     assert isoembed.report(surface)["smoothness"]["smallest_singular_value"] == once > 0
     assert isoembed.report(surface._with_message("known"))["smoothness"]["smallest_singular_value"] == once
     assert len(computed) == 1
+
+
+@pytest.mark.parametrize(
+    "function",
+    [isoembed.certify, isoembed.report, isoembed.Sensitivity, lambda one: isoembed.compare(one, one)],
+)
+def test_what_is_no_embedding_is_refused(function):
+    surface = isoembed.embed(zoo.random_hull(30, seed=1))
+    for wrong, kind in (
+        ("surface.ply", "str"),
+        (surface.metric, "PolyhedralMetric"),
+        (surface.surface, "Surface"),
+    ):
+        with pytest.raises(isoembed.InvalidParameter, match=f"the embedding is a {kind}: give what"):
+            function(wrong)

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices
 from isoembed.embedding.mirrored import mirrored_dents
 from isoembed.embedding.moved import moved
+from isoembed.errors import InvalidParameter
 from isoembed.evidence import Evidence
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
@@ -37,6 +38,16 @@ if TYPE_CHECKING:
 
     from isoembed.plot.coloring import Quantity
     from isoembed.proof.certificate import Certificate
+
+
+def checked_embedding(given: Any) -> Embedding:
+    """Return what was given, an embedding; raises InvalidParameter if it is none."""
+    if not isinstance(given, Embedding):
+        raise InvalidParameter(
+            f"the embedding is a {type(given).__name__}: give what isoembed.embed returns, or "
+            "isoembed.read of a surface"
+        )
+    return given
 
 
 class _Message:

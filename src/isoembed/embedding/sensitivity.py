@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.embedding import Embedding, checked_embedding
 from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import frozen
@@ -34,9 +34,17 @@ class Sensitivity:
     ----------
     embedding : Embedding
         Closed, of genus 0: derivatives of others, such as a `SheetEmbedding`, raise `InvalidMetric`.
+
+    Raises
+    ------
+    InvalidParameter
+        It is no embedding.
     """
 
     embedding: Embedding
+
+    def __post_init__(self) -> None:
+        checked_embedding(self.embedding)
 
     @property
     def _metric(self) -> PolyhedralMetric:
