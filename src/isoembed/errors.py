@@ -40,8 +40,8 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
     message : str
         The diagnosis: how far from the lengths it ended, and where the method lost the surface.
     embedding : Embedding or SmoothEmbedding
-        The best attempt: of a polyhedral metric an `Embedding`, whose ``report`` says how far from the
-        lengths it is; of a smooth metric a `SmoothEmbedding`, whose ``residual`` does.
+        The best attempt: of a polyhedral metric an `Embedding`, of a smooth metric a `SmoothEmbedding`; its
+        ``residual`` says how far from the metric it is.
     evidence : Evidence
         What was searched, or the proof that there is no embedding.
 

@@ -424,3 +424,12 @@ def test_two_factorizations():
     found = embed(scrambled(vertices * [3.0, 2.0, 1.0], faces, 0), method=Alexandrov())
     assert sum(stage.factorizations for stage in found.stages) == 2
     assert zoo.aligned(found.vertices, vertices * [3.0, 2.0, 1.0]) < 1e-12
+
+
+def test_a_certificate_is_in_the_unit_of_its_polyhedron():
+    metric = isoembed.PolyhedralMetric.from_mesh(*zoo.icosphere(1))
+    body = isoembed.embed(metric.normalized, method="alexandrov")
+    before = isoembed.certify(body)
+    after = isoembed.certify(body._in_unit_of(metric.scaled(1024.0)))
+    assert before.certified and after.certified
+    assert after.distance / before.distance == 1024.0 * metric.unit

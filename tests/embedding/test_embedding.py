@@ -15,6 +15,7 @@ from isoembed.errors import NotEmbedded
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Stage
 from isoembed.surface import curvature, smoothness
+from isoembed.surface.rigidity import LengthSystem
 
 
 def embedding(vertices, faces, scale=1.0, **changes):
@@ -274,3 +275,32 @@ def test_normals_are_of_flat_space():
     metric = PolyhedralMetric.from_mesh(*zoo.icosphere(1)).in_space(isoembed.Hyperbolic())
     with pytest.raises(isoembed.InvalidParameter, match="normals are those of surfaces in R"):
         isoembed.embed(metric).normals  # noqa: B018
+
+
+def test_singular_values_are_computed_once(monkeypatch):
+    computed = []
+    values = LengthSystem.smallest_singular_values
+    monkeypatch.setattr(
+        LengthSystem, "smallest_singular_values", lambda *given: computed.append(1) or values(*given)
+    )
+    surface = isoembed.embed(zoo.random_hull(30, seed=1))
+    computed.clear()
+    once = isoembed.Sensitivity(surface).smallest_singular_value
+    assert isoembed.report(surface)["smoothness"]["smallest_singular_value"] == once > 0
+    assert isoembed.report(surface._with_message("known"))["smoothness"]["smallest_singular_value"] == once
+    assert len(computed) == 1
+
+
+@pytest.mark.parametrize(
+    "function",
+    [isoembed.certify, isoembed.report, isoembed.Sensitivity, lambda one: isoembed.compare(one, one)],
+)
+def test_what_is_no_embedding_is_refused(function):
+    surface = isoembed.embed(zoo.random_hull(30, seed=1))
+    for wrong, kind in (
+        ("surface.ply", "str"),
+        (surface.metric, "PolyhedralMetric"),
+        (surface.surface, "Surface"),
+    ):
+        with pytest.raises(isoembed.InvalidParameter, match=f"the embedding is a {kind}: give what"):
+            function(wrong)

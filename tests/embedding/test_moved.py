@@ -43,5 +43,25 @@ def test_names_that_never_were_are_no_attributes(body):
     assert copy.copy(body).vertices is body.vertices
 
 
+class Broken(isoembed.Embedding):
+    """An embedding whose property fails."""
+
+    @property
+    def area(self):
+        return self.vertices.size.missing
+
+    @property
+    def report(self):
+        return self.no_such_thing
+
+
+def test_errors_inside_properties_are_not_missing_names(body):
+    broken = Broken(body.metric, body.vertices, method="given", tolerance=1e-9)
+    with pytest.raises(AttributeError, match="'int' object has no attribute 'missing'"):
+        _ = broken.area
+    with pytest.raises(AttributeError, match="no attribute 'no_such_thing'"):  # and no old name either
+        _ = broken.report
+
+
 def test_embeddings_have_thirty_names_at_most():
     assert len([name for name in dir(isoembed.Embedding) if not name.startswith("_")]) <= 30

@@ -72,6 +72,16 @@ def test_least_bending_of_a_round_cap(angle):
     assert found.tensions.shape == metric.lengths.shape
 
 
+@pytest.mark.parametrize("unit", [1e-200, 1e200])
+def test_integrated_mean_curvature_of_tiny_and_huge_sheets(unit):
+    faces = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    one, other = (embed(PolyhedralMetric(faces, [each] * 8), boundary="plane") for each in (1.0, unit))
+    expected = one.integrated_mean_curvature
+    assert expected > 1.0
+    assert other.integrated_mean_curvature / unit == pytest.approx(expected, rel=1e-12)
+    assert other.mean_curvature * unit == pytest.approx(one.mean_curvature, rel=1e-12)
+
+
 def test_least_bending_does_not_depend_on_numbers_mirror_or_unit():
     points, faces = discs.irregular(120)
     x, metric = cap(points, faces)

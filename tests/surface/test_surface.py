@@ -20,6 +20,33 @@ def test_a_cube_in_any_unit():
         assert not cube.concave_edges.any() and not len(cube.self_intersections)
 
 
+@pytest.mark.parametrize(
+    ("curvature", "scale"), [(0.0, 1e-200), (0.0, 1e-7), (0.0, 1e200), (-1.0, 1e-7), (1e-3, 1e100)]
+)
+def test_the_unit_is_that_of_the_edges_by_default(curvature, scale):
+    x, faces = zoo.icosphere(1)
+    t, space = isoembed.Triangulation(faces), isoembed.Space(curvature)
+    one, other = Surface(t, x, space), Surface(t, scale * x, space.scaled(scale))
+    lengths = other.lengths / scale
+    assert other.unit <= other.lengths.mean() <= 2 * other.unit
+    assert lengths == pytest.approx(one.lengths, rel=1e-14)
+    assert other.mean_curvature * scale == pytest.approx(one.mean_curvature, rel=1e-12)
+    assert other.bending_energy == pytest.approx(one.bending_energy, rel=1e-12)
+    assert other.fine_roughness == pytest.approx(one.fine_roughness, rel=1e-6)
+    assert np.array_equal(other.concave_edges, one.concave_edges)
+
+
+def test_arrays_are_read_only_and_texts_short():
+    x, faces = zoo.cube()
+    t, flat = isoembed.Triangulation(faces), np.zeros(8, dtype=bool)
+    for surface in (Surface(t, x), Surface(t, x, flat_vertices=flat)):
+        faces = surface.flat_faces
+        for array in (faces.of_triangles, faces.sides, faces.edges, *surface.seams):
+            assert not array.flags.writeable
+        assert max(len(repr(each)) for each in (surface, faces, surface.seams)) < 200
+    assert flat.flags.writeable and not surface.flat_vertices.flags.writeable
+
+
 def test_polygons_of_a_polyhedron():
     x, faces = zoo.cube()
     t = isoembed.Triangulation(faces)

@@ -13,9 +13,9 @@ from isoembed.plot import write_picture
 exact = isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3, 2, 1)), 302))
 lengths = np.array(exact.lengths)
 lengths[450] *= 1.4
-surface = isoembed.embed(exact.with_lengths(lengths))
+embedding = isoembed.embed(exact.with_lengths(lengths))
 around = np.isin(exact.edges, exact.edges[450]).any(axis=1)
-print(f"{surface.surface.rough_edges.sum()} rough edges")
-assert surface.converged and surface.surface.rough_edges[around].any()
+print(f"{embedding.surface.rough_edges.sum()} rough edges")
+assert embedding.converged and embedding.surface.rough_edges[around].any()
 assert not isoembed.embed(exact).surface.rough_edges.any()
-write_picture("wrong_length.png", surface)
+write_picture("wrong_length.png", embedding)

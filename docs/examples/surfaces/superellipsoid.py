@@ -9,6 +9,6 @@ from isoembed.gallery import Superellipsoid, triangulate
 from isoembed.plot import write_picture
 
 points, faces = triangulate(Superellipsoid((2.0, 1.5, 1.0), 4.0), 600)
-surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(points, faces))
-assert surface.residual < 1e-10 and surface.surface.rough_edges.sum() == 0
-write_picture("superellipsoid.png", surface)
+embedding = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(points, faces))
+assert embedding.residual < 1e-10 and embedding.surface.rough_edges.sum() == 0
+write_picture("superellipsoid.png", embedding)

@@ -112,6 +112,7 @@ class ConvexPolyhedron(Polyhedron):
         )
         # First these: where floats cannot hold the vertices, `path_residuals` are measured anew.
         changed = self._with(given=own, core=core)
+        changed.__dict__.pop("_certificate", None)  # its distance has a unit
         return super(ConvexPolyhedron, changed)._in_unit_of(given)
 
     @property

@@ -1,6 +1,6 @@
 """`isoembed.certify`: certificate of an embedding."""
 
-from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.embedding import Embedding, checked_embedding
 from isoembed.proof.certificate import Certificate
 
 
@@ -21,5 +21,10 @@ def certify(embedding: Embedding) -> Certificate:
         this is the polyhedron of its metric up to a stated distance.  It takes the lengths on the triangles
         of `ConvexPolyhedron.core` as exact numbers; `ConvexPolyhedron.path_residuals` say how far they are
         from the given ones.
+
+    Raises
+    ------
+    InvalidParameter
+        It is no embedding.
     """
-    return embedding._certificate
+    return checked_embedding(embedding)._certificate

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.embedding import Embedding, checked_embedding
 from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.errors import InvalidParameter
 from isoembed.mesh.triangulation import Triangulation
@@ -107,10 +107,12 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     Raises
     ------
     InvalidParameter
-        The triangles are others, or space is curved.
+        One is no embedding, the triangles are others, or space is curved.
     InvalidMetric
         The surfaces have a boundary or handles.
     """
+    for each in (first, second):
+        checked_embedding(each)
     first.triangulation.check_sphere()
     for each in (first, second):
         if not each.space.is_euclidean:

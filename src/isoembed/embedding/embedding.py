@@ -18,7 +18,9 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices
 from isoembed.embedding.mirrored import mirrored_dents
 from isoembed.embedding.moved import moved
+from isoembed.errors import InvalidParameter
 from isoembed.evidence import Evidence
+from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.curvature import dual_areas, gaussian_curvature
 from isoembed.metric.glued import GluedMetric
@@ -36,6 +38,16 @@ if TYPE_CHECKING:
 
     from isoembed.plot.coloring import Quantity
     from isoembed.proof.certificate import Certificate
+
+
+def checked_embedding(given: Any) -> Embedding:
+    """Return what was given, an embedding; raises InvalidParameter if it is none."""
+    if not isinstance(given, Embedding):
+        raise InvalidParameter(
+            f"the embedding is a {type(given).__name__}: give what isoembed.embed returns, or "
+            "isoembed.read of a surface"
+        )
+    return given
 
 
 class _Message:
@@ -143,12 +155,12 @@ class Embedding:
         Parameters
         ----------
         errors : float or array_like, shape (E,)
-            Standard deviations of the lengths, in their unit, as of `deviation`.
+            Standard deviations of the lengths, in their unit, as of `Sensitivity.deviation`.
 
         Raises
         ------
         InvalidParameter, InvalidMetric
-            As `integral_deviation`.
+            As `Sensitivity.integral_deviation`.
         """
         self.triangulation.check_sphere()
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
@@ -384,6 +396,20 @@ class Embedding:
         if not self.converged:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
+
+    @cached_property
+    def _smallest_singular_value(self) -> float:
+        """See `Sensitivity.smallest_singular_value`; raises InvalidMetric."""
+        from isoembed.surface.rigidity import LengthSystem
+
+        t, normalized = self.triangulation, self.metric.normalized
+        t.check_sphere()  # of others J is not square, rigid motions apart
+        system = LengthSystem(t, space=normalized.space)
+        try:
+            x = self.vertices / self.metric.unit
+            return float(system.smallest_singular_values(x, normalized.lengths, 1)[0][0])
+        except SingularMatrix:
+            return 0.0
 
     @property
     def _reported(self) -> Mapping[str, Any]:

@@ -50,8 +50,10 @@ def moved(embedding: Embedding, name: str) -> Any:
     Raises
     ------
     AttributeError
-        There never was such a name.
+        There never was such a name, or the property of this name raised it.
     """
+    if hasattr(type(embedding), name):
+        return object.__getattribute__(embedding, name)  # raises the property's own error again
     if name in ON_SURFACE:
         place = f"embedding.surface.{ON_SURFACE[name]}"
     elif name in OF_SENSITIVITY:
@@ -59,7 +61,9 @@ def moved(embedding: Embedding, name: str) -> Any:
     elif name in FUNCTIONS:
         place = FUNCTIONS[name][0]
     else:
-        raise AttributeError(f"{type(embedding).__name__!r} object has no attribute {name!r}", name=name)
+        raise AttributeError(
+            f"{type(embedding).__name__!r} object has no attribute {name!r}", name=name, obj=embedding
+        )
     warnings.warn(
         f"embedding.{name} is {place} now; the old name goes with version 0.5",
         DeprecationWarning,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.embedding import Embedding, checked_embedding
 from isoembed.embedding.mirrored import mirrored_dents
 from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.metric.curvature import negative_deficits
@@ -26,8 +26,13 @@ def report(embedding: Embedding) -> dict[str, Any]:
     where J J^T is large, beyond 20,000 vertices or some 900 edges at one of them: it alone costs as much as
     all else.  For the same reason there is no certificate beyond 30,000 vertices; `certify` finds it all the
     same.  With `Embedding.length_errors` it has the `Sensitivity.integral_deviation` under ``deviation``.
+
+    Raises
+    ------
+    InvalidParameter
+        It is no embedding.
     """
-    surface, triangulation = embedding.surface, embedding.triangulation
+    surface, triangulation = checked_embedding(embedding).surface, embedding.triangulation
     entries = np.sum(triangulation.degrees**2)  # of J J^T
     is_small = triangulation.is_sphere and entries <= MAX_REPORTED_ENTRIES
     certificate = NOT_ASKED

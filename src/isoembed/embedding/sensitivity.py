@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.embedding import Embedding, checked_embedding
 from isoembed.errors import InvalidParameter
 from isoembed.linalg import SingularMatrix
+from isoembed.mesh.triangulation import frozen
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.precision import shared_errors
 from isoembed.proof.deviation_bound import DeviationBound
@@ -20,7 +21,6 @@ from isoembed.proof.length_equations import NotProven
 from isoembed.surface.checked import checked, checked_errors
 from isoembed.surface.derivatives import LengthDerivatives, Variation, volume_gradient
 from isoembed.surface.deviation import Deviation, IntegralDeviation
-from isoembed.surface.rigidity import LengthSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +33,18 @@ class Sensitivity:
     Parameters
     ----------
     embedding : Embedding
-        In `SheetEmbedding` and other surfaces that are not closed of genus 0 there are no derivatives.
+        Closed, of genus 0: derivatives of others, such as a `SheetEmbedding`, raise `InvalidMetric`.
+
+    Raises
+    ------
+    InvalidParameter
+        It is no embedding.
     """
 
     embedding: Embedding
+
+    def __post_init__(self) -> None:
+        checked_embedding(self.embedding)
 
     @property
     def _metric(self) -> PolyhedralMetric:
@@ -45,7 +53,7 @@ class Sensitivity:
     @cached_property
     def _normalized(self) -> Floats:
         """The vertices in the unit of the normalized metric."""
-        return self.embedding.vertices / self._metric.unit
+        return frozen(self.embedding.vertices / self._metric.unit)
 
     @cached_property
     def _derivatives(self) -> LengthDerivatives:
@@ -244,7 +252,7 @@ class Sensitivity:
         """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.
 
         Whatever the lengths are, within these errors of the metric's, there is a surface with them that
-        differs from this one by no more.  The theorem is that of a `certificate`.  With errors of 0 it is how
+        differs from this one by no more.  The theorem is that of a `Certificate`.  With errors of 0 it is how
         far the exact surface may be.
 
         Parameters
@@ -268,25 +276,19 @@ class Sensitivity:
             return DeviationBound.unproven(metric.triangulation, str(obstacle))
         return found.scaled(self._metric.unit)
 
-    @cached_property
+    @property
     def smallest_singular_value(self) -> float:
         """Smallest singular value of the rigidity matrix J, rigid motions apart: 0 if the surface can flex.
 
         To first order, the vertices need not move by more than its inverse times a change of the lengths,
-        both in the Euclidean norm.  It takes one factorization of J J^T, as a step of Newton's method does.
+        both in the Euclidean norm.  It takes one factorization of J J^T, once for each embedding.
 
         Raises
         ------
         InvalidMetric
             As `jvp`.
         """
-        t, lengths = self._metric.triangulation, self._metric.normalized.lengths
-        t.check_sphere()  # of others J is not square, rigid motions apart
-        system = LengthSystem(t, space=self._metric.normalized.space)
-        try:
-            return float(system.smallest_singular_values(self._normalized, lengths, 1)[0][0])
-        except SingularMatrix:
-            return 0.0
+        return self.embedding._smallest_singular_value
 
     def _flat_errors(self, errors: ArrayLike) -> Floats:
         """Errors of the lengths of a surface in R^3 in the normalized unit, (E,), checked."""

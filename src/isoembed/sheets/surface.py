@@ -46,18 +46,22 @@ class SheetSurface(Surface):
     @cached_property
     def mean_curvature(self) -> Floats:
         """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,): positive where it bends inward."""
+        return frozen(self._normalized_mean_curvature / self.unit)
+
+    @cached_property
+    def _normalized_mean_curvature(self) -> Floats:
         faces, x = self.faces, self._normalized
         normals = np.zeros_like(x)
         for corner in faces.T:
             np.add.at(normals, corner, face_normals(faces, x))
         normals /= np.linalg.norm(normals, axis=1)[:, None]
         along = np.einsum("vi,vi->v", self._energy.curvature_vectors(x), normals)
-        return frozen(-along / self.unit)
+        return frozen(-along)
 
     @property
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA, in the unit of the lengths."""
-        return float(self.mean_curvature @ self._energy.areas) * self.unit**2
+        return float(self._normalized_mean_curvature @ self._energy.areas) * self.unit
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,4 +1,4 @@
 """Extrinsic geometry of triangulated surfaces.
 
-The room's noun is `Embedding`; the measures are functions of a triangulation and its vertices.
+A `Surface` has the measures as properties; they are functions of a triangulation and its vertices.
 """

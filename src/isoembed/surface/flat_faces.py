@@ -10,11 +10,13 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.components import components
 from isoembed.mesh.triangulation import Triangulation, frozen
+from isoembed.reprs import short_repr
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.curvature import FLAT_ANGLE, bend_errors, dihedral_angles, turning_errors
 from isoembed.surface.measures import edge_lengths, face_normals
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class TriangleFaces:
     """Faces that are the triangles.
@@ -37,17 +39,18 @@ class TriangleFaces:
     @property
     def sides(self) -> Indices:
         """How many sides each face has."""
-        return np.full(len(self.triangulation.faces), 3)
+        return frozen(np.full(len(self.triangulation.faces), 3))
 
     @property
     def edges(self) -> Mask:
         """Edges between two faces, shape (E,): the others are diagonals, which might lie elsewhere."""
-        return np.ones(self.triangulation.n_edges, dtype=np.bool_)
+        return frozen(np.ones(self.triangulation.n_edges, dtype=np.bool_))
 
     def __len__(self) -> int:
         return len(self.polygons)
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class FlatFaces(TriangleFaces):
     """Faces of a convex polyhedron, each of one triangle or of several that lie in one plane.
@@ -61,7 +64,7 @@ class FlatFaces(TriangleFaces):
     triangulation, of_triangles
         As of `TriangleFaces`.
     lengths : ndarray, shape (E,)
-        Lengths of the edges of the triangles.
+        Lengths of the edges of the triangles, in the `unit` of the surface.
     flat : ndarray of bool, shape (V,)
         The vertices inside faces and edges.
     """
@@ -85,7 +88,8 @@ class FlatFaces(TriangleFaces):
         flat : ndarray of bool, shape (V,)
         """
         faces = frozen(coplanar_faces(triangulation, vertices, space, error))
-        return cls(triangulation, faces, edge_lengths(triangulation.edges, vertices, space), flat)
+        lengths = frozen(edge_lengths(triangulation.edges, vertices, space))
+        return cls(triangulation, faces, lengths, flat)
 
     @cached_property
     def polygons(self) -> tuple[Indices, ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
+from isoembed.mesh.triangulation import frozen
 
 if TYPE_CHECKING:
     from isoembed.intrinsic.edge_paths import EdgePaths
@@ -25,10 +26,13 @@ class Segments(NamedTuple):
     ends: Floats
     faces: Indices
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self.ends)} pieces)"
+
     @classmethod
     def none(cls) -> Segments:
         """No pieces."""
-        return cls(np.empty((0, 2, 3)), np.empty((0, 2), dtype=np.int64))
+        return cls(frozen(np.empty((0, 2, 3))), frozen(np.empty((0, 2), dtype=np.int64)))
 
     @classmethod
     def along(cls, paths: EdgePaths, which: Indices, vertices: Floats) -> Segments:
@@ -60,4 +64,4 @@ class Segments(NamedTuple):
                 beside = np.array([[h // 3, tables.twins[h] // 3]])
             pieces.append(np.stack([line[:-1], line[1:]], axis=1))
             faces.append(beside)
-        return cls(np.concatenate(pieces), np.concatenate(faces))
+        return cls(frozen(np.concatenate(pieces)), frozen(np.concatenate(faces)))

@@ -30,8 +30,8 @@ class Surface:
     space : Space
         By default R^3.
     unit : float
-        Power of two near the mean edge length: measures are computed in it, so that nothing under- or
-        overflows.
+        Power of two: measures are computed in this unit, so that nothing under- or overflows.  By default (0)
+        the one below the mean edge length.
     vertex_error : float
         Error of the vertices from rounded coordinates, in the unit of the vertices: bends and dents that it
         explains do not count.
@@ -49,7 +49,7 @@ class Surface:
     vertices: Floats
     space: Space = EUCLIDEAN
     _: KW_ONLY
-    unit: float = 1.0
+    unit: float = 0.0
     vertex_error: float = 0.0
     flat_vertices: Mask | None = None
 
@@ -58,6 +58,17 @@ class Surface:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(vertex_array(self.triangulation, self.vertices)))
+        if not self.unit:
+            object.__setattr__(self, "unit", self._own_unit())
+        if self.flat_vertices is not None:
+            object.__setattr__(self, "flat_vertices", frozen(np.array(self.flat_vertices, dtype=np.bool_)))
+
+    def _own_unit(self) -> float:
+        """The power of two below the mean edge length."""
+        exponent = int(np.frexp(np.abs(self.vertices).max())[1])
+        near, space = np.ldexp(self.vertices, -exponent), self.space.scaled(float(np.ldexp(1.0, -exponent)))
+        mean = measures.edge_lengths(self.edges, near, space).mean()
+        return float(np.ldexp(1.0, exponent + int(np.frexp(mean)[1]) - 1))
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.triangulation.n_vertices} vertices, {self.space!r})"
@@ -83,7 +94,7 @@ class Surface:
         """The faces: the triangles, or of a polyhedron with polygonal faces the polygons."""
         t = self.triangulation
         if self.flat_vertices is None:
-            return TriangleFaces(t, np.arange(t.n_faces))
+            return TriangleFaces(t, frozen(np.arange(t.n_faces)))
         return FlatFaces.of(t, self._normalized, self._space, self._vertex_error, self.flat_vertices)
 
     @property
