@@ -141,6 +141,7 @@ def noisy():
     return metric.with_lengths(metric.lengths * (1 + 0.05 * errors))
 
 
+@pytest.mark.slow
 def test_one_checkpoint_of_each_strategy_leads_to_the_same_failure(tmp_path):
     metric, method = noisy(), Aim(effort=1.5)
     found, whole = every_checkpoint(metric, method)
@@ -161,6 +162,7 @@ def rounded():
     return metric.with_lengths(np.round(metric.lengths, 3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("made", "key"), [(within_errors, "fit within errors"), (rounded, "fit within digits")]
 )
