@@ -80,6 +80,7 @@ def test_no_length_is_too_small_or_too_large(scale):
     assert metric.deficits == pytest.approx(GluedMetric(*DOUBLED).deficits, rel=1e-13)
     assert metric.mean_length == pytest.approx(4 * scale, rel=1e-14)
     assert 1 <= metric.normalized.mean_length < 2
+    assert metric.normalized.normalized is metric.normalized
     simplicial = metric.simplicial()
     assert sorted(simplicial.lengths / scale)[-1] == pytest.approx(5, rel=1e-14)
 

@@ -73,6 +73,7 @@ def test_any_scale_is_ordinary(scale):
     assert metric.mean_length / scale == pytest.approx(unit.mean_length, rel=1e-14)
     assert 1 <= metric.normalized.mean_length < 2
     assert (metric.normalized.lengths * metric.unit == metric.lengths).all()  # no rounding either way
+    assert metric.normalized.normalized is metric.normalized
 
 
 def test_with_lengths_keeps_the_triangulation():

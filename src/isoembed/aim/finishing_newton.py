@@ -1,4 +1,4 @@
-"""Finishing Newton: damped Newton's method from nearly right lengths, patch by patch.
+"""Damped Newton's method for a surface whose edge lengths are nearly right, patch by patch.
 
 A descent (`isoembed.aim.energy_descent`) that misses the lengths by little ends where J is singular: the
 errors r are a stress in equilibrium, ``J^T r = 0``, and no small motion mends them.  A larger one may, along

@@ -1,4 +1,4 @@
-"""Newton's method on the lengths, undamped, from a surface nearby to the given lengths at once."""
+"""Undamped Newton's method on the edge lengths, from a nearby surface."""
 
 from dataclasses import dataclass
 

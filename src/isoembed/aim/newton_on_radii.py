@@ -1,4 +1,4 @@
-"""Newton's method on the radii of a generalized polytope over the given triangles.
+"""Newton's method on the radii of a generalized polytope, without flips of the given triangles.
 
 The pyramids over the *given* triangles, of the given lengths, with a common apex, fit together in space when
 their curvatures vanish, whether the edges be convex or not (Bobenko and Izmestiev, Annales de l'Institut

@@ -1,4 +1,4 @@
-"""Search over vertex reflections, from nearly right lengths to a realization.
+"""Search over sequences of vertex reflections, from nearly right edge lengths to a realization.
 
 Such a surface has, as a rule, a few vertices on the wrong side of their neighbors.  About a minimum of
 ``|r|^2 + mu |R x|^2`` `isoembed.aim.vertex_reflections` are tried; for what promises less energy

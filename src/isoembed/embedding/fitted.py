@@ -1,4 +1,4 @@
-"""Least-squares surfaces, for lengths with which no surface was found."""
+"""Least-squares surfaces for edge lengths not realized exactly."""
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass

@@ -213,9 +213,13 @@ class GluedMetric:
         _check_triangles(tables.faces, tables.face_lengths, space)
         return cls._made(tables.faces, tables.twins, tables.face_lengths, space)
 
-    @cached_property
+    @property
     def normalized(self) -> GluedMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
+        return self if self.unit == 1 else self._normalized
+
+    @cached_property
+    def _normalized(self) -> GluedMetric:
         return self._with(self.face_lengths / self.unit, self.space.scaled(1 / self.unit))
 
     @property

@@ -254,7 +254,7 @@ class PolyhedralMetric:
     def _knowing(self, **known: Any) -> PolyhedralMetric:
         """The same triangles and lengths with another precision, errors or rounding of these."""
         changed = copy(self)
-        changed.__dict__.pop("normalized", None)
+        changed.__dict__.pop("_normalized", None)
         changed._put(**known)
         return changed
 
@@ -375,9 +375,13 @@ class PolyhedralMetric:
         """(F, 3): length of each half-edge."""
         return frozen(self.lengths[self.triangulation.face_edges])
 
-    @cached_property
+    @property
     def normalized(self) -> PolyhedralMetric:
         """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
+        return self if self.unit == 1 else self._normalized
+
+    @cached_property
+    def _normalized(self) -> PolyhedralMetric:
         space = self.space.scaled(1 / self.unit)
         normalized = self.on(self.triangulation, self.lengths / self.unit, space)
         return normalized._knowing(**self._known(1 / self.unit))
