@@ -99,7 +99,7 @@ def test_bodies_of_pyvista():
 @pytest.mark.parametrize("package", ["trimesh", "pyvista"])
 def test_hyperbolic_space_is_kept(package, hyperbolic):
     pytest.importorskip(package)
-    mesh = getattr(hyperbolic, f"to_{package}")()
+    mesh = getattr(isoembed.io, f"to_{package}")(hyperbolic)
     again = getattr(isoembed.PolyhedralMetric, f"from_{package}")(mesh)
     assert again.curvature == -1.0
     assert isoembed.embed(again, method="alexandrov").volume == pytest.approx(hyperbolic.volume, rel=1e-8)
