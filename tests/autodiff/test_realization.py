@@ -75,7 +75,7 @@ def test_jax(surface, lengths):
 
     known = Realization(surface).linearized(lengths)
     gradient = np.asarray(jax.jit(jax.grad(width))(lengths))
-    expected = isoembed.Sensitivity(known).vjp(2 * known.vertices * (1.0, 0.0, 0.0))
+    expected = known.vjp(2 * known.vertices * (1.0, 0.0, 0.0))
     assert np.allclose(gradient, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
     check_grads(width, (lengths,), order=1, modes=["rev"], eps=1e-5, rtol=1e-5)
     batch = np.stack([lengths, surface.metric.lengths])
