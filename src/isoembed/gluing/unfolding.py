@@ -81,7 +81,7 @@ class Unfolding:
         Parameters
         ----------
         path : path
-            ``.svg`` or ``.pdf`` for pages, as `isoembed.plot.write_sheets` writes them; ``.json`` or
+            ``.svg`` or ``.pdf`` for pages, as `isoembed.papercraft.write_sheets` writes them; ``.json`` or
             ``.fold`` for what `isoembed.glue` reads.
         paper : str
             Of pages: ``"A4"``, ``"A3"`` or ``"letter"``.
@@ -98,7 +98,7 @@ class Unfolding:
             There is no such paper, or a sheet does not fit on it.
         """
         # As those of `isoembed.embedding.embedding`, this import is upward, and named in the contract.
-        from isoembed.plot.saving import save_unfolding
+        from isoembed.papercraft.sheets import save_unfolding
 
         save_unfolding(self, path, paper=paper, scale=scale)
 
