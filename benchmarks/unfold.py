@@ -30,7 +30,7 @@ import solids
 from exact import is_simple
 from isoembed import Embedding, PolyhedralMetric, embed, unfold
 from isoembed.io.net import read_net, write_net
-from isoembed.plot.paper.drawing import drawn
+from isoembed.papercraft.drawing import drawn
 
 
 def hull(seed):

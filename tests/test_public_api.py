@@ -61,7 +61,9 @@ def test_public_names_are_among_them(name):
     assert name in public_api.names()
 
 
-@pytest.mark.parametrize("package", ["gallery", "io", "plot", "progress", "relativity", "smooth"])
+@pytest.mark.parametrize(
+    "package", ["gallery", "io", "papercraft", "plot", "progress", "relativity", "smooth"]
+)
 def test_packages_are_loaded_on_first_use(package):
     code = (
         f"import sys, isoembed; assert 'isoembed.{package}' not in sys.modules; "

@@ -1,5 +1,6 @@
 from . import gallery as gallery
 from . import io as io
+from . import papercraft as papercraft
 from . import plot as plot
 from . import progress as progress
 from . import relativity as relativity

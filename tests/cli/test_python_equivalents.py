@@ -41,9 +41,9 @@ isoembed.io.write_metric("new.npz", net.simplicial())
 isoembed.io.write_surface("new.obj", isoembed.embed(net, method="alexandrov"))
 """,
     "unfold body.ply -o new.svg --paper A3": """
-import isoembed, isoembed.plot
+import isoembed
 surface = isoembed.io.read_surface("body.ply")
-isoembed.plot.write_sheets("new.svg", isoembed.unfold(surface), paper="A3")
+isoembed.papercraft.write_sheets("new.svg", isoembed.unfold(surface), paper="A3")
 """,
     "nets platonic > new.txt": """
 from pathlib import Path

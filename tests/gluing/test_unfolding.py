@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.distance import pdist
 
 import isoembed
+import solids
 import zoo
 from exact import is_simple
 from gluing_polygons import shoelace
@@ -166,6 +167,26 @@ def test_faces_with_a_hole_and_with_a_pinch_are_cut(flat, base):
     check_deficits(unfolding, surface)
     assert sum(map(len, unfolding.folds)) <= 9 + 6 - 1  # no fold where it is flat
     assert np.abs(np.concatenate(unfolding.angles)).min() > 0.1
+
+
+def prism(n):
+    angles = 2 * np.pi * np.arange(n) / n
+    base = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(n)])
+    return np.vstack([base, base + [0, 0, 1]])
+
+
+@pytest.mark.parametrize("decimals", [3, 4, 5, 6])
+@pytest.mark.parametrize("name", ["cube", "dodecahedron", 3, 5, 6, 30])
+def test_faces_of_rounded_solids_stay_whole(name, decimals, tmp_path):
+    turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    vertices = (prism(name) if isinstance(name, int) else solids.uniform(name)) @ turn
+    polygons = solids.polygons(vertices)
+    unfolding = unfold(solid(vertices.round(decimals), solids.triangles(polygons)))
+    assert len(unfolding.sheets) == 1
+    assert len(unfolding.folds[0]) == len(polygons) - 1
+    assert unfolding.net.n_vertices == len(vertices)
+    unfolding.save(tmp_path / "net.json")
+    assert isoembed.glue(tmp_path / "net.json").folded is not None
 
 
 def test_a_sliver_along_an_edge():

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 import isoembed
 from isoembed.gluing.classics import CLASSICS
-from isoembed.plot import write_sheets
+from isoembed.papercraft import write_sheets
 
 solid = isoembed.embed(dict(CLASSICS["platonic"].make())["12 pentagons"], method="alexandrov")
 unfolding = isoembed.unfold(solid)

@@ -11,9 +11,8 @@ from isoembed.gluing import unfold
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
-from isoembed.plot.endings import SHEET_ENDINGS
-from isoembed.plot.paper.placing import PAPERS
-from isoembed.plot.sheets import sheets_writer
+from isoembed.papercraft.placing import PAPERS
+from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer
 
 MANY_FOLDS = 300  # some hours of folding
 EXAMPLES = (

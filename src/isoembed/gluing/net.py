@@ -210,6 +210,28 @@ def glue(
         raise InvalidMetric(f"{error}{_remedy(sheets, sides, corners, error.difference)}") from None
 
 
+def glue_rounded(
+    polygons: Sequence[ArrayLike],
+    sides: Sequence[Any],
+    precision: Precision | None,
+    tolerance: float | None = None,
+) -> Net:
+    """Glue the sheets of a solid whose coordinates have this precision, the error of a length in their unit.
+
+    Its flat faces are so only within that, and the sides between two of them differ as little.
+    """
+    if precision is not None and tolerance is None:
+        sheets = [Polygon.of(polygon, p, Space(0.0), "ambient") for p, polygon in enumerate(polygons)]
+        try:
+            return _glued(sheets, sides, None, Tolerance.of(sheets)).knowing(precision=precision)
+        except UnequalLengths:
+            allowed = Tolerance.of(sheets, precision.vertex_error)
+            with warnings.catch_warnings():  # the precision says it
+                warnings.simplefilter("ignore", MeshNote)
+                return _glued(sheets, sides, None, allowed).knowing(precision=precision)
+    return glue(polygons, sides, tolerance=tolerance).knowing(precision=precision)
+
+
 def _remedy(sheets: Sequence[Polygon], sides: Any, corners: Any, difference: float) -> str:
     """The tolerance with which sheets are glued whose sides differ by so much, if it helps."""
     word = rounded_up(difference)

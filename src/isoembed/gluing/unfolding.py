@@ -13,7 +13,7 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.faces import Faces, true_faces
 from isoembed.gluing.loops import joined
-from isoembed.gluing.net import Net, glue
+from isoembed.gluing.net import Net, glue_rounded
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
 from isoembed.thresholds import threshold
@@ -26,6 +26,7 @@ class UnfoldingThresholds:
     directions: int = threshold(50, "count", "Directions that are tried to unfold a surface into one sheet.")
     exchanges: int = threshold(450, "count", "Attempts afterwards to get fewer sheets from the best one.")
     sharp: float = threshold(1e-3, "radians", "Edges that bend less are not cut where others can be.")
+    digits: int = threshold(3, "digits", "Coordinates with fewer are exact: their faces bend as they say.")
     seed: int = threshold(0, "seed", "Of the directions and of the attempts.")
 
 
@@ -73,7 +74,7 @@ class Unfolding:
     @cached_property
     def net(self) -> Net:
         """The sheets glued: the metric of the solid, from paper."""
-        return glue(self.sheets, self.sides).knowing(precision=self.precision)
+        return glue_rounded(self.sheets, self.sides, self.precision)
 
     def save(self, path: str | os.PathLike[str], *, paper: str = "A4", scale: float | None = None) -> None:
         """Write the net, by the ending of the file: on pages to print and cut out, or to be glued again.
@@ -81,7 +82,7 @@ class Unfolding:
         Parameters
         ----------
         path : path
-            ``.svg`` or ``.pdf`` for pages, as `isoembed.plot.write_sheets` writes them; ``.json`` or
+            ``.svg`` or ``.pdf`` for pages, as `isoembed.papercraft.write_sheets` writes them; ``.json`` or
             ``.fold`` for what `isoembed.glue` reads.
         paper : str
             Of pages: ``"A4"``, ``"A3"`` or ``"letter"``.
@@ -98,7 +99,7 @@ class Unfolding:
             There is no such paper, or a sheet does not fit on it.
         """
         # As those of `isoembed.embedding.embedding`, this import is upward, and named in the contract.
-        from isoembed.plot.saving import save_unfolding
+        from isoembed.papercraft.sheets import save_unfolding
 
         save_unfolding(self, path, paper=paper, scale=scale)
 
@@ -143,7 +144,10 @@ def unfold(surface: Embedding) -> Unfolding:
         raise InvalidMetric(f"the surface is in {surface.metric.space.name} space: paper is flat")
     unit = surface.metric.unit
     vertices = surface.vertices / unit
-    faces = true_faces(surface.triangulation, vertices, surface.surface.vertex_error / surface.metric.unit)
+    mean_length = surface.metric.mean_length
+    precision = surface.metric.precision or Precision.of(surface.vertices, mean_length, UNFOLDING.digits)
+    error = 0.0 if precision is None else precision.vertex_error * mean_length / unit
+    faces = true_faces(surface.triangulation, vertices, error)
     steps = vertices[faces.corners[faces.twins]] - vertices[faces.corners]
     lengths = np.linalg.norm(steps, axis=1)
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
@@ -154,10 +158,9 @@ def unfold(surface: Embedding) -> Unfolding:
     if not apart.all():
         v = faces.corners[outer[np.argmin(apart)]]
         raise InvalidMetric(f"vertex {v} is so near to another that paper does not tell them apart")
-    precision = surface.metric.precision
     return replace(
         _cut_out(faces, points * size * unit, after, sheets),
-        precision=None if precision is None else precision.in_means(surface.metric.mean_length),
+        precision=None if precision is None else precision.in_means(mean_length),
     )
 
 

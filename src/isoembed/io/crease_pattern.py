@@ -14,6 +14,7 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.gluing import Net, glue
 from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance, put_together
+from isoembed.gluing.net import glue_rounded
 from isoembed.gluing.polygon import is_number, points_of_the_plane
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
@@ -80,7 +81,7 @@ def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
         raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
     names = [[corners[v] for v in face] for face in faces]
     net = glue([points[face] for face in faces], corners=names, tolerance=tolerance)
-    return _knowing(net, faces, folded, tables.get("precision"), str(file))
+    return _folded(net.knowing(precision=_precision(tables.get("precision"), str(file))), faces, folded)
 
 
 def creased_net(
@@ -131,9 +132,10 @@ def creased_net(
     pairs = [(moved(one), moved(other)) for one, other in sides]
     pairs += [(at, place[p, b, a]) for (p, a, b), at in place.items() if a < b and (p, b, a) in place]
     points = np.concatenate(outlines)
-    net = glue([points[face] for face in faces], pairs, tolerance=tolerance)
+    known = _precision(precision, name)
+    net = glue_rounded([points[face] for face in faces], pairs, known, tolerance)
     folded = fold_up(points, faces, angles, meeting_tolerance(points))
-    return _knowing(net, faces, folded, precision, name)
+    return _folded(net, faces, folded)
 
 
 def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
@@ -160,15 +162,18 @@ def _is_fold(fold: Any, n: int) -> bool:
     return inside and is_number(angle) and abs(angle) <= 180
 
 
-def _knowing(
-    net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None, said: Any, name: str
-) -> Net:
-    """The net with what its file says of it besides: places of the vertices, and their precision."""
-    if said is not None:
-        error = said.get("length_error") if isinstance(said, dict) else None
-        if not is_number(error) or not 0 < error < math.inf or not isinstance(said.get("name"), str):
-            raise FileError(f"{name}: the precision is {str(said)[:40]}, not a name and a length_error")
-        net = net.knowing(precision=Precision(said["name"], float(error)))
+def _precision(said: Any, name: str) -> Precision | None:
+    """The precision that the file of this name says, if any."""
+    if said is None:
+        return None
+    error = said.get("length_error") if isinstance(said, dict) else None
+    if not is_number(error) or not 0 < error < math.inf or not isinstance(said.get("name"), str):
+        raise FileError(f"{name}: the precision is {str(said)[:40]}, not a name and a length_error")
+    return Precision(said["name"], float(error))
+
+
+def _folded(net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None) -> Net:
+    """The net with the places of the vertices, if its file has the angles."""
     if folded is not None:
         places, sheets = folded
         vertices = put_together(places, faces, sheets, net.corners)

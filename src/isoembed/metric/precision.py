@@ -56,7 +56,9 @@ class Precision:
         return replace(self, length_error=self.length_error * factor)
 
     @classmethod
-    def of(cls, points: Floats, mean_length: float) -> Precision | None:
+    def of(
+        cls, points: Floats, mean_length: float, fewest: int = PRECISION.fewest
+    ) -> Precision | None:
         """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or exact.
 
         Parameters
@@ -64,10 +66,12 @@ class Precision:
         points : ndarray, shape (V, n)
         mean_length : float
             Of the edges between them.
+        fewest : int, optional
+            Decimal digits: coordinates with fewer are exact.
         """
         values = np.abs(points[points != 0])
         sample = values[:: len(values) // PRECISION.sample + 1]
-        found = None if last_digits(sample) is None else last_digits(values)
+        found = None if last_digits(sample, fewest) is None else last_digits(values, fewest)
         if found is None:
             return None
         name, quanta = found

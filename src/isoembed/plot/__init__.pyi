@@ -7,7 +7,6 @@ from .coloring import quantity as quantity
 from .endings import ANIMATION_ENDINGS as ANIMATION_ENDINGS
 from .endings import PAGE_ENDINGS as PAGE_ENDINGS
 from .endings import PICTURE_ENDINGS as PICTURE_ENDINGS
-from .endings import SHEET_ENDINGS as SHEET_ENDINGS
 from .film import Film as Film
 from .film import Frame as Frame
 from .page import page_writer as page_writer
@@ -22,5 +21,3 @@ from .picture import picture_writer as picture_writer
 from .picture import write_picture as write_picture
 from .placed import Scale as Scale
 from .placed import placed_figure as placed_figure
-from .sheets import sheets_writer as sheets_writer
-from .sheets import write_sheets as write_sheets

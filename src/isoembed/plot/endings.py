@@ -3,4 +3,3 @@
 PICTURE_ENDINGS = (".png", ".svg", ".pdf")
 PAGE_ENDINGS = (".html",)
 ANIMATION_ENDINGS = (".gif", ".mp4")
-SHEET_ENDINGS = (".svg", ".pdf")

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.plot.paper.labels import WIDTH, Label, labels
-from isoembed.plot.paper.placing import MARGIN, PAPERS, placed
-from isoembed.plot.paper.tabs import tabs
+from isoembed.papercraft.labels import WIDTH, Label, labels
+from isoembed.papercraft.placing import MARGIN, PAPERS, placed
+from isoembed.papercraft.tabs import tabs
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
@@ -68,7 +68,7 @@ def drawn(unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
     ----------
     unfolding : Unfolding
     paper : str
-        One of `isoembed.plot.paper.placing.PAPERS`.
+        One of `isoembed.papercraft.placing.PAPERS`.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
 

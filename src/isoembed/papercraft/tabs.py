@@ -6,7 +6,7 @@ from itertools import chain
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.plot.paper.convex import Pieces, overlaps
+from isoembed.papercraft.convex import Pieces, overlaps
 
 DEPTH, LEAST = 7.0, 0.8  # mm
 SHARE = 0.4  # of the side, at most

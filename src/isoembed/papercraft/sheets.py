@@ -7,15 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from isoembed.io.files import Writer, ending, write_atomically
+from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.io.registry import check_output
-from isoembed.plot.endings import SHEET_ENDINGS
-from isoembed.plot.paper.drawing import drawn
-from isoembed.plot.paper.pdf import write_pdf
-from isoembed.plot.paper.svg import svg
+from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.pdf import write_pdf
+from isoembed.papercraft.svg import svg
 from isoembed.plot.picture import check_drawable
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
+
+SHEET_ENDINGS = (".svg", ".pdf")
 
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
@@ -56,3 +58,15 @@ def write_sheets(
     """
     check_output(path, SHEET_ENDINGS)
     write_atomically({Path(path): sheets_writer(path, unfolding, paper=paper, scale=scale)})
+
+
+def save_unfolding(
+    unfolding: Unfolding, path: str | os.PathLike[str], *, paper: str = "A4", scale: float | None = None
+) -> None:
+    """See `Unfolding.save`."""
+    check_output(path, (*SHEET_ENDINGS, *NET_ENDINGS))
+    if ending(path) in NET_ENDINGS:
+        writer = net_writer(path, unfolding)
+    else:
+        writer = sheets_writer(path, unfolding, paper=paper, scale=scale)
+    write_atomically({Path(path): writer})

@@ -7,7 +7,7 @@ from itertools import chain
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.plot.paper.convex import Pieces, overlaps
+from isoembed.papercraft.convex import Pieces, overlaps
 
 Side = tuple[int, int]
 

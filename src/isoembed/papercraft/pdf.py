@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.plot.paper.drawing import Drawing
+from isoembed.papercraft.drawing import Drawing
 
 INCH, POINT = 25.4, 25.4 / 72  # mm
 WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2}  # mm

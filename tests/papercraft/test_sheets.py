@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+import isoembed
 import solids
 import zoo
 from exact import is_simple
@@ -17,11 +18,11 @@ from isoembed.gallery import Ergosphere, triangulate
 from isoembed.gluing import unfold
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import FileError
-from isoembed.plot import write_sheets
-from isoembed.plot.paper.convex import overlaps
-from isoembed.plot.paper.drawing import drawn
-from isoembed.plot.paper.labels import Label
-from isoembed.plot.paper.placing import FOOT, GAP, MARGIN, placed
+from isoembed.papercraft import write_sheets
+from isoembed.papercraft.convex import overlaps
+from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.labels import Label
+from isoembed.papercraft.placing import FOOT, GAP, MARGIN, placed
 
 
 def net_of(vertices, faces):
@@ -225,6 +226,13 @@ def test_pdf_has_a_page_each(tmp_path):
 def test_other_endings_are_refused(tmp_path):
     with pytest.raises(FileError, match=r"not one of \.svg \.pdf"):
         write_sheets(tmp_path / "net.png", net_of(*zoo.cube()))
+
+
+@pytest.mark.parametrize("name", ["SHEET_ENDINGS", "sheets_writer", "write_sheets"])
+def test_old_names_say_where_they_went(name):
+    with pytest.warns(DeprecationWarning, match=rf"papercraft\.{name} now; .* version 0\.5") as caught:
+        assert getattr(isoembed.plot, name) is getattr(isoembed.papercraft, name)
+    assert caught[0].filename == __file__
 
 
 # Pieces

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from html import escape
 
 from isoembed.arrays import Floats
-from isoembed.plot.paper.drawing import Drawing
-from isoembed.plot.paper.labels import HEIGHT, Label
+from isoembed.papercraft.drawing import Drawing
+from isoembed.papercraft.labels import HEIGHT, Label
 
 STYLES = {
     "cut": 'stroke-width="0.3"',
