@@ -97,7 +97,7 @@ class State:
             }
         count = sum(name.startswith("candidate ") for name in kept)
         return cls(
-            candidates=tuple(problem.surface(kept[f"candidate {k}"]) for k in range(count)),
+            candidates=tuple(problem.placed(kept[f"candidate {k}"]) for k in range(count)),
             trusted=bool(kept["trusted"]),
             searched=bool(kept["searched"]),
             cost=int(kept["cost"]),

@@ -16,6 +16,7 @@ from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.measures import outward
+from isoembed.surface.principal_axes import standard_position
 
 if TYPE_CHECKING:
     from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -97,7 +98,11 @@ class Problem:
     # Acceptance
 
     def surface(self, vertices: Floats) -> Embedding:
-        """The surface with these vertices."""
+        """The surface with these vertices, moved to its standard position."""
+        return self.placed(standard_position(self.metric.faces, self.oriented(vertices), self.metric.space))
+
+    def placed(self, vertices: Floats) -> Embedding:
+        """The surface with these vertices, which `surface` gave."""
         return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
 
     def accepts(self, surface: Embedding) -> bool:

@@ -10,14 +10,12 @@ import numpy as np
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.io.format import Polygons, flattened
 from isoembed.mesh.polygons import polygon_normals
+from isoembed.surface.principal_axes import SAME, principal_axes
 
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
 LIGHT = np.array([-0.5, 0.8, 0.8])  # right, up, toward the viewer
 AMBIENT, DIFFUSE, GLOSS, SHARPNESS = 0.66, 0.42, 0.14, 20
 INSIDE = 0.4  # light on faces that are seen from inside
-
-
-SAME = 1e-6  # relative difference below which two moments, skews or distances are equal
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +42,7 @@ class Pose:
         centered = vertices - center
         largest = float(np.abs(centered).max()) or 1.0  # all may be one point
         centered /= largest
-        axes = _principal_axes(centered)
+        axes = principal_axes(centered, centered.T @ centered)
         if faces is not None and (_area_vector(centered, faces) @ axes[:, 2]) < -SAME:
             axes[:, 1:] *= -1.0
         return cls(center, axes, largest * float(np.linalg.norm(centered, axis=1).max()) or 1.0)
@@ -52,31 +50,6 @@ class Pose:
     def put(self, vertices: Floats) -> Floats:
         """The vertices, (V, 3), along long, middle and short axis."""
         return (vertices - self.center) / self.size @ self.axes
-
-
-def _principal_axes(points: Floats) -> Floats:
-    """Axes of a centered body, longest first, as columns, right-handed.
-
-    Rounding does not turn them, so that pictures can be repeated: among axes of equal moments the first one
-    points to the farthest vertex; an axis points along the heavier tail, or, where the tails are alike, to
-    the side of the farthest vertex.
-    """
-    moments, axes = np.linalg.eigh(points.T @ points)
-    moments, axes = moments[::-1], axes[:, ::-1].copy()
-    for k in range(2):
-        equal = slice(k, 3 - int(np.sum(moments[k] - moments[k:] > SAME * moments[k])))
-        across = points @ axes[:, equal]
-        farthest = across[_farthest(np.linalg.norm(across, axis=1))]
-        if across.shape[1] > 1:
-            turned, _ = np.linalg.qr(np.column_stack([farthest, np.eye(across.shape[1])]))
-            axes[:, equal] @= turned
-        along = points @ axes[:, k]
-        skew = (along**3).sum()
-        tails_alike = abs(skew) <= SAME * (np.abs(along) ** 3).sum()
-        if (along[_farthest(np.abs(along))] if tails_alike else skew) < 0:
-            axes[:, k] *= -1.0
-    axes[:, 2] *= np.sign(np.linalg.det(axes))
-    return axes
 
 
 def _area_vector(points: Floats, faces: Polygons) -> Floats:
@@ -94,11 +67,6 @@ def _has_boundary(corners: Indices, sizes: Indices) -> bool:
     after[ends - 1] = ends - sizes
     a, b, n = corners, corners[after], int(corners.max(initial=0)) + 1
     return not np.array_equal(np.sort(a * n + b), np.sort(b * n + a))
-
-
-def _farthest(distances: Floats) -> int:
-    """The first of the vertices that are the farthest but for rounding."""
-    return int(np.argmax(distances >= (1 - SAME) * distances.max()))
 
 
 @dataclass(frozen=True)
