@@ -51,6 +51,12 @@ class Unfolding:
         By how much to fold, radians: positive where the solid is convex.
     precision : Precision or None
         Of the coordinates of the solid, the error of a length in their unit.
+    faces : tuple of tuples of ndarray of int64
+        The faces of each sheet: the corners of the sheet around each, counterclockwise.
+    numbers : tuple of ndarray of int64, shape (f,)
+        The numbers of these faces on the solid: flat faces are counted in the order of their first triangles.
+    vertices : ndarray, shape (V, 3), or None
+        Of the solid.
     """
 
     sheets: tuple[Floats, ...]
@@ -59,6 +65,9 @@ class Unfolding:
     folds: tuple[Floats, ...]
     angles: tuple[Floats, ...]
     precision: Precision | None = None
+    faces: tuple[tuple[Indices, ...], ...] = ()
+    numbers: tuple[Indices, ...] = ()
+    vertices: Floats | None = None
 
     def __repr__(self) -> str:
         return f"Unfolding({self})"
@@ -70,6 +79,11 @@ class Unfolding:
             for count, name in ((len(self.sheets), "sheet"), (folds, "fold"))
         )
         return f"{sheets}, {len(self.sides)} pairs of sides, {creased}"
+
+    @cached_property
+    def fold_corners(self) -> tuple[Indices, ...]:
+        """The corners of the sheet at the ends of its `folds`, shape (m, 2)."""
+        return tuple(map(_nearest, self.sheets, self.folds))
 
     @cached_property
     def net(self) -> Net:
@@ -161,6 +175,7 @@ def unfold(surface: Embedding) -> Unfolding:
     return replace(
         _cut_out(faces, points * size * unit, after, sheets),
         precision=None if precision is None else precision.in_means(mean_length),
+        vertices=surface.vertices,
     )
 
 
@@ -225,10 +240,36 @@ def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> U
     ends[faces.first[1:] - 1] = faces.first[:-1]
     inside = (after < 0) & (number < faces.twins) & (faces.angles != 0)
     folds = [np.flatnonzero(inside & (sheets == sheet)) for sheet in every]
+    owners = sheets[faces.first[:-1]]
+    numbers = [np.flatnonzero(owners == sheet) for sheet in every]
+    following = ends.tolist()
+
+    def corner(s: int) -> int:
+        """The corner of the sheet where a side begins: around it to the next side on the outline."""
+        while s not in place:
+            s = following[twins[s]]
+        return place[s][1]
+
+    around = [
+        tuple(
+            frozen(np.array([corner(s) for s in range(faces.first[f], faces.first[f + 1])]))
+            for f in some.tolist()
+        )
+        for some in numbers
+    ]
     return Unfolding(
         tuple(frozen(points[outline]) for outline in outlines),
         tuple(frozen(faces.corners[outline]) for outline in outlines),
         sides,
         tuple(frozen(np.stack([points[some], points[ends[some]]], axis=1)) for some in folds),
         tuple(frozen(faces.angles[some]) for some in folds),
+        faces=tuple(around),
+        numbers=tuple(map(frozen, numbers)),
     )
+
+
+def _nearest(sheet: Floats, folds: Floats) -> Indices:
+    """The corners at the ends of the folds, shape (m, 2)."""
+    size = np.ptp(sheet, axis=0).max()  # keeps the squares from under- and overflowing
+    apart = np.linalg.norm(folds[:, :, None] / size - sheet / size, axis=3)
+    return np.argmin(apart, axis=2)

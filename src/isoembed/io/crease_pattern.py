@@ -141,10 +141,8 @@ def creased_net(
 def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
     """The folds of each sheet, [corner, corner, degrees], positive where the solid is convex."""
     return [
-        [[*ends, angle] for ends, angle in zip(_nearest(sheet, folds).tolist(), bends, strict=True)]
-        for sheet, folds, bends in zip(
-            unfolding.sheets, unfolding.folds, map(np.degrees, unfolding.angles), strict=True
-        )
+        [[*ends, angle] for ends, angle in zip(folds.tolist(), bends, strict=True)]
+        for folds, bends in zip(unfolding.fold_corners, map(np.degrees, unfolding.angles), strict=True)
     ]
 
 
@@ -204,12 +202,11 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
     points, edges, faces = [], [], []
     letters, angles = [], []
     first, right = 0, 0.0
-    for sheet, folds, bends in zip(unfolding.sheets, unfolding.folds, unfolding.angles, strict=True):
+    for sheet, chords, bends in zip(unfolding.sheets, unfolding.fold_corners, unfolding.angles, strict=True):
         n = len(sheet)
         low, high = sheet.min(axis=0), sheet.max(axis=0)
         points.append(sheet - low + [right, 0.0])
         right += (1 + GAP) * (high[0] - low[0])
-        chords = _nearest(sheet, folds)
         edges += [[first + k, first + (k + 1) % n] for k in range(n)]
         edges += (first + chords).tolist()
         letters += ["B"] * n + ["M" if bend > 0 else "V" for bend in bends]
@@ -230,13 +227,6 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
         ANGLES: angles,
         "faces_vertices": faces,
     }
-
-
-def _nearest(sheet: Floats, folds: Floats) -> Indices:
-    """The corners at the ends of the folds, shape (m, 2)."""
-    size = np.ptp(sheet, axis=0).max()  # keeps the squares from under- and overflowing
-    apart = np.linalg.norm(folds[:, :, None] / size - sheet / size, axis=3)
-    return np.argmin(apart, axis=2)
 
 
 def _faces(n: int, chords: Indices) -> list[list[int]]:

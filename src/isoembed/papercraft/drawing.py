@@ -9,7 +9,8 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.papercraft.labels import WIDTH, Label, labels
-from isoembed.papercraft.placing import MARGIN, PAPERS, placed
+from isoembed.papercraft.paper import MARGIN
+from isoembed.papercraft.placing import laid_out
 from isoembed.papercraft.tabs import tabs
 
 if TYPE_CHECKING:
@@ -61,7 +62,9 @@ class Drawing:
     notes: list[Label]
 
 
-def drawn(unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None) -> Drawing:
+def drawn(
+    unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None, size: float | None = None
+) -> Drawing:
     """Draw a net.
 
     Parameters
@@ -77,7 +80,8 @@ def drawn(unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
     InvalidParameter
         There is no such paper, or a sheet does not fit on it.
     """
-    places, pages, scale = placed(unfolding.sheets, paper, scale)
+    layout = laid_out(unfolding, paper, scale=scale, size=size)
+    unfolding, places, pages, scale = layout.unfolding, layout.places, layout.pages, layout.scale
     outlines = [place.put(sheet) for place, sheet in zip(places, unfolding.sheets, strict=True)]
     angles = [some[np.abs(some) > LEAST] for some in unfolding.angles]
     folds = [
@@ -96,7 +100,7 @@ def drawn(unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
         cuts.append(np.array(around))
         mountains += list(inside[bent > 0])
         valleys += list(inside[bent < 0])
-    width, height = PAPERS[paper]
+    width, height = layout.width, layout.height
     kinds = [kind for kind in LEGEND if kind != "valley" or valleys]
     ruler, legend, notes = [], [], []
     for k in range(pages):
