@@ -1,4 +1,4 @@
-"""Drawing of a paper net: outlines to cut, folds, and labels of glued sides."""
+"""Drawing of a paper net in layers: outlines to cut, folds, glued areas, and what is only read."""
 
 from __future__ import annotations
 
@@ -26,11 +26,38 @@ LEGEND = {
 """By kind of line, where a sample of it begins, in mm from the left, and what it says."""
 SAMPLE = 10.0  # mm
 LEAST = 1e-3  # radians; nobody folds by less
+GLUED = 0.75  # of a tab, in each direction
+DECIMALS = 4  # of a millimeter in files: a tenth of a micrometer
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """A fold on the paper.
+
+    Attributes
+    ----------
+    line : ndarray, shape (2, 2)
+        Its ends.
+    angle : float or None
+        By how much to fold, radians: positive away from whoever sees the outside of the solid.  None of a
+        tab, which is folded away until it meets the other side.
+    """
+
+    line: Floats
+    angle: float | None = None
+
+    @property
+    def kind(self) -> str:
+        """``"mountain"`` or ``"valley"``."""
+        return "valley" if self.angle is not None and self.angle < 0 else "mountain"
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
     """Lines and numbers on pages below one another, in mm from the upper left corner, y upward.
+
+    No line is there twice.  Files have them in layers: ``cut``, ``mountain``, ``valley``, ``glue``, and
+    ``engrave`` for what is only read: labels, ruler, legend, notes.
 
     Attributes
     ----------
@@ -39,8 +66,9 @@ class Drawing:
     pages : int
     cuts : list of ndarray, shape (n, 2)
         Closed outlines, with their tabs.
-    mountains, valleys : list of ndarray, shape (2, 2)
-        Folds away from whoever sees the outside of the solid, and toward them.
+    folds : list of Fold
+    glue : list of ndarray, shape (n, 2)
+        Areas that get glue, in the middle of each tab.
     labels : list of Label
     ruler : list of ndarray, shape (2, 2)
         At the foot of each page: 50 mm, by which one sees whether a printer has scaled it.
@@ -54,12 +82,27 @@ class Drawing:
     height: float
     pages: int
     cuts: list[Floats]
-    mountains: list[Floats]
-    valleys: list[Floats]
+    folds: list[Fold]
+    glue: list[Floats]
     labels: list[Label]
     ruler: list[Floats]
     legend: list[tuple[str, Floats]]
     notes: list[Label]
+
+    @property
+    def mountains(self) -> list[Floats]:
+        """The ends of folds away from whoever sees the outside of the solid."""
+        return [fold.line for fold in self.folds if fold.kind == "mountain"]
+
+    @property
+    def valleys(self) -> list[Floats]:
+        """The ends of folds toward whoever sees the outside of the solid."""
+        return [fold.line for fold in self.folds if fold.kind == "valley"]
+
+    @property
+    def underlines(self) -> list[Floats]:
+        """Lines below labels that are others upside down."""
+        return [one.underline for one in self.labels if one.underline is not None]
 
 
 def drawn(
@@ -89,19 +132,21 @@ def drawn(
         for place, some, bent in zip(places, unfolding.folds, unfolding.angles, strict=True)
     ]
     standing = tabs(outlines, unfolding.sides)
-    cuts, mountains, valleys = [], [], []
+    cuts, creases, glue = [], [], []
     for p, (outline, inside, bent) in enumerate(zip(outlines, folds, angles, strict=True)):
         around: list[Floats] = []
         for k, corner in enumerate(outline):
             around.append(corner)
             if (p, k) in standing:
+                side = outline[[k, (k + 1) % len(outline)]]
                 around += list(standing[p, k])
-                mountains.append(outline[[k, (k + 1) % len(outline)]])
+                creases.append(Fold(side))
+                glue.append(_middle(np.concatenate([side, standing[p, k][::-1]])))
         cuts.append(np.array(around))
-        mountains += list(inside[bent > 0])
-        valleys += list(inside[bent < 0])
+        creases += [Fold(line, angle) for line, angle in zip(inside, bent.tolist(), strict=True)]
     width, height = layout.width, layout.height
-    kinds = [kind for kind in LEGEND if kind != "valley" or valleys]
+    has_valleys = any(fold.kind == "valley" for fold in creases)
+    kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
     ruler, legend, notes = [], [], []
     for k in range(pages):
         low = -(k + 1) * height
@@ -119,7 +164,13 @@ def drawn(
             legend.append((kind, _line(x, line, x + SAMPLE, line)))
             notes.append(_after(said, x + SAMPLE, line))
     numbers = labels(outlines, folds, unfolding.sides)
-    return Drawing(width, height, pages, cuts, mountains, valleys, numbers, ruler, legend, notes)
+    return Drawing(width, height, pages, cuts, creases, glue, numbers, ruler, legend, notes)
+
+
+def _middle(tab: Floats) -> Floats:
+    """The area of a tab that gets glue, off its sides so that no line is there twice."""
+    center = tab.mean(axis=0)
+    return np.asarray(center + GLUED * (tab - center))
 
 
 def _line(x: float, y: float, to_x: float, to_y: float) -> Floats:

@@ -24,10 +24,9 @@ def write_pdf(path: Path, drawing: Drawing) -> None:
     }
     for kind, sample in drawing.legend:
         kinds[kind].append(sample)
-    underlines = [one.underline for one in drawing.labels if one.underline is not None]
     lines = (
         *((some, WIDTHS[kind], DASHES[kind]) for kind, some in kinds.items()),
-        (underlines + drawing.ruler, 0.2, "solid"),
+        (drawing.underlines + drawing.ruler, 0.2, "solid"),
     )
     with PdfPages(path, metadata={"CreationDate": None}) as file:
         for page in range(drawing.pages):

@@ -1,4 +1,4 @@
-"""Printable nets in SVG and PDF."""
+"""Printable nets in SVG, PDF and DXF."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from isoembed.io.dxf_lines import ezdxf_for
 from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.io.registry import check_output
 from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.dxf import write_dxf
 from isoembed.papercraft.pdf import write_pdf
 from isoembed.papercraft.svg import svg
 from isoembed.plot.picture import check_drawable
@@ -17,7 +19,7 @@ from isoembed.plot.picture import check_drawable
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-SHEET_ENDINGS = (".svg", ".pdf")
+SHEET_ENDINGS = (".svg", ".pdf", ".dxf")
 
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
@@ -26,6 +28,9 @@ def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing:
     if ending(path) == ".pdf":
         check_drawable()
         return lambda temporary: write_pdf(temporary, pages)
+    if ending(path) == ".dxf":
+        ezdxf_for(f"writing {path}")
+        return lambda temporary: write_dxf(temporary, pages)
     return lambda temporary: temporary.write_text(svg(pages), encoding="utf-8")
 
 
