@@ -96,13 +96,6 @@ class Lines:
 
 
 def last_unit(values: Floats) -> float:
-    """The unit of the last digit of coordinates, 0 of whole numbers and of doubles."""
-    values = np.abs(values[values != 0])
-    found = last_digits(values, 4, PRECISION.written)
-    if found is not None:
-        return float(found[1].max())
-    for decimals in range(7):  # numbers of a few digits
-        scaled = values * 10.0**decimals
-        if (np.abs(scaled - np.rint(scaled)) < PRECISION.error).all():
-            return 10.0**-decimals if decimals else 0.0
-    return 0.0
+    """The unit of the last digit of coordinates; 0 of doubles, and of fewer than four digits, which are exact."""
+    found = last_digits(np.abs(values[values != 0]), 4, PRECISION.written)
+    return 0.0 if found is None else float(found[1].max())
