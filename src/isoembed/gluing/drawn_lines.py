@@ -87,15 +87,18 @@ class Lines:
         Of the last digit of the coordinates, mm; 0 where these are doubles.
     kerf : float
         By which the outlines were offset for a beam, its whole width, mm.
+    error : float
+        Of the points of the solid, where these were rounded, mm.
     """
 
     lines: tuple[Line, ...]
     numbers: tuple[Number, ...]
     unit: float = 0.0
     kerf: float = 0.0
+    error: float = 0.0
 
 
 def last_unit(values: Floats) -> float:
-    """The unit of the last digit of coordinates; 0 of doubles, and of fewer than four digits, which are exact."""
+    """The unit of the last digit of coordinates; 0 of doubles, and of fewer digits than 4."""
     found = last_digits(np.abs(values[values != 0]), 4, PRECISION.written)
     return 0.0 if found is None else float(found[1].max())

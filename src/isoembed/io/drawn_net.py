@@ -16,7 +16,7 @@ from isoembed.gluing.dashes import undashed
 from isoembed.gluing.drawn_lines import CUT, GLUE, READ, SEAM, Line, Lines, Number
 from isoembed.gluing.line_graph import LineGraph, Side, is_inside
 from isoembed.gluing.offset import offset
-from isoembed.io.crease_pattern import knowing
+from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 
 SNAP = 1e-5  # of the drawing: ends as near are one
@@ -42,7 +42,8 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     name : str
         Of the file, for messages.
     tolerance : float, optional
-        Lengths that differ by no more are glued, mm; by default four units of the last digit.
+        Lengths that differ by no more are glued, mm; by default four units of the last digit,
+        or by how much the points of the solid were rounded, if the file says it.
 
     Raises
     ------
@@ -54,24 +55,21 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     lines = [line for line in drawing.lines if line.purpose != READ]
     glued = [line.points[:-1] for line in lines if line.purpose == GLUE and line.is_closed]
     lines = [line for line in lines if line.purpose != GLUE]
-    if any(line.purpose == SEAM for line in lines):  # what is cut is wider, by the allowance
-        lines = [
-            replace(line, purpose=CUT) if line.purpose == SEAM else line
-            for line in lines
-            if line.purpose != CUT
-        ]
+    seams = [replace(line, purpose=CUT) for line in lines if line.purpose == SEAM]
+    if seams:  # what is cut is wider, by the allowance
+        lines = seams + [line for line in lines if line.purpose not in (CUT, SEAM)]
     if not lines:
         raise FileError(f"{name} has no lines to cut")
     every = np.concatenate([line.points for line in lines])
     size = float(np.ptp(every, axis=0).max())
     near = max(SNAP * size, 2 * drawing.unit, tolerance or 0.0)
-    lines = undashed(_without_kerf(_without_holes(lines), drawing.kerf), near)
+    lines = undashed(_without_kerf(_without_holes(lines), 0.0 if seams else drawing.kerf), near)
     graph = LineGraph.of(lines, near)
     if not graph.faces:
         raise FileError(f"{name} has no closed outlines: its lines enclose nothing")
     quiet = tolerance is None
-    if tolerance is None and drawing.unit > 0:
-        tolerance = UNITS * drawing.unit
+    if tolerance is None and (drawing.unit > 0 or drawing.error > 0):
+        tolerance = max(UNITS * drawing.unit, 2 * drawing.error)
     tabs = _tabs(graph, glued, drawing.numbers)
     kept = [f for f in range(len(graph.faces)) if f not in tabs]
     place = {f: k for k, f in enumerate(kept)}
@@ -90,22 +88,17 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
         if quiet:  # the digits of the file explain by how much sides differ
             warnings.simplefilter("ignore", MeshNote)
         net = glue([graph.points[face] for face in faces], pairs, tolerance=tolerance)
-    return knowing(net, faces, folded, None, name)
+    return with_places(net, faces, folded)
 
 
 def _without_holes(lines: Sequence[Line]) -> list[Line]:
     """The lines but for circles inside of others, which are holes for stitches."""
-    around = [line.points[:-1] for line in lines if line.is_closed]
-
-    def is_hole(line: Line) -> bool:
-        others = (
-            corners
-            for corners in around
-            if corners is not None and len(corners) and not np.shares_memory(corners, line.points)
-        )
-        return line.is_circle and any(is_inside(line.points[0], corners) for corners in others)
-
-    return [line for line in lines if not is_hole(line)]
+    around = [line.points[:-1] for line in lines if line.is_closed and not line.is_circle]
+    return [
+        line
+        for line in lines
+        if not line.is_circle or not any(is_inside(line.points[0], corners) for corners in around)
+    ]
 
 
 def _without_kerf(lines: Sequence[Line], kerf: float) -> list[Line]:

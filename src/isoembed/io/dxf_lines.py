@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
@@ -15,8 +16,8 @@ from isoembed.io.input_file import InputFile
 
 APPLICATION = "ISOEMBED"
 """Of what is said of an entity besides: the angle of a fold."""
-KERF = "kerf"
-"""The property of a drawing by whose half its outlines are offset, mm."""
+PROPERTIES = ("kerf", "error")
+"""Of a drawing, mm: by whose half its outlines are offset; of the points of the solid."""
 FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_NESTED = 10  # blocks
@@ -68,7 +69,8 @@ def read_dxf_lines(file: InputFile) -> Lines:
         if len(path) == 0:
             continue
         corners = np.array([vertex.vec2 for vertex in path.control_vertices()])
-        values.append(corners.ravel())
+        if not path.has_curves:  # whose controls are computed
+            values.append(corners.ravel())
         size = float(np.ptp(corners, axis=0).max())
         points = unit * np.array([vertex.vec2 for vertex in path.flattening(FLATNESS * size, segments=8)])
         if not np.isfinite(points).all():
@@ -81,11 +83,19 @@ def read_dxf_lines(file: InputFile) -> Lines:
         color = str(entity.dxf.get("true_color", entity.dxf.color))
         lines.append(Line(points, purpose, color, _angle(entity), kind == "CIRCLE"))
     properties = dict(document.header.custom_vars.properties)
+    said = [_millimeters(properties, name, str(file)) for name in PROPERTIES]
+    return Lines(tuple(lines), tuple(numbers), unit * last_unit(np.concatenate(values)), *said)
+
+
+def _millimeters(properties: dict[str, str], name: str, file: str) -> float:
+    """What the file says of itself."""
     try:
-        kerf = float(properties.get(KERF, 0.0))
+        value = float(properties.get(name, "0"))
     except ValueError:
-        raise FileError(f"{file}: the kerf is {properties[KERF]!r}, not a number") from None
-    return Lines(tuple(lines), tuple(numbers), unit * last_unit(np.concatenate(values)), kerf)
+        value = math.nan
+    if not 0 <= value < math.inf:
+        raise FileError(f"{file}: the {name} is {properties[name]!r}, not a length in mm")
+    return value
 
 
 def _entities(space: Any, depth: int, name: str) -> Iterator[Any]:

@@ -75,18 +75,18 @@ def read_svg_lines(file: InputFile) -> Lines:
     reader = _Reader(str(file), {e.get("id", ""): e for e in root.iter()})
     try:
         reader.walk(root, _Style(_view(root)), 0)
+        said = [reader.millimeters(root, key) for key in ("data-kerf", "data-error")]
     except (ValueError, OverflowError) as error:
         if isinstance(error, FileError):
             raise
         raise FileError(f"{file} is not a readable SVG file: {error}") from None
-    kerf = root.get("data-kerf", "0")
     unit = last_unit(np.concatenate([np.zeros(1), *reader.values]))
     scale = float(np.sqrt(abs(np.linalg.det(_view(root)[:, :2]))))
     return Lines(
         tuple(reader.lines),
         tuple(reader.numbers),
         unit * scale * math.sqrt(reader.steps),
-        _plain(kerf, "data-kerf"),
+        *said,
     )
 
 
@@ -138,6 +138,13 @@ class _Reader:
         for child in element:
             if isinstance(child.tag, str):
                 self.walk(child, style, depth + 1)
+
+    def millimeters(self, root: Element, key: str) -> float:
+        """What the file says of itself."""
+        value = _plain(root.get(key, "0"), key)
+        if not 0 <= value < math.inf:
+            raise FileError(f"{self.name}: {key} is {value:g}, not a length in mm")
+        return value
 
     def _styled(self, element: Element, style: _Style) -> _Style:
         said = dict(re.findall(r"([\w-]+)\s*:\s*([^;]+)", element.get("style", "")))

@@ -8,9 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.gluing.offset import offset
 from isoembed.papercraft.labels import WIDTH, Label, labels
+from isoembed.papercraft.material import PAPER, Material
 from isoembed.papercraft.paper import MARGIN
+from isoembed.papercraft.perforation import pieces
 from isoembed.papercraft.placing import laid_out
+from isoembed.papercraft.stitches import stitches
 from isoembed.papercraft.tabs import tabs
 
 if TYPE_CHECKING:
@@ -27,6 +31,8 @@ LEGEND = {
 SAMPLE = 10.0  # mm
 LEAST = 1e-3  # radians; nobody folds by less
 GLUED = 0.75  # of a tab, in each direction
+ALLOWANCE_LIMIT = 1.5  # allowances: right angles keep their corners, sharper ones are cut off
+KERF_LIMIT = 20.0  # half kerfs: so are those of less than 6 degrees
 DECIMALS = 4  # of a millimeter in files: a tenth of a micrometer
 
 
@@ -41,10 +47,13 @@ class Fold:
     angle : float or None
         By how much to fold, radians: positive away from whoever sees the outside of the solid.  None of a
         tab, which is folded away until it meets the other side.
+    pieces : ndarray, shape (m, 2, 2)
+        What is cut or scored of it.
     """
 
     line: Floats
-    angle: float | None = None
+    angle: float | None
+    pieces: Floats
 
     @property
     def kind(self) -> str:
@@ -56,8 +65,8 @@ class Fold:
 class Drawing:
     """Lines and numbers on pages below one another, in mm from the upper left corner, y upward.
 
-    No line is there twice.  Files have them in layers: ``cut``, ``mountain``, ``valley``, ``glue``, and
-    ``engrave`` for what is only read: labels, ruler, legend, notes.
+    No line is there twice.  Files have them in layers: ``cut``, ``mountain``, ``valley``, ``seam``, ``glue``,
+    and ``engrave`` for what is only read: labels, ruler, legend, notes.
 
     Attributes
     ----------
@@ -65,7 +74,11 @@ class Drawing:
         Of a page.
     pages : int
     cuts : list of ndarray, shape (n, 2)
-        Closed outlines, with their tabs.
+        Closed outlines, with their tabs or seam allowance, and half of the kerf.
+    holes : list of (float, float, float)
+        Circles to cut: middle and radius.
+    seams : list of ndarray, shape (n, 2)
+        Closed outlines of the net, where the cuts are wider by an allowance.
     folds : list of Fold
     glue : list of ndarray, shape (n, 2)
         Areas that get glue, in the middle of each tab.
@@ -76,18 +89,26 @@ class Drawing:
         At the foot of each page, samples of the kinds of lines: ``"cut"``, ``"mountain"``, ``"valley"``.
     notes : list of Label
         At the foot of each page: a line, and what belongs to ruler and legend.
+    kerf : float
+        By half of it the cuts are offset, mm.
+    error : float
+        Of the points of the solid, where they were rounded, mm.
     """
 
     width: float
     height: float
     pages: int
     cuts: list[Floats]
+    holes: list[tuple[float, float, float]]
+    seams: list[Floats]
     folds: list[Fold]
     glue: list[Floats]
     labels: list[Label]
     ruler: list[Floats]
     legend: list[tuple[str, Floats]]
     notes: list[Label]
+    kerf: float
+    error: float
 
     @property
     def mountains(self) -> list[Floats]:
@@ -106,7 +127,12 @@ class Drawing:
 
 
 def drawn(
-    unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None, size: float | None = None
+    unfolding: Unfolding,
+    *,
+    paper: str = "A4",
+    scale: float | None = None,
+    size: float | None = None,
+    material: Material = PAPER,
 ) -> Drawing:
     """Draw a net.
 
@@ -117,11 +143,13 @@ def drawn(
         One of `isoembed.papercraft.placing.PAPERS`.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+    material : Material
+        Joints, allowance, kerf and the cut of folds.
 
     Raises
     ------
     InvalidParameter
-        There is no such paper, or a sheet does not fit on it.
+        There is no such paper, a sheet does not fit on it, or an allowance or the kerf closes a notch.
     """
     layout = laid_out(unfolding, paper, scale=scale, size=size)
     unfolding, places, pages, scale = layout.unfolding, layout.places, layout.pages, layout.scale
@@ -131,7 +159,12 @@ def drawn(
         place.put(some[np.abs(bent) > LEAST])
         for place, some, bent in zip(places, unfolding.folds, unfolding.angles, strict=True)
     ]
-    standing = tabs(outlines, unfolding.sides)
+    standing = tabs(outlines, unfolding.sides) if material.joints == "tabs" else {}
+    holes = (
+        stitches(outlines, unfolding.sides, material)
+        if material.joints == "stitches"
+        else [np.empty((0, 2))] * len(outlines)
+    )
     cuts, creases, glue = [], [], []
     for p, (outline, inside, bent) in enumerate(zip(outlines, folds, angles, strict=True)):
         around: list[Floats] = []
@@ -140,10 +173,13 @@ def drawn(
             if (p, k) in standing:
                 side = outline[[k, (k + 1) % len(outline)]]
                 around += list(standing[p, k])
-                creases.append(Fold(side))
+                creases.append(Fold(side, None, pieces(side, material)))
                 glue.append(_middle(np.concatenate([side, standing[p, k][::-1]])))
-        cuts.append(np.array(around))
-        creases += [Fold(line, angle) for line, angle in zip(inside, bent.tolist(), strict=True)]
+        cuts.append(_widened(np.array(around), material, f"sheet {p}"))
+        creases += [
+            Fold(line, angle, pieces(line, material))
+            for line, angle in zip(inside, bent.tolist(), strict=True)
+        ]
     width, height = layout.width, layout.height
     has_valleys = any(fold.kind == "valley" for fold in creases)
     kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
@@ -164,7 +200,31 @@ def drawn(
             legend.append((kind, _line(x, line, x + SAMPLE, line)))
             notes.append(_after(said, x + SAMPLE, line))
     numbers = labels(outlines, folds, unfolding.sides)
-    return Drawing(width, height, pages, cuts, creases, glue, numbers, ruler, legend, notes)
+    radius = (material.hole - material.kerf) / 2
+    precision = unfolding.precision
+    return Drawing(
+        width,
+        height,
+        pages,
+        cuts,
+        [(x, y, radius) for x, y in np.concatenate(holes).tolist()],
+        outlines if material.allowance else [],
+        creases,
+        glue,
+        numbers,
+        ruler,
+        legend,
+        notes,
+        material.kerf,
+        0.0 if precision is None else scale * precision.vertex_error,
+    )
+
+
+def _widened(outline: Floats, material: Material, name: str) -> Floats:
+    """The outline that is cut: with the allowance, and the middle of the beam outside of it."""
+    if material.allowance:
+        outline = offset(outline, material.allowance, name, ALLOWANCE_LIMIT)
+    return offset(outline, material.kerf / 2, name, KERF_LIMIT) if material.kerf else outline
 
 
 def _middle(tab: Floats) -> Floats:

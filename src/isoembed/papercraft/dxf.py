@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.io.dxf_lines import APPLICATION, ezdxf_for
+from isoembed.io.dxf_lines import APPLICATION, PROPERTIES, ezdxf_for
 from isoembed.papercraft.drawing import DECIMALS, Drawing
 from isoembed.papercraft.labels import HEIGHT, Label
 
-COLORS = {"cut": 1, "mountain": 5, "valley": 3, "glue": 8, "engrave": 7, "numbers": 7}
-"""By layer, in AutoCAD's index: red, blue, green, gray, and black or white."""
+COLORS = {"cut": 1, "mountain": 5, "valley": 3, "seam": 6, "glue": 8, "engrave": 7, "numbers": 7}
+"""By layer, in AutoCAD's index: red, blue, green, magenta, gray, and black or white."""
 MILLIMETERS = 4  # of $INSUNITS
 
 
@@ -25,6 +25,9 @@ def write_dxf(path: Path, drawing: Drawing) -> None:
         document = ezdxf.new("R2010", units=MILLIMETERS)
         document.header["$MEASUREMENT"] = 1  # metric
         document.appids.add(APPLICATION)
+        for name in PROPERTIES:
+            if value := getattr(drawing, name):
+                document.header.custom_vars.append(name, f"{value:.6g}")
         for name, color in COLORS.items():
             document.layers.add(name, color=color)
         space = document.modelspace()
@@ -51,11 +54,16 @@ def write_dxf(path: Path, drawing: Drawing) -> None:
         for label in drawing.labels:
             text(label, "numbers")
         for fold in drawing.folds:
-            entity = line(fold.line, fold.kind)
-            if fold.angle is not None:
-                entity.set_xdata(
-                    APPLICATION, [(1000, "angle"), (1040, round(float(np.degrees(fold.angle)), 6))]
-                )
+            for piece in fold.pieces:
+                entity = line(piece, fold.kind)
+                if fold.angle is not None:
+                    degrees = round(float(np.degrees(fold.angle)), 6)
+                    entity.set_xdata(APPLICATION, [(1000, "angle"), (1040, degrees)])
+        for seam in drawing.seams:
+            polyline(seam, "seam")
+        for x, y, radius in drawing.holes:
+            (at,) = _rounded(np.array([[x, y]]) + up)
+            space.add_circle(at, round(radius, DECIMALS), dxfattribs={"layer": "cut"})
         for cut in drawing.cuts:
             polyline(cut, "cut")
         document.saveas(path)

@@ -12,6 +12,7 @@ from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.io.registry import check_output
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.dxf import write_dxf
+from isoembed.papercraft.material import PAPER, Material
 from isoembed.papercraft.pdf import write_pdf
 from isoembed.papercraft.svg import svg
 from isoembed.plot.picture import check_drawable
@@ -35,7 +36,12 @@ def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing:
 
 
 def write_sheets(
-    path: str | os.PathLike[str], unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
+    path: str | os.PathLike[str],
+    unfolding: Unfolding,
+    *,
+    paper: str = "A4",
+    scale: float | None = None,
+    material: Material = PAPER,
 ) -> None:
     """Write a net to cut out: with tabs, folds, and the same number on both sides that are glued.
 
@@ -47,31 +53,40 @@ def write_sheets(
     Parameters
     ----------
     path : path
-        Ending in ``.svg``, with the pages below one another, or in ``.pdf``.
+        Ending in ``.svg`` or ``.dxf``, in layers and with the pages below one another, or in ``.pdf``.
     unfolding : Unfolding
     paper : str
         ``"A4"``, ``"A3"`` or ``"letter"``.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+    material : Material
+        What it is cut from and with; by default paper, with tabs.
 
     Raises
     ------
     FileError
-        The ending is not known, the file cannot be written, or, for PDF, matplotlib is not installed.
+        The ending is not known, the file cannot be written, or matplotlib for PDF or ezdxf for DXF is not
+        installed.
     InvalidParameter
-        There is no such paper, or a sheet does not fit on it.
+        There is no such paper, a sheet does not fit on it, or an allowance or the kerf closes a notch.
     """
     check_output(path, SHEET_ENDINGS)
-    write_atomically({Path(path): sheets_writer(path, unfolding, paper=paper, scale=scale)})
+    writer = sheets_writer(path, unfolding, paper=paper, scale=scale, material=material)
+    write_atomically({Path(path): writer})
 
 
 def save_unfolding(
-    unfolding: Unfolding, path: str | os.PathLike[str], *, paper: str = "A4", scale: float | None = None
+    unfolding: Unfolding,
+    path: str | os.PathLike[str],
+    *,
+    paper: str = "A4",
+    scale: float | None = None,
+    material: Material | None = None,
 ) -> None:
     """See `Unfolding.save`."""
     check_output(path, (*SHEET_ENDINGS, *NET_ENDINGS))
     if ending(path) in NET_ENDINGS:
         writer = net_writer(path, unfolding)
     else:
-        writer = sheets_writer(path, unfolding, paper=paper, scale=scale)
+        writer = sheets_writer(path, unfolding, paper=paper, scale=scale, material=material or PAPER)
     write_atomically({Path(path): writer})

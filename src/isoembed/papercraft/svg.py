@@ -9,11 +9,17 @@ from isoembed.arrays import Floats
 from isoembed.papercraft.drawing import DECIMALS, Drawing
 from isoembed.papercraft.labels import HEIGHT, Label
 
-COLORS = {"cut": "#ff0000", "mountain": "#0000ff", "valley": "#008000", "engrave": "#000000"}
+COLORS = {
+    "cut": "#ff0000",
+    "mountain": "#0000ff",
+    "valley": "#008000",
+    "seam": "#ff00ff",
+    "engrave": "#000000",
+}
 """Machines that cut tell what to do by the color of a line."""
 INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
-WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2, "engrave": 0.2}  # mm
-DASHES = {"mountain": "2 1.2", "valley": "3 1 0.5 1"}  # mm
+WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2, "seam": 0.2, "engrave": 0.2}  # mm
+DASHES = {"mountain": "2 1.2", "valley": "3 1 0.5 1", "seam": "1 1"}  # mm
 
 
 def svg(drawing: Drawing) -> str:
@@ -35,19 +41,31 @@ def svg(drawing: Drawing) -> str:
         *(
             _layer(
                 kind,
-                (_path(fold.line, extra=_angle(fold.angle)) for fold in drawing.folds if fold.kind == kind),
+                (
+                    _path(*fold.pieces, extra=_angle(fold.angle))
+                    for fold in drawing.folds
+                    if fold.kind == kind
+                ),
                 _stroke(kind),
             )
             for kind in ("valley", "mountain")
         ),
-        _layer("cut", (_path(cut, closed=True) for cut in drawing.cuts), _stroke("cut")),
+        *(
+            [_layer("seam", (_path(seam, closed=True) for seam in drawing.seams), _stroke("seam"))]
+            * bool(drawing.seams)
+        ),
+        _layer(
+            "cut",
+            [*(_circle(*hole) for hole in drawing.holes), *(_path(cut, closed=True) for cut in drawing.cuts)],
+            _stroke("cut"),
+        ),
     ]
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="{INKSCAPE}" '
             f'width="{width:g}mm" height="{height:g}mm" viewBox="0 0 {width:g} {height:g}" '
-            'style="background: white">',
+            f'{_said("kerf", drawing.kerf)}{_said("error", drawing.error)}style="background: white">',
             *layers,
             "</svg>\n",
         ]
@@ -73,14 +91,22 @@ def _dashes(kind: str) -> str:
     return f'stroke-dasharray="{DASHES[kind]}"' if kind in DASHES else ""
 
 
+def _said(name: str, millimeters: float) -> str:
+    return f'data-{name}="{millimeters:.6g}" ' if millimeters else ""
+
+
 def _angle(angle: float | None) -> str:
     """What `isoembed.glue` reads of a fold, in degrees."""
     return "" if angle is None else f'data-angle="{np.degrees(angle):.6f}"'
 
 
-def _path(points: Floats, *, closed: bool = False, extra: str = "") -> str:
-    corners = "L".join(f"{_number(x)} {_number(-y)}" for x, y in points.tolist())
-    return f'<path d="M{corners}{"Z" if closed else ""}"{" " if extra else ""}{extra}/>'
+def _path(*parts: Floats, closed: bool = False, extra: str = "") -> str:
+    d = "".join("M" + "L".join(f"{_number(x)} {_number(-y)}" for x, y in part.tolist()) for part in parts)
+    return f'<path d="{d}{"Z" if closed else ""}"{" " if extra else ""}{extra}/>'
+
+
+def _circle(x: float, y: float, radius: float) -> str:
+    return f'<circle cx="{_number(x)}" cy="{_number(-y)}" r="{_number(radius)}"/>'
 
 
 def _text(label: Label) -> str:
