@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from isoembed.cli.material import FIELDS, add_material_options, material_of
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_error
@@ -18,7 +19,12 @@ MANY_FOLDS = 300  # some hours of folding
 EXAMPLES = (
     "isoembed unfold surface.ply -o net.svg",
     "isoembed unfold surface.ply -o net.pdf --paper letter",
+    "isoembed unfold surface.ply -o net.dxf --kerf 0.15 --bends perforate",
 )
+
+
+USUAL = ("file", "output", "paper", "scale", "joints", "allowance", "kerf", "bends", "merge", "quiet")
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         help="millimeters a unit of the solid (default: the largest with which each sheet fits on a page)",
     )
+    add_material_options(parser)
     add_merge_option(parser)
     add_quiet_option(parser)
 
@@ -52,8 +59,11 @@ def run(options: argparse.Namespace) -> int:
     output = options.output
     check_answer(output, (*SHEET_ENDINGS, *NET_ENDINGS), options.file)
     drawing = {name: value for name in ("paper", "scale") if (value := getattr(options, name)) is not None}
-    if drawing and ending(output) in NET_ENDINGS:
-        raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
+    told = [name for name in ("paper", "scale", *FIELDS) if getattr(options, name) is not None]
+    if told and ending(output) in NET_ENDINGS:
+        raise UsageError(f"--{told[0]} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
+    if (material := material_of(options)) is not None:
+        drawing["material"] = material
     unfolding = unfold(read_surface(options.file, merge=options.merge))
     folds = sum(map(len, unfolding.folds))
     if folds > MANY_FOLDS and not options.quiet:

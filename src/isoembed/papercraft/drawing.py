@@ -15,7 +15,7 @@ from isoembed.papercraft.paper import MARGIN
 from isoembed.papercraft.perforation import pieces
 from isoembed.papercraft.placing import laid_out
 from isoembed.papercraft.stitches import stitches
-from isoembed.papercraft.tabs import tabs
+from isoembed.papercraft.tabs import DEPTH, tabs
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
@@ -151,7 +151,7 @@ def drawn(
     InvalidParameter
         There is no such paper, a sheet does not fit on it, or an allowance or the kerf closes a notch.
     """
-    layout = laid_out(unfolding, paper, scale=scale, size=size)
+    layout = laid_out(unfolding, paper, scale=scale, size=size, beyond=_beyond(material))
     unfolding, places, pages, scale = layout.unfolding, layout.places, layout.pages, layout.scale
     outlines = [place.put(sheet) for place, sheet in zip(places, unfolding.sheets, strict=True)]
     angles = [some[np.abs(some) > LEAST] for some in unfolding.angles]
@@ -199,7 +199,11 @@ def drawn(
             x, said = LEGEND[kind]
             legend.append((kind, _line(x, line, x + SAMPLE, line)))
             notes.append(_after(said, x + SAMPLE, line))
-    numbers = labels(outlines, folds, unfolding.sides)
+    obstacles = [
+        np.concatenate([lines, _crosses(some, material.hole)])
+        for lines, some in zip(folds, holes, strict=True)
+    ]
+    numbers = labels(outlines, obstacles, unfolding.sides)
     radius = (material.hole - material.kerf) / 2
     precision = unfolding.precision
     return Drawing(
@@ -220,11 +224,22 @@ def drawn(
     )
 
 
+def _beyond(material: Material) -> float:
+    """How much farther than a tab what is cut may be from the outline of a sheet."""
+    return max(0.0, ALLOWANCE_LIMIT * material.allowance + material.kerf - DEPTH)
+
+
 def _widened(outline: Floats, material: Material, name: str) -> Floats:
     """The outline that is cut: with the allowance, and the middle of the beam outside of it."""
     if material.allowance:
         outline = offset(outline, material.allowance, name, ALLOWANCE_LIMIT)
     return offset(outline, material.kerf / 2, name, KERF_LIMIT) if material.kerf else outline
+
+
+def _crosses(middles: Floats, size: float) -> Floats:
+    """Lines across holes, which labels do not meet."""
+    across = np.array([[[-size / 2, 0.0], [size / 2, 0.0]], [[0.0, -size / 2], [0.0, size / 2]]])
+    return np.asarray(middles[:, None, None] + across).reshape(-1, 2, 2)
 
 
 def _middle(tab: Floats) -> Floats:

@@ -16,8 +16,9 @@ def stitches(
 ) -> list[Floats]:
     """The middles of the holes of each sheet, shape (n, 2).
 
-    On a side of length l there are floor(l / spacing) holes at least, one in the middle of each equal part.
-    Where a hole would be nearer to another side than its diameter, both sides of the seam go without it.
+    A side of length l has floor(l / spacing) equal parts, or one, with a hole in the middle of each.  Of
+    holes inside of their side, those less than 1.5 spacings from another side are left out on both sides of
+    the seam, so that holes of different sides are at least half a spacing apart.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def stitches(
             along = (end - start) / np.hypot(*(end - start))
             inward = np.array([-along[1], along[0]])
             here = start + parts[:, None] * (end - start) + inset * inward
-            clear = _clear(outlines[p], k, here, material.hole) if inset else np.ones(count, dtype=np.bool_)
+            clear = _clear(outlines[p], k, here, 1.5 * inset) if inset else np.ones(count, dtype=np.bool_)
             fit &= clear if len(places) == 0 else clear[::-1]  # the other side runs the other way
             places.append(here)
         for (p, _), here, kept in zip(pair, places, (fit, fit[::-1]), strict=True):
