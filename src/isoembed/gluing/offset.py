@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import meeting_sides
 
@@ -39,13 +39,20 @@ def offset(outline: Floats, distances: ArrayLike, name: str, limit: float = np.i
     InvalidParameter
         A side would vanish, or the outline would meet itself, as where a notch is closed.
     """
+    return moved_sides(outline, distances, name, limit)[0]
+
+
+def moved_sides(
+    outline: Floats, distances: ArrayLike, name: str, limit: float = np.inf
+) -> tuple[Floats, Indices, Indices]:
+    """The polygon of `offset`, and which of its corners each side begins and ends at, shape (n,) each."""
     n = len(outline)
     steps = np.roll(outline, -1, axis=0) - outline
     along = steps / np.hypot(*steps.T)[:, None]
     out = np.column_stack([along[:, 1], -along[:, 0]])
     moved = np.broadcast_to(np.asarray(distances, dtype=np.float64), n)
     points: list[Floats] = []
-    begins, ends = [0] * n, [0] * n
+    begins, ends = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
     for k in range(n):
         (d, e), (u, v), (a, b) = ((some[k - 1], some[k]) for some in (moved, out, along))
         turn = float(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b))
@@ -54,8 +61,7 @@ def offset(outline: Floats, distances: ArrayLike, name: str, limit: float = np.i
         else:
             corner = (e * a - d * b) / np.sin(turn)
             found = [corner]
-            far = limit * max(d, e)
-            if turn > 0 and d > 0 and e > 0 and np.hypot(*corner) > far:
+            if turn > 0 and min(d, e) > 0 and np.hypot(*corner) > (far := limit * max(d, e)):
                 across = corner / np.hypot(*corner)
                 found = [d * u + (far - d * (u @ across)) / (a @ across) * a]
                 found += [e * v + (far - e * (v @ across)) / (b @ across) * b]
@@ -75,4 +81,4 @@ def offset(outline: Floats, distances: ArrayLike, name: str, limit: float = np.i
             f"an offset of {float(moved.max()):.4g} mm closes the notch of {name} between its sides "
             f"{min(side)} and {max(side)}: it takes more sheets, a larger scale or a smaller offset"
         )
-    return result
+    return result, begins, ends

@@ -16,6 +16,7 @@ from isoembed.papercraft.perforation import pieces
 from isoembed.papercraft.placing import laid_out
 from isoembed.papercraft.stitches import stitches
 from isoembed.papercraft.tabs import DEPTH, tabs
+from isoembed.papercraft.thickness import thickened
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
@@ -151,7 +152,11 @@ def drawn(
     InvalidParameter
         There is no such paper, a sheet does not fit on it, or an allowance or the kerf closes a notch.
     """
-    layout = laid_out(unfolding, paper, scale=scale, size=size, beyond=_beyond(material))
+    beyond = _beyond(material)
+    layout = laid_out(unfolding, paper, scale=scale, size=size, beyond=beyond)
+    if material.thickness:
+        thick = thickened(layout.unfolding, material.in_units(layout.scale))
+        layout = laid_out(thick, paper, scale=layout.scale, beyond=beyond)
     unfolding, places, pages, scale = layout.unfolding, layout.places, layout.pages, layout.scale
     outlines = [place.put(sheet) for place, sheet in zip(places, unfolding.sheets, strict=True)]
     angles = [some[np.abs(some) > LEAST] for some in unfolding.angles]

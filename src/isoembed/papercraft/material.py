@@ -1,7 +1,7 @@
 """Material and machine of a net: joints, allowances, kerf, perforated folds, thickness."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Literal, get_args
 
 from isoembed.errors import InvalidParameter
@@ -9,6 +9,7 @@ from isoembed.gluing.polygon import is_number
 
 Joints = Literal["tabs", "stitches", "none"]
 Bends = Literal["score", "perforate"]
+Surface = Literal["outside", "inside"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +35,15 @@ class Material:
         material.
     dash, gap : float
         What is cut of a perforated fold, and what is left at least between two cuts.
+    thickness : float
+        Of board, foam or metal, which the faces leave room for where they meet; see
+        `isoembed.papercraft.thickness.thickened`.
+    surface : {"outside", "inside"}
+        The surface of the thick sheet that has the faces of the solid.
+    k_factor : float
+        Where in the thickness a bend keeps its length, from 0, its inside, to 1.
+    radius : float
+        Of a bend, on its inside.
     """
 
     joints: Joints = "tabs"
@@ -44,9 +54,14 @@ class Material:
     bends: Bends = "score"
     dash: float = 3.0
     gap: float = 1.0
+    thickness: float = 0.0
+    surface: Surface = "outside"
+    k_factor: float = 0.5
+    radius: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, known in (("joints", get_args(Joints)), ("bends", get_args(Bends))):
+        for name, kind in (("joints", Joints), ("bends", Bends), ("surface", Surface)):
+            known = get_args(kind)
             if getattr(self, name) not in known:
                 raise InvalidParameter(f"{name} is {getattr(self, name)!r}, not one of {', '.join(known)}")
         positive = ("spacing", "hole", "dash", "gap")
@@ -54,16 +69,22 @@ class Material:
             value = getattr(self, name)
             least = "above 0" if name in positive else "from 0 on"
             if not is_number(value) or not 0 <= value < math.inf or (name in positive and value == 0):
-                raise InvalidParameter(f"{name} is {value!r}, not a length {least}, in mm")
+                raise InvalidParameter(f"{name} is {value!r}, not a number {least}")
         if self.allowance and self.joints == "tabs":
             raise InvalidParameter(
                 f"an allowance of {self.allowance:g} mm is for joints='stitches' or 'none', not for tabs"
             )
+        if self.k_factor > 1:
+            raise InvalidParameter(f"k_factor is {self.k_factor:g}, not from 0 to 1")
         for name in ("hole", "dash"):
             if self.kerf >= getattr(self, name):
                 raise InvalidParameter(
                     f"kerf is {self.kerf:g} mm, as wide as a {name} of {getattr(self, name):g} mm"
                 )
+
+    def in_units(self, scale: float) -> "Material":
+        """The same thickness and radius for a net of so many millimeters a unit."""
+        return replace(self, thickness=self.thickness / scale, radius=self.radius / scale)
 
 
 PAPER = Material()
