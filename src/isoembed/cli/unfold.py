@@ -11,13 +11,14 @@ from isoembed.gluing import unfold
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
-from isoembed.papercraft.placing import PAPERS
+from isoembed.papercraft.paper import FORMATS
 from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer
 
+DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
 EXAMPLES = (
     "isoembed unfold surface.ply -o net.svg",
-    "isoembed unfold surface.ply -o net.pdf --paper letter",
+    "isoembed unfold surface.stl -o net.pdf --scale 1 --paper A3 --numbers",
 )
 
 
@@ -36,12 +37,30 @@ def configure(parser: argparse.ArgumentParser) -> None:
         f"glued; {' '.join(NET_ENDINGS)}: the net for 'isoembed glue'",
         required=True,
     )
-    parser.add_argument("--paper", choices=PAPERS, help=f"{', '.join(PAPERS)} (default A4)")
+    parser.add_argument(
+        "--paper",
+        metavar="NAME|WIDTHxHEIGHT|roll:WIDTH",
+        help=f"{', '.join(FORMATS)}, or mm, of a roll as long as needed (default A4)",
+    )
     parser.add_argument(
         "--scale",
         type=float,
         metavar="MM",
-        help="millimeters a unit of the solid (default: the largest with which each sheet fits on a page)",
+        help="millimeters a unit of the solid (default: the largest with which each sheet fits on a page); "
+        "sheets larger than a page are cut into several",
+    )
+    parser.add_argument(
+        "--size",
+        dest="solid_size",
+        type=float,
+        metavar="MM",
+        help="instead of --scale: millimeters of the longest side of the solid",
+    )
+    parser.add_argument(
+        "--numbers",
+        action="store_true",
+        default=None,
+        help="number the faces, on a picture of the solid, too",
     )
     add_merge_option(parser)
     add_quiet_option(parser)
@@ -51,7 +70,8 @@ def run(options: argparse.Namespace) -> int:
     """Unfold the surface; return the exit status."""
     output = options.output
     check_answer(output, (*SHEET_ENDINGS, *NET_ENDINGS), options.file)
-    drawing = {name: value for name in ("paper", "scale") if (value := getattr(options, name)) is not None}
+    given = {name: getattr(options, "solid_size" if name == "size" else name) for name in DRAWING}
+    drawing = {name: value for name, value in given.items() if value is not None}
     if drawing and ending(output) in NET_ENDINGS:
         raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
     unfolding = unfold(read_surface(options.file, merge=options.merge))

@@ -90,7 +90,15 @@ class Unfolding:
         """The sheets glued: the metric of the solid, from paper."""
         return glue_rounded(self.sheets, self.sides, self.precision)
 
-    def save(self, path: str | os.PathLike[str], *, paper: str = "A4", scale: float | None = None) -> None:
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        paper: str = "A4",
+        scale: float | None = None,
+        size: float | None = None,
+        numbers: bool = False,
+    ) -> None:
         """Write the net, by the ending of the file: on pages to print and cut out, or to be glued again.
 
         Parameters
@@ -98,10 +106,10 @@ class Unfolding:
         path : path
             ``.svg`` or ``.pdf`` for pages, as `isoembed.papercraft.write_sheets` writes them; ``.json`` or
             ``.fold`` for what `isoembed.glue` reads.
-        paper : str
-            Of pages: ``"A4"``, ``"A3"`` or ``"letter"``.
-        scale : float, optional
-            Of pages: millimeters a unit of the solid; by default the largest with which each sheet fits.
+        paper, scale, size, numbers
+            Of pages, as of `isoembed.papercraft.write_sheets`: ``"A4"``, another format,
+            ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``; millimeters a unit of the solid, or the millimeters of its
+            longest extent, by default what fits; whether faces are numbered.
 
         Raises
         ------
@@ -110,12 +118,12 @@ class Unfolding:
         InvalidMetric
             The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
         InvalidParameter
-            There is no such paper, or a sheet does not fit on it.
+            There is no such paper, or a face does not fit on it.
         """
         # As those of `isoembed.embedding.embedding`, this import is upward, and named in the contract.
         from isoembed.papercraft.sheets import save_unfolding
 
-        save_unfolding(self, path, paper=paper, scale=scale)
+        save_unfolding(self, path, paper=paper, scale=scale, size=size, numbers=numbers)
 
 
 def unfold(surface: Embedding) -> Unfolding:

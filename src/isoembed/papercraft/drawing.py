@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.papercraft.labels import WIDTH, Label, labels
-from isoembed.papercraft.paper import MARGIN
+from isoembed.papercraft.foot import LEGEND, foot
+from isoembed.papercraft.labels import Label, labels
+from isoembed.papercraft.numbers import face_numbers
+from isoembed.papercraft.paper import FOOT, MARGIN
 from isoembed.papercraft.placing import laid_out
 from isoembed.papercraft.tabs import tabs
+from isoembed.papercraft.views import views
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-NOTE = 3.0  # mm, the size of what is written at the foot
-RULER, TICK = 50, 10  # mm
-LEGEND = {
-    "cut": (92.0, "cut"),
-    "mountain": (114.0, "fold away from you"),
-    "valley": (158.0, "fold toward you"),
-}
-"""By kind of line, where a sample of it begins, in mm from the left, and what it says."""
-SAMPLE = 10.0  # mm
 LEAST = 1e-3  # radians; nobody folds by less
 
 
@@ -43,7 +37,8 @@ class Drawing:
         Folds away from whoever sees the outside of the solid, and toward them.
     labels : list of Label
     ruler : list of ndarray, shape (2, 2)
-        At the foot of each page: 50 mm, by which one sees whether a printer has scaled it.
+        At the foot of each page: 50 mm, by which one sees whether a printer has scaled it; and the marks in
+        the corners of the page.
     legend : list of (str, ndarray of shape (2, 2))
         At the foot of each page, samples of the kinds of lines: ``"cut"``, ``"mountain"``, ``"valley"``.
     notes : list of Label
@@ -63,7 +58,12 @@ class Drawing:
 
 
 def drawn(
-    unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None, size: float | None = None
+    unfolding: Unfolding,
+    *,
+    paper: str = "A4",
+    scale: float | None = None,
+    size: float | None = None,
+    numbers: bool = False,
 ) -> Drawing:
     """Draw a net.
 
@@ -81,7 +81,7 @@ def drawn(
         There is no such paper, or a sheet does not fit on it.
     """
     layout = laid_out(unfolding, paper, scale=scale, size=size)
-    unfolding, places, pages, scale = layout.unfolding, layout.places, layout.pages, layout.scale
+    unfolding, places = layout.unfolding, layout.places
     outlines = [place.put(sheet) for place, sheet in zip(places, unfolding.sheets, strict=True)]
     angles = [some[np.abs(some) > LEAST] for some in unfolding.angles]
     folds = [
@@ -100,32 +100,20 @@ def drawn(
         cuts.append(np.array(around))
         mountains += list(inside[bent > 0])
         valleys += list(inside[bent < 0])
-    width, height = layout.width, layout.height
+    written = labels(outlines, folds, unfolding.sides)
+    pictured: list[Floats] = []
+    named: list[Label] = []
+    if numbers:
+        faces = [outline[face] for p, outline in enumerate(outlines) for face in unfolding.faces[p]]
+        named = face_numbers(faces, np.concatenate(unfolding.numbers).tolist(), written)
+        layout = replace(layout, pages=layout.pages + 1)
+        low = -layout.pages * layout.height + FOOT + MARGIN
+        high = (1 - layout.pages) * layout.height - MARGIN
+        pictured, seen = views(unfolding, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high]))
+        named += seen
     kinds = [kind for kind in LEGEND if kind != "valley" or valleys]
-    ruler, legend, notes = [], [], []
-    for k in range(pages):
-        low = -(k + 1) * height
-        of = f", page {k + 1} of {pages}" if pages > 1 else ""
-        said = (
-            f"outside of the solid{of}; {scale:.4g} mm a unit; print at 100 %: the ruler is {RULER} mm long"
-        )
-        notes.append(Label(said, width / 2, low + 1.6 * NOTE, 0.0, NOTE))
-        line, end = low + 3.2 * NOTE, MARGIN + RULER
-        ticks = np.arange(MARGIN, end + 1, TICK)
-        ruler += [_line(MARGIN, line, end, line), *(_line(x, line, x, line + 0.6 * NOTE) for x in ticks)]
-        notes.append(_after(f"{RULER} mm", end, line))
-        for kind in kinds:
-            x, said = LEGEND[kind]
-            legend.append((kind, _line(x, line, x + SAMPLE, line)))
-            notes.append(_after(said, x + SAMPLE, line))
-    numbers = labels(outlines, folds, unfolding.sides)
-    return Drawing(width, height, pages, cuts, mountains, valleys, numbers, ruler, legend, notes)
-
-
-def _line(x: float, y: float, to_x: float, to_y: float) -> Floats:
-    return np.array([[x, y], [to_x, to_y]])
-
-
-def _after(text: str, x: float, y: float) -> Label:
-    """Words that begin a little to the right of a point."""
-    return Label(text, x + (len(text) / 2 + 1) * WIDTH * NOTE, y, 0.0, NOTE)
+    ruler, legend, notes = foot(layout, kinds)
+    return Drawing(
+        layout.width, layout.height, layout.pages, cuts, mountains, valleys, written,
+        ruler + pictured, legend, notes + named,
+    )  # fmt: skip

@@ -30,14 +30,24 @@ def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing:
 
 
 def write_sheets(
-    path: str | os.PathLike[str], unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None
+    path: str | os.PathLike[str],
+    unfolding: Unfolding,
+    *,
+    paper: str = "A4",
+    scale: float | None = None,
+    size: float | None = None,
+    numbers: bool = False,
 ) -> None:
     """Write a net to cut out: with tabs, folds, and the same number on both sides that are glued.
 
     One sees the outside of the solid.  Solid lines are cut, dashed ones folded away from oneself, dash-dotted
     ones toward oneself.  Tabs are as deep as there is room for them, 7 mm at most; where there is none for a
     millimeter, a side has none.  A number that would be another one upside down is underlined.  At the foot
-    of each page are samples of the lines and a ruler of 50 mm, which shows whether a printer has scaled it.
+    of each page are samples of the lines and a ruler of 50 mm, which shows whether a printer has scaled it,
+    and in its corners marks to align it.
+
+    At a given `scale` or `size`, sheets that are larger than a page are cut along folds into islands, as few
+    and with cuts as short as are found, and the sides of each cut are glued like others.
 
     Parameters
     ----------
@@ -45,28 +55,34 @@ def write_sheets(
         Ending in ``.svg``, with the pages below one another, or in ``.pdf``.
     unfolding : Unfolding
     paper : str
-        ``"A4"``, ``"A3"`` or ``"letter"``.
+        ``"A0"`` to ``"A5"``, ``"letter"``, ``"legal"``, ``"tabloid"``, ``"WIDTHxHEIGHT"`` in mm, or
+        ``"roll:WIDTH"``, which is as long as needed.  At a given scale, pages are turned where that takes
+        fewer islands.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+    size : float, optional
+        Instead of a scale: millimeters of the solid along that axis of its coordinates along which it is
+        longest.
+    numbers : bool, optional
+        Number the faces, and draw the solid with the same numbers on another page.
 
     Raises
     ------
     FileError
         The ending is not known, the file cannot be written, or, for PDF, matplotlib is not installed.
     InvalidParameter
-        There is no such paper, or a sheet does not fit on it.
+        There is no such paper, or a face does not fit on it.
     """
     check_output(path, SHEET_ENDINGS)
-    write_atomically({Path(path): sheets_writer(path, unfolding, paper=paper, scale=scale)})
+    writer = sheets_writer(path, unfolding, paper=paper, scale=scale, size=size, numbers=numbers)
+    write_atomically({Path(path): writer})
 
 
-def save_unfolding(
-    unfolding: Unfolding, path: str | os.PathLike[str], *, paper: str = "A4", scale: float | None = None
-) -> None:
+def save_unfolding(unfolding: Unfolding, path: str | os.PathLike[str], **drawing: Any) -> None:
     """See `Unfolding.save`."""
     check_output(path, (*SHEET_ENDINGS, *NET_ENDINGS))
     if ending(path) in NET_ENDINGS:
         writer = net_writer(path, unfolding)
     else:
-        writer = sheets_writer(path, unfolding, paper=paper, scale=scale)
+        writer = sheets_writer(path, unfolding, **drawing)
     write_atomically({Path(path): writer})
