@@ -172,7 +172,7 @@ def test_faces_with_a_hole_and_with_a_pinch_are_cut(flat, base):
 def prism(n):
     angles = 2 * np.pi * np.arange(n) / n
     base = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(n)])
-    return np.vstack([base, base + [0, 0, 1]])
+    return np.vstack([base, base + np.array([0, 0, 1])])
 
 
 @pytest.mark.parametrize("decimals", [3, 4, 5, 6])

@@ -1,5 +1,6 @@
 """Nets larger than a page: islands that fit, are the same solid, and are as few as can be."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -171,6 +172,14 @@ def test_a_paper_named_by_a_refusal_is_the_smallest():
     laid_out(net, "A1", scale=1.0)
     with pytest.raises(isoembed.InvalidParameter, match="no format has room for it"):
         laid_out(net, scale=4.0)
+
+
+def test_a_size_is_that_of_a_known_solid():
+    net = replace(unfold(solid(*zoo.cube())), vertices=None)
+    with pytest.raises(
+        isoembed.InvalidParameter, match="the size is that of a solid, and this net knows none"
+    ):
+        laid_out(net, size=100.0)
 
 
 def test_a_size_is_the_longest_extent():

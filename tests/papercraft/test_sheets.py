@@ -114,12 +114,38 @@ def test_numbers_that_are_others_upside_down_are_underlined():
 # Pages
 
 
+def is_mark(lengths):
+    return np.abs(lengths - 6) < 1e-9
+
+
+@pytest.mark.parametrize("paper", ["A5", "A4", "tabloid", "100x120", "roll:90"])
+def test_marks_in_the_corners_of_each_page_meet_nothing(paper):
+    drawing = drawn(net_of(*zoo.icosahedron()), paper=paper)
+    lines = np.array(drawing.ruler)
+    marks = lines[is_mark(np.hypot(*np.moveaxis(np.diff(lines, axis=1), 2, 0)).ravel())]
+    assert len(marks) == 8 * drawing.pages
+    corners = {
+        (x, y - k * drawing.height)
+        for k in range(drawing.pages)
+        for x in (5.0, drawing.width - 5)
+        for y in (-5.0, 5 - drawing.height)
+    }
+    assert {tuple(start) for start, _ in marks.tolist()} == corners
+    boxes = [one.box for one in (*drawing.labels, *drawing.notes)]
+    others = [np.stack([cut, np.roll(cut, -1, axis=0)], axis=1) for cut in drawing.cuts]
+    for mark in marks:
+        assert not overlaps(mark, np.array(boxes)) and not any(overlaps(mark, some) for some in others)
+    written = np.concatenate([one.box for one in drawing.notes])
+    assert written[:, 0].min() > 0 and written[:, 0].max() < drawing.width
+
+
 @pytest.mark.parametrize("paper", ["A4", "A3", "letter"])
 def test_each_page_has_a_ruler_and_a_legend_apart_from_the_sheets(paper):
     drawing = drawn(squares(), paper=paper)
     lines = np.array(drawing.ruler)
     lengths = np.hypot(*np.moveaxis(np.diff(lines, axis=1), 2, 0)).ravel()
     assert (lengths == 50).sum() == drawing.pages > 1
+    lines = lines[~is_mark(lengths)]
     assert [kind for kind, _ in drawing.legend] == ["cut", "mountain"] * drawing.pages
     samples = np.concatenate([lines, [line for _, line in drawing.legend]])
     corners = np.concatenate([*drawing.cuts, *(one.box for one in drawing.labels)])

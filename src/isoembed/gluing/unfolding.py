@@ -100,6 +100,8 @@ class Unfolding:
         *,
         paper: str = "A4",
         scale: float | None = None,
+        size: float | None = None,
+        numbers: bool = False,
         material: Material | None = None,
     ) -> None:
         """Write the net, by the ending of the file: on pages to print and cut out, or to be glued again.
@@ -110,10 +112,10 @@ class Unfolding:
             ``.svg``, ``.pdf`` or ``.dxf`` for pages, as `isoembed.papercraft.write_sheets` writes them;
             ``.json`` or ``.fold`` for the net alone, in the unit of the solid.  `isoembed.glue` reads all of
             these but ``.pdf``.
-        paper : str
-            Of pages: ``"A4"``, ``"A3"`` or ``"letter"``.
-        scale : float, optional
-            Of pages: millimeters a unit of the solid; by default the largest with which each sheet fits.
+        paper, scale, size, numbers
+            Of pages, as of `isoembed.papercraft.write_sheets`: ``"A4"``, another format,
+            ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``; millimeters a unit of the solid, or the millimeters of its
+            longest extent, by default what fits; whether faces are numbered.
         material : isoembed.papercraft.Material, optional
             Of pages: what the net is cut from and with; by default paper, with tabs.
 
@@ -125,12 +127,12 @@ class Unfolding:
         InvalidMetric
             The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
         InvalidParameter
-            There is no such paper, a sheet does not fit on it, or an allowance or the kerf closes a notch.
+            There is no such paper, a face does not fit on it, or an allowance or the kerf closes a notch.
         """
         # As those of `isoembed.embedding.embedding`, this import is upward, and named in the contract.
         from isoembed.papercraft.sheets import save_unfolding
 
-        save_unfolding(self, path, paper=paper, scale=scale, material=material)
+        save_unfolding(self, path, paper=paper, scale=scale, size=size, numbers=numbers, material=material)
 
 
 def unfold(surface: Embedding) -> Unfolding:

@@ -2,34 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
 from isoembed.gluing.offset import offset
-from isoembed.papercraft.labels import WIDTH, Label, labels
-from isoembed.papercraft.material import PAPER, Material
-from isoembed.papercraft.paper import MARGIN
+from isoembed.papercraft.foot import LEGEND, foot
+from isoembed.papercraft.labels import Label, labels
+from isoembed.papercraft.material import Material
+from isoembed.papercraft.numbers import face_numbers
+from isoembed.papercraft.paper import FOOT, MARGIN
 from isoembed.papercraft.perforation import pieces
 from isoembed.papercraft.placing import laid_out
 from isoembed.papercraft.stitches import stitches
 from isoembed.papercraft.tabs import DEPTH, tabs
 from isoembed.papercraft.thickness import thickened
+from isoembed.papercraft.views import views
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-NOTE = 3.0  # mm, the size of what is written at the foot
-RULER, TICK = 50, 10  # mm
-LEGEND = {
-    "cut": (92.0, "cut"),
-    "mountain": (114.0, "fold away from you"),
-    "valley": (158.0, "fold toward you"),
-}
-"""By kind of line, where a sample of it begins, in mm from the left, and what it says."""
-SAMPLE = 10.0  # mm
 LEAST = 1e-3  # radians; nobody folds by less
 GLUED = 0.75  # of a tab, in each direction
 ALLOWANCE_LIMIT = 1.5  # allowances: right angles keep their corners, sharper ones are cut off
@@ -85,7 +80,8 @@ class Drawing:
         Areas that get glue, in the middle of each tab.
     labels : list of Label
     ruler : list of ndarray, shape (2, 2)
-        At the foot of each page: 50 mm, by which one sees whether a printer has scaled it.
+        At the foot of each page: 50 mm, by which one sees whether a printer has scaled it; and the marks in
+        the corners of the page.
     legend : list of (str, ndarray of shape (2, 2))
         At the foot of each page, samples of the kinds of lines: ``"cut"``, ``"mountain"``, ``"valley"``.
     notes : list of Label
@@ -133,7 +129,8 @@ def drawn(
     paper: str = "A4",
     scale: float | None = None,
     size: float | None = None,
-    material: Material = PAPER,
+    numbers: bool = False,
+    material: Material | None = None,
 ) -> Drawing:
     """Draw a net.
 
@@ -141,10 +138,10 @@ def drawn(
     ----------
     unfolding : Unfolding
     paper : str
-        One of `isoembed.papercraft.placing.PAPERS`.
+        As of `isoembed.papercraft.paper.Paper.of`.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
-    material : Material
+    material : Material, optional
         Joints, allowance, kerf and the cut of folds.
 
     Raises
@@ -152,12 +149,15 @@ def drawn(
     InvalidParameter
         There is no such paper, a sheet does not fit on it, or an allowance or the kerf closes a notch.
     """
+    material = material or Material()
     beyond = _beyond(material)
     layout = laid_out(unfolding, paper, scale=scale, size=size, beyond=beyond)
     if material.thickness:
+        if numbers:
+            raise InvalidParameter("numbers of faces are for thin sheets: give no thickness")
         thick = thickened(layout.unfolding, material.in_units(layout.scale))
         layout = laid_out(thick, paper, scale=layout.scale, beyond=beyond)
-    unfolding, places, pages, scale = layout.unfolding, layout.places, layout.pages, layout.scale
+    unfolding, places = layout.unfolding, layout.places
     outlines = [place.put(sheet) for place, sheet in zip(places, unfolding.sheets, strict=True)]
     angles = [some[np.abs(some) > LEAST] for some in unfolding.angles]
     folds = [
@@ -185,47 +185,41 @@ def drawn(
             Fold(line, angle, pieces(line, material))
             for line, angle in zip(inside, bent.tolist(), strict=True)
         ]
-    width, height = layout.width, layout.height
-    has_valleys = any(fold.kind == "valley" for fold in creases)
-    kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
-    ruler, legend, notes = [], [], []
-    for k in range(pages):
-        low = -(k + 1) * height
-        of = f", page {k + 1} of {pages}" if pages > 1 else ""
-        said = (
-            f"outside of the solid{of}; {scale:.4g} mm a unit; print at 100 %: the ruler is {RULER} mm long"
-        )
-        notes.append(Label(said, width / 2, low + 1.6 * NOTE, 0.0, NOTE))
-        line, end = low + 3.2 * NOTE, MARGIN + RULER
-        ticks = np.arange(MARGIN, end + 1, TICK)
-        ruler += [_line(MARGIN, line, end, line), *(_line(x, line, x, line + 0.6 * NOTE) for x in ticks)]
-        notes.append(_after(f"{RULER} mm", end, line))
-        for kind in kinds:
-            x, said = LEGEND[kind]
-            legend.append((kind, _line(x, line, x + SAMPLE, line)))
-            notes.append(_after(said, x + SAMPLE, line))
     obstacles = [
         np.concatenate([lines, _crosses(some, material.hole)])
         for lines, some in zip(folds, holes, strict=True)
     ]
-    numbers = labels(outlines, obstacles, unfolding.sides)
+    written = labels(outlines, obstacles, unfolding.sides)
+    pictured: list[Floats] = []
+    named: list[Label] = []
+    if numbers:
+        faces = [outline[face] for p, outline in enumerate(outlines) for face in unfolding.faces[p]]
+        named = face_numbers(faces, np.concatenate(unfolding.numbers).tolist(), written)
+        layout = replace(layout, pages=layout.pages + 1)
+        low = -layout.pages * layout.height + FOOT + MARGIN
+        high = (1 - layout.pages) * layout.height - MARGIN
+        pictured, seen = views(unfolding, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high]))
+        named += seen
+    has_valleys = any(fold.kind == "valley" for fold in creases)
+    kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
+    ruler, legend, notes = foot(layout, kinds)
     radius = (material.hole - material.kerf) / 2
     precision = unfolding.precision
     return Drawing(
-        width,
-        height,
-        pages,
+        layout.width,
+        layout.height,
+        layout.pages,
         cuts,
         [(x, y, radius) for x, y in np.concatenate(holes).tolist()],
         outlines if material.allowance else [],
         creases,
         glue,
-        numbers,
-        ruler,
+        written,
+        ruler + pictured,
         legend,
-        notes,
+        notes + named,
         material.kerf,
-        0.0 if precision is None else scale * precision.vertex_error,
+        0.0 if precision is None else layout.scale * precision.vertex_error,
     )
 
 
@@ -251,12 +245,3 @@ def _middle(tab: Floats) -> Floats:
     """The area of a tab that gets glue, off its sides so that no line is there twice."""
     center = tab.mean(axis=0)
     return np.asarray(center + GLUED * (tab - center))
-
-
-def _line(x: float, y: float, to_x: float, to_y: float) -> Floats:
-    return np.array([[x, y], [to_x, to_y]])
-
-
-def _after(text: str, x: float, y: float) -> Label:
-    """Words that begin a little to the right of a point."""
-    return Label(text, x + (len(text) / 2 + 1) * WIDTH * NOTE, y, 0.0, NOTE)

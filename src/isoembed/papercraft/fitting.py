@@ -12,9 +12,9 @@ from isoembed.arrays import Floats
 def best_turn(points: Floats, room: Floats, *, oblique: bool = False) -> tuple[Floats, float]:
     """How to turn a figure so that it fits into a rectangle at the largest scale.
 
-    That scale is the least of the ratios of width and height of the rectangle to those of the figure.  Between
-    two directions of sides of the hull each ratio has no maximum inside, so that the best direction is one of
-    these, where a side of the hull is upright or level, or one in which the two ratios are equal.
+    That scale is the least of the ratios of width and height of the rectangle to those of the figure.
+    Between two directions in which a side of the hull is upright or level, neither ratio has a maximum, so
+    that the best direction is one of these, or one in which the two ratios are equal.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def best_turn(points: Floats, room: Floats, *, oblique: bool = False) -> tuple[F
 
 
 def _balanced(hull: Floats, flush: Floats, room: Floats) -> Floats:
-    """Directions, one between any two neighboring ones of sides, in which both ratios are equal, if any are."""
+    """Directions in which both ratios are equal, one between any two neighboring ones of sides."""
     ends = np.unique(flush % np.pi)
     middles = (ends + np.append(ends[1:], ends[0] + np.pi)) / 2
     along = np.column_stack([np.cos(middles), np.sin(middles)])

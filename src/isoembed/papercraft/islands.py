@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 Fold = tuple[int, int]
-"""Corners of a sheet at the ends of a fold, in the order in which they follow around the face nearer the root."""
+"""Corners of a sheet at the ends of a fold, as they follow around the face nearer to the root."""
 
-COARSEST, FINEST, SUPPORTS = 90, 720, 100_000  # directions in a right angle, and those of all faces
+COARSEST, FINEST, SUPPORTS = 90, 720, 100_000  # directions in a right angle, and of all faces
 KEPT = 12  # partitions of a subtree, of each number of islands
 
 
@@ -47,9 +47,9 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
     """Folds along which to cut a sheet so that every piece fits into a rectangle, turned in some way.
 
     The faces of a sheet are joined in a tree.  From its leaves to its root, each subtree has partitions with
-    the fewest islands; of these, some are kept whose cuts are short and whose open island, which goes on
-    beyond the root of the subtree, is small.  Fewer islands come before shorter cuts.  A partition with one
-    island more is never needed for the fewest: the fold above it may be cut instead.
+    the fewest islands, and with one more; of these, some are kept whose cuts are short and whose open island,
+    which goes on beyond the root of the subtree, is small.  Fewer islands come before shorter cuts.  More
+    islands than the fewest are not needed for the fewest in all: the fold above may be cut instead.
 
     Parameters
     ----------
@@ -142,27 +142,29 @@ def _needed(supports: Floats, room: Floats) -> Floats:
 
 
 def _best(found: Sequence[_Partition], room: Floats) -> list[_Partition]:
-    """Of each number of islands those for which no other one is shorter and smaller, up to `KEPT`."""
+    """Those that are of use, of each number of islands up to `KEPT`, short ones first.
+
+    One island more than the fewest may allow shorter cuts in the end.  One that is neither shorter nor
+    smaller than another one is of no use.
+    """
     fewest = min(one.islands for one in found)
-    kept: list[_Partition] = []
+    kept = []
     for islands in (fewest, fewest + 1):
         some = [one for one in found if one.islands == islands]
         if not some:
             continue
-        supports, lengths = np.array([one.support for one in some]), np.array([one.length for one in some])
-        sizes = _needed(supports, room)
-        order = np.lexsort([sizes, lengths])
-        undominated: list[int] = []
+        supports = np.array([one.support for one in some])
+        order = np.lexsort((_needed(supports, room), np.array([one.length for one in some])))
+        useful: list[int] = []
         for k in order.tolist():
-            if not any((supports[m] <= supports[k] + 1e-12).all() for m in undominated):
-                undominated.append(k)
-                if len(undominated) >= KEPT:
-                    break
-        kept += [some[k] for k in undominated]
+            if len(useful) < KEPT and not (supports[useful] <= supports[k] + 1e-12).all(axis=(1, 2)).any():
+                useful.append(k)
+        kept += [some[k] for k in useful]
     return kept
 
 
-def _flat(cuts: Iterable[Any]) -> Iterable[Fold]:
+def _flat(cuts: tuple[Any, ...]) -> Iterator[Fold]:
+    """The folds in nested tuples."""
     stack = [cuts]
     while stack:
         some = stack.pop()

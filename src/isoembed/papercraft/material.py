@@ -85,7 +85,3 @@ class Material:
     def in_units(self, scale: float) -> "Material":
         """The same thickness and radius for a net of so many millimeters a unit."""
         return replace(self, thickness=self.thickness / scale, radius=self.radius / scale)
-
-
-PAPER = Material()
-"""Paper or cardboard: tabs, and folds that are scored."""

@@ -52,12 +52,14 @@ class Paper:
         """
         if name in FORMATS:
             return cls(name, *FORMATS[name])
-        page, roll = (re.fullmatch(form, str(name)) for form in (f"{NUMBER}x{NUMBER}", f"roll:{NUMBER}"))
-        if page is None and roll is None:
+        if page := re.fullmatch(f"{NUMBER}x{NUMBER}", str(name)):
+            found = cls(name, float(page[1]), float(page[2]))
+        elif roll := re.fullmatch(f"roll:{NUMBER}", str(name)):
+            found = cls(name, float(roll[1]), np.inf)
+        else:
             raise InvalidParameter(
                 f"paper is {name!r}, not one of {', '.join(FORMATS)}, nor WIDTHxHEIGHT or roll:WIDTH in mm"
             )
-        found = cls(name, float(roll[1]), np.inf) if roll else cls(name, *map(float, page.groups()))
         if min(found.width, found.height) < LEAST:
             raise InvalidParameter(
                 f"paper is {name!r}: less than {LEAST:g} mm has no room for margins and ruler"

@@ -98,32 +98,35 @@ def laid_out(
         There is no such paper, a face is larger than a page, or there are both scale and size.
     """
     page = replace(Paper.of(paper), beyond=beyond)
-    wanted = _wanted(unfolding, scale, size)
-    if wanted is None:
+    given = _given(scale, size)
+    if given is None:
         return _on_pages(unfolding, page, min(best_turn(sheet, page.room)[1] for sheet in unfolding.sheets))
+    name, value = given
+    wanted = value if name == "scale" else value / _extent(unfolding)
     pages = [one for one in dict.fromkeys((page, page.turned)) if _largest(unfolding, one)[0] >= wanted]
     if not pages:
-        raise InvalidParameter(_too_large(unfolding, page, wanted, scale, size))
+        raise InvalidParameter(_too_large(unfolding, page, wanted, name, value))
     layouts = [_in_islands(unfolding, one, wanted) for one in pages]
     return min(layouts, key=lambda one: (len(one.unfolding.sheets), one.pages, _cut_length(one.unfolding)))
 
 
-def _wanted(unfolding: Unfolding, scale: float | None, size: float | None) -> float | None:
-    """Millimeters a unit of the solid, if that is given."""
-    for name, value in (("scale", scale), ("size", size)):
-        if value is not None and not 0 < value < np.inf:
+def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
+    """The name and value of the scale or size, if there is one."""
+    given = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
+    for name, value in given:
+        if not 0 < value < np.inf:
             raise InvalidParameter(f"{name} is {value!r}, not a positive finite number of mm")
-    if size is None:
-        return scale
-    if scale is not None:
+    if len(given) == 2:
         raise InvalidParameter(
             f"there are a scale of {scale:g} mm and a size of {size:g} mm: give one of them"
         )
+    return given[0] if given else None
+
+
+def _extent(unfolding: Unfolding) -> float:
     if unfolding.vertices is None:
-        raise InvalidParameter(
-            "the size is that of a solid, and this net does not know its vertices: give a scale"
-        )
-    return float(size / np.ptp(unfolding.vertices, axis=0).max())
+        raise InvalidParameter("the size is that of a solid, and this net knows none: give a scale")
+    return float(np.ptp(unfolding.vertices, axis=0).max())
 
 
 def _parts(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
@@ -137,7 +140,7 @@ def _parts(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
 
 
 def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
-    """The largest scale at which all faces fit on a page as it lies, and the face that is the first not to."""
+    """The largest scale at which all faces fit on a page as it lies, and the first that fits up to it."""
     found, worst = np.inf, ""
     for name, part in _parts(unfolding):
         if page.room.min() >= found * np.hypot(*np.ptp(part, axis=0)):
@@ -148,22 +151,21 @@ def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
     return found * (1 + SLACK), worst
 
 
-def _too_large(
-    unfolding: Unfolding, page: Paper, wanted: float, scale: float | None, size: float | None
-) -> str:
+def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, value: float) -> str:
     """Which face does not fit, and the scale and the paper with which it would."""
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
-    given, value = ("scale", scale) if size is None else ("size", size)
-    digits = 10.0 ** (np.floor(np.log10(most := value * largest / wanted)) - 3)
-    most = np.floor(most / digits) * digits
+    most = value * largest / wanted
+    digits = 10.0 ** (np.floor(np.log10(most)) - 3)
     papers = [Paper.of(other) for other in sorted(FORMATS, key=lambda other: np.prod(FORMATS[other]))]
     enough = (
-        paper.name
+        f"paper='{paper.name}' has room for it"
         for paper in papers
         if max(_largest(unfolding, one)[0] for one in (paper, paper.turned)) >= wanted
     )
-    larger = next((f"paper='{other}' has room for it" for other in enough), "no format has room for it")
-    return f"{given} is {value:.6g} mm, but {name} fits on {page.name} up to {given}={most:.6g}; {larger}"
+    return (
+        f"{given} is {value:.6g} mm, but {name} fits on {page.name} up to "
+        f"{given}={np.floor(most / digits) * digits:.6g}; {next(enough, 'no format has room for it')}"
+    )
 
 
 def _in_islands(unfolding: Unfolding, page: Paper, scale: float) -> Layout:

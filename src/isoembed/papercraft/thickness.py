@@ -3,7 +3,7 @@
 A fold by the angle A of a sheet of thickness T, with the radius R on its inside, keeps its length at K T from
 there, so that the bend takes the length BA = A (R + K T) of the flat sheet.  Its tangent lines are the
 setback SB from the edge of the solid: (R + T) tan(A/2) where the faces of the solid are the outer surface of
-the bend, R tan(A/2) where they are the inner one.  So each face is shorter by SB - BA/2 than that of the solid,
+the bend, R tan(A/2) where they are the inner one.  So each face is shorter by SB - BA/2 than in the solid,
 up to the middle of the bend (Boljanovic, Sheet Metal Forming Processes and Die Design, 2004).
 
 Two faces that were cut apart are shorter by T tan(A/2) where they would be inside of one another otherwise:
