@@ -1,13 +1,16 @@
 """``isoembed unfold``: unfolding of a solid to a paper net."""
 
 import argparse
+import re
 from pathlib import Path
+from typing import get_args
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_error
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
+from isoembed.gluing.sheet_search import Objective
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
@@ -18,7 +21,7 @@ DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
 EXAMPLES = (
     "isoembed unfold surface.ply -o net.svg",
-    "isoembed unfold surface.stl -o net.pdf --scale 1 --paper A3 --numbers",
+    "isoembed unfold surface.stl -o net.pdf --size 400 --paper A3 --numbers",
 )
 
 
@@ -62,6 +65,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=None,
         help="number the faces, on a picture of the solid, too",
     )
+    parser.add_argument(
+        "--objective",
+        choices=get_args(Objective),
+        help="few sheets (default), short cuts, strips without branches, or every face by itself",
+    )
+    for name, purpose in (("cut", "edges to cut"), ("keep", "edges not to cut")):
+        parser.add_argument(
+            f"--{name}",
+            dest=f"{name}_edges",
+            type=_edge,
+            nargs="+",
+            default=[],
+            metavar="A-B",
+            help=f"{purpose}, by the numbers of their vertices in the file, from 0 on",
+        )
     add_merge_option(parser)
     add_quiet_option(parser)
 
@@ -74,7 +92,12 @@ def run(options: argparse.Namespace) -> int:
     drawing = {name: value for name, value in given.items() if value is not None}
     if drawing and ending(output) in NET_ENDINGS:
         raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
-    unfolding = unfold(read_surface(options.file, merge=options.merge))
+    unfolding = unfold(
+        read_surface(options.file, merge=options.merge),
+        cut=options.cut_edges,
+        keep=options.keep_edges,
+        objective=options.objective or "sheets",
+    )
     folds = sum(map(len, unfolding.folds))
     if folds > MANY_FOLDS and not options.quiet:
         print_error(
@@ -87,3 +110,10 @@ def run(options: argparse.Namespace) -> int:
     write_atomically({output: writer})
     print_aside(f"{unfolding}\n{written(options, output)}")
     return OK
+
+
+def _edge(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d+)-(\d+)", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not two numbers of vertices, as 3-17 is")
+    return int(found[1]), int(found[2])
