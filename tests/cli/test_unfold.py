@@ -50,6 +50,27 @@ def test_pages(kind, magic, call, tmp_path):
     assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
 
 
+def test_edges_are_cut_and_kept(call):
+    vertices, faces = zoo.icosahedron()
+    write("solid.obj", vertices, faces)
+    kept, cut = ("-".join(map(str, faces[f][:2])) for f in (0, 5))
+    status, out, _ = call("unfold", "solid.obj", "-o", "a.json", "--objective", "faces", "--keep", kept)
+    assert status == 0 and out.startswith("19 sheets, 29 pairs of sides, 1 fold\n")
+    status, out, _ = call("unfold", "solid.obj", "-o", "b.json", "--cut", cut, "--objective", "strips")
+    assert status == 0 and out.startswith("1 sheet, 11 pairs of sides, 19 folds\n")
+
+
+def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
+    write("cube.off", *zoo.cube())
+    status, out, err = call(
+        "unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers", "--paper", "a4"
+    )
+    assert (status, out) == (2, "") and "paper is 'a4', not one of A0" in err
+    assert call("unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers")[0] == 0
+    text = (tmp_path / "net.svg").read_text()
+    assert "page 7 of 7" in text and text.count(">F5<") == 2
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -71,6 +92,9 @@ def test_pages(kind, magic, call, tmp_path):
             ["cube.ply", "-o", "a.svg", "--scale", "300"],
             "scale is 300 mm, but face 0 fits on A4 up to --scale 182; --paper A2 has room for it",
         ),
+        (["cube.ply", "-o", "a.svg", "--cut", "3"], "'3' is not two numbers of vertices, as 3-17 is"),
+        (["cube.ply", "-o", "a.svg", "--objective", "pages"], "invalid choice: 'pages'"),
+        (["cube.ply", "-o", "a.svg", "--cut", "0-0"], "cut[0] (0, 0) is no edge between two faces"),
         (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0.0, not a positive finite number"),
         (["nothing.ply", "-o", "a.svg"], "there is no file nothing.ply"),
         (["metric.npz", "-o", "a.svg"], "metric.npz is a metric without vertices"),
@@ -105,7 +129,7 @@ def test_the_solid_comes_back_from_a_drawing(kind, call):
     write("cube.off", *zoo.cube())
     how = ["--scale", "40", "--kerf", "0.2", "--bends", "perforate", "--joints", "none"]
     assert call("unfold", "cube.off", "-o", f"net.{kind}", *how)[0] == 0
-    status, out, err = call("glue", f"net.{kind}", "-o", "again.npz")
+    status, _, err = call("glue", f"net.{kind}", "-o", "again.npz")
     assert (status, err) == (0, "")
     apart = np.sort(pdist(read_surface("again.npz").vertices)) - np.sort(pdist(40 * zoo.cube()[0]))
     assert np.abs(apart).max() < 1e-3

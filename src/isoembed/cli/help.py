@@ -24,6 +24,7 @@ GROUPS = {
     "search": (
         *("method", "which", "best_fit", "repair", "effort", "tolerance", "parameter", "find", "guess"),
         *("vertices", "size", "grading", "distance", "motions", "surfaces"),
+        *("objective", "cut_edges", "keep_edges"),
     ),
     "report": ("axis", "wang_yau", "multipoles", "stability", "bound"),
     "output": (

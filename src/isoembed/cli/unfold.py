@@ -1,7 +1,9 @@
 """``isoembed unfold``: unfolding of a solid to a paper net."""
 
 import argparse
+import re
 from pathlib import Path
+from typing import get_args
 
 from isoembed.cli.material import add_material_options, given_fields, material_of
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
@@ -9,6 +11,7 @@ from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_error
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
+from isoembed.gluing.sheet_search import Objective
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
@@ -18,13 +21,13 @@ from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer
 DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
 EXAMPLES = (
-    "isoembed unfold surface.stl -o net.pdf --scale 1 --paper A3 --numbers",
+    "isoembed unfold surface.stl -o net.pdf --size 400 --paper A3 --numbers",
     "isoembed unfold surface.ply -o net.dxf --kerf 0.15 --bends perforate",
 )
 
 
 USUAL = (
-    *("output", "paper", "scale", "solid_size", "numbers", "joints", "allowance", "kerf", "thickness"),
+    *("output", "paper", "scale", "solid_size", "numbers", "objective", "joints", "kerf", "thickness"),
     "merge",
 )
 """The options that ``--help`` lists."""
@@ -70,6 +73,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=None,
         help="number the faces, on a picture of the solid, too",
     )
+    parser.add_argument(
+        "--objective",
+        choices=get_args(Objective),
+        help="few sheets (default), short cuts, strips without branches, or every face by itself",
+    )
+    for name, purpose in (("cut", "edges to cut"), ("keep", "edges not to cut")):
+        parser.add_argument(
+            f"--{name}",
+            dest=f"{name}_edges",
+            type=_edge,
+            nargs="+",
+            default=[],
+            metavar="A-B",
+            help=f"{purpose}, by the numbers of their vertices in the file, from 0 on",
+        )
     add_material_options(parser)
     add_merge_option(parser)
     add_quiet_option(parser)
@@ -86,7 +104,12 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"--{told[0].replace('_', '-')} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
     if (material := material_of(options)) is not None:
         drawing["material"] = material
-    unfolding = unfold(read_surface(options.file, merge=options.merge))
+    unfolding = unfold(
+        read_surface(options.file, merge=options.merge),
+        cut=options.cut_edges,
+        keep=options.keep_edges,
+        objective=options.objective or "sheets",
+    )
     folds = sum(map(len, unfolding.folds))
     if folds > MANY_FOLDS and not options.quiet:
         print_error(
@@ -99,3 +122,10 @@ def run(options: argparse.Namespace) -> int:
     write_atomically({output: writer})
     print_aside(f"{unfolding}\n{written(options, output)}")
     return OK
+
+
+def _edge(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d+)-(\d+)", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not two numbers of vertices, as 3-17 is")
+    return int(found[1]), int(found[2])

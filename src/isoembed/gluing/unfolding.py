@@ -12,29 +12,15 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric
+from isoembed.gluing.edge_choice import Edges, chosen_sides
 from isoembed.gluing.faces import Faces, true_faces
-from isoembed.gluing.loops import joined
 from isoembed.gluing.net import Net, glue_rounded
+from isoembed.gluing.sheet_search import UNFOLDING, Objective, found_sheets
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
-from isoembed.thresholds import threshold
 
 if TYPE_CHECKING:
     from isoembed.papercraft.material import Material
-
-
-@dataclass(frozen=True)
-class UnfoldingThresholds:
-    """Thresholds of the search for a net without overlaps."""
-
-    directions: int = threshold(50, "count", "Directions that are tried to unfold a surface into one sheet.")
-    exchanges: int = threshold(450, "count", "Attempts afterwards to get fewer sheets from the best one.")
-    sharp: float = threshold(1e-3, "radians", "Edges that bend less are not cut where others can be.")
-    digits: int = threshold(3, "digits", "Coordinates with fewer are exact: their faces bend as they say.")
-    seed: int = threshold(0, "seed", "Of the directions and of the attempts.")
-
-
-UNFOLDING = UnfoldingThresholds()
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,18 +121,27 @@ class Unfolding:
         save_unfolding(self, path, paper=paper, scale=scale, size=size, numbers=numbers, material=material)
 
 
-def unfold(surface: Embedding) -> Unfolding:
+def unfold(
+    surface: Embedding, *, cut: Edges = (), keep: Edges = (), objective: Objective = "sheets"
+) -> Unfolding:
     """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
 
-    The cuts lead from every vertex along its steepest edge upward, for one direction after the other, until
-    the sheet does not overlap; for a convex body one of the first few does.  Where none does, faces are
-    joined as long as nothing overlaps, and sides that were left out come first the next time, as long as that
-    makes fewer sheets.  The same surface has the same net every time.
+    For the fewest sheets the cuts lead from every vertex along its steepest edge upward, for one direction
+    after the other, until the sheet does not overlap; for a convex body one of the first few does.  Where
+    none does, faces are joined as long as nothing overlaps, and sides that were left out come first the next
+    time, as long as that makes fewer sheets.  The cuts are shortest as a minimum spanning tree of the
+    vertices, which is then changed in the same way until nothing overlaps.  The same surface has the same net
+    every time.
 
     Parameters
     ----------
     surface : Embedding
         Its vertices count, not its metric.  Triangles in one plane are one face.
+    cut, keep : sequence of (int, int), optional
+        Edges, by their vertices, that are cut, and that are not.
+    objective : {"sheets", "length", "strips", "faces"}, optional
+        Few sheets; cuts that are short in all; sheets in which no face is joined to more than two others, as
+        few as are found; or every face by itself, but for those that `keep` joins.
 
     Returns
     -------
@@ -157,6 +152,9 @@ def unfold(surface: Embedding) -> Unfolding:
     InvalidMetric
         A face is so thin that it lies in no plane, a side is so short that rounding hides it, or the surface
         is in hyperbolic or spherical space, or has a boundary or handles.
+    InvalidParameter
+        Something is no edge between two faces, an edge is both cut and kept, edges that are kept lead around
+        a vertex, faces that they join overlap, or there is no such objective.
 
     References
     ----------
@@ -183,7 +181,7 @@ def unfold(surface: Embedding) -> Unfolding:
     lengths = np.linalg.norm(steps, axis=1)
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
     small = faces._replace(points=faces.points / size)
-    points, after, sheets = _fewest(small, steps / lengths[:, None])
+    points, after, sheets = found_sheets(small, steps, chosen_sides(faces, cut, keep), objective)
     outer = np.flatnonzero(after >= 0)
     apart = np.abs(points[after[outer]] - points[outer]).max(axis=1) > 0
     if not apart.all():
@@ -194,47 +192,6 @@ def unfold(surface: Embedding) -> Unfolding:
         precision=None if precision is None else precision.in_means(mean_length),
         vertices=surface.vertices,
     )
-
-
-def _fewest(faces: Faces, directions: Floats) -> tuple[Floats, Indices, Indices]:
-    """Sheets as of `joined`, as few as are found."""
-    rng = np.random.default_rng(UNFOLDING.seed)
-    order = _order(faces, directions, rng.normal(size=3))
-    best = joined(faces, order)
-    fewest = len(np.unique(best[2]))
-    for k in range(1, UNFOLDING.directions + UNFOLDING.exchanges):
-        if fewest == 1:
-            break
-        exchange = k >= UNFOLDING.directions
-        if exchange:  # join two sheets first that did not come together
-            between = np.flatnonzero(best[2][order] != best[2][faces.twins[order]])
-            first = rng.choice(between)
-            tried = np.concatenate([[order[first]], np.delete(order, first)])
-        else:
-            tried = _order(faces, directions, rng.normal(size=3))
-        found = joined(faces, tried)
-        count = len(np.unique(found[2]))
-        if count < fewest or (exchange and count == fewest):
-            fewest, best, order = count, found, tried
-    return best
-
-
-def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
-    """Sides, those first across which the faces should stay together."""
-    slopes = directions @ (up / np.linalg.norm(up))
-    sharp = np.abs(faces.angles) > UNFOLDING.sharp
-    faceted = np.bincount(faces.corners, sharp) > 0
-    # Of the sides that lead up from a vertex the steepest is cut, and no diagonal of a face.
-    climb = np.where(sharp | ~faceted[faces.corners], slopes, 0.0)
-    by_climb = np.lexsort([climb, faces.corners])
-    steepest = by_climb[np.append(np.diff(faces.corners[by_climb]) != 0, True)]
-    cut = np.zeros(len(slopes), dtype=np.bool_)
-    cut[steepest] = climb[steepest] > 0
-    cut |= cut[faces.twins]
-    along = np.where(sharp, np.abs(slopes), -1.0)
-    along[cut] = 1.0 + np.abs(slopes[cut])
-    order = np.argsort(along, kind="stable")
-    return order[order < faces.twins[order]]
 
 
 def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> Unfolding:
