@@ -75,11 +75,17 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
     ("arguments", "words"),
     [
         (["cube.ply"], "the following arguments are required: -o/--output"),
-        (["cube.ply", "-o", "a.png"], "a.png has the ending '.png', not one of .svg .pdf .json"),
+        (["cube.ply", "-o", "a.png"], "a.png has the ending '.png', not one of .svg .pdf .dxf .json"),
         (["cube.json", "-o", "cube.json"], "the output is the input cube.json"),
-        (["cube.ply", "-o", "a.json", "--scale", "3"], "--scale is for nets on pages (.svg .pdf)"),
-        (["cube.ply", "-o", "a.json", "--paper", "A3"], "--paper is for nets on pages (.svg .pdf)"),
-        (["cube.ply", "-o", "a.json", "--numbers"], "--numbers is for nets on pages (.svg .pdf)"),
+        (["cube.ply", "-o", "a.json", "--scale", "3"], "--scale is for nets on pages (.svg .pdf .dxf)"),
+        (
+            ["cube.ply", "-o", "a.json", "--k-factor", "0.4"],
+            "--k-factor is for nets on pages (.svg .pdf .dxf)",
+        ),
+        (["cube.ply", "-o", "a.svg", "--kerf", "2"], "kerf is 2 mm, as wide as a hole of 1 mm"),
+        (["cube.ply", "-o", "a.svg", "--allowance", "5"], "an allowance of 5 mm is for joints"),
+        (["cube.ply", "-o", "a.json", "--paper", "A3"], "--paper is for nets on pages (.svg .pdf .dxf)"),
+        (["cube.ply", "-o", "a.json", "--numbers"], "--numbers is for nets on pages (.svg .pdf .dxf)"),
         (["cube.ply", "-o", "a.svg", "--scale", "3", "--size", "3"], "give one of them"),
         (["cube.ply", "-o", "a.svg", "--paper", "A9"], "paper is 'A9', not one of A0, A1,"),
         (
@@ -114,3 +120,16 @@ def test_a_net_of_many_folds_is_announced(call):
     simplify = "simplify the mesh first, to as many faces as you are ready to fold"
     assert (status, said) == (0, f"isoembed: note: 495 folds: {simplify}\n")
     assert call("unfold", "ball.obj", "-o", "net.json", "--quiet")[2] == ""
+
+
+@pytest.mark.parametrize("kind", ["svg", "dxf"])
+def test_the_solid_comes_back_from_a_drawing(kind, call):
+    if kind == "dxf":
+        pytest.importorskip("ezdxf")
+    write("cube.off", *zoo.cube())
+    how = ["--scale", "40", "--kerf", "0.2", "--bends", "perforate", "--joints", "none"]
+    assert call("unfold", "cube.off", "-o", f"net.{kind}", *how)[0] == 0
+    status, _, err = call("glue", f"net.{kind}", "-o", "again.npz")
+    assert (status, err) == (0, "")
+    apart = np.sort(pdist(read_surface("again.npz").vertices)) - np.sort(pdist(40 * zoo.cube()[0]))
+    assert np.abs(apart).max() < 1e-3

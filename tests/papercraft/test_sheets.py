@@ -246,9 +246,14 @@ def test_svg_holds_every_line(tmp_path):
     assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("210mm", "297mm", "0 0 210 297")
     groups = {group.get("id"): group for group in root.findall(f"{name}g")}
     numbers = [float(x) for x in re.findall(r"-?\d+\.\d+", groups["cut"][0].get("d"))]
-    assert np.reshape(numbers, (-1, 2)) * [1, -1] == pytest.approx(drawing.cuts[0], abs=1e-3)
+    assert np.reshape(numbers, (-1, 2)) * [1, -1] == pytest.approx(drawing.cuts[0], abs=1e-4)
     assert len(groups["mountain"]) == len(drawing.mountains)
-    texts = [text.text for text in groups["labels"]]
+    layers = ["glue", "engrave", "valley", "mountain", "cut"]
+    assert [*groups] == layers
+    inkscape = "{http://www.inkscape.org/namespaces/inkscape}"
+    assert [group.get(f"{inkscape}label") for group in groups.values()] == layers
+    assert {group.get(f"{inkscape}groupmode") for group in groups.values()} == {"layer"}
+    texts = [text.text for text in groups["engrave"].iter(f"{name}text")]
     assert texts == [one.text for one in (*drawing.labels, *drawing.notes)]
 
 
@@ -265,7 +270,7 @@ def test_pdf_has_a_page_each(tmp_path):
 
 
 def test_other_endings_are_refused(tmp_path):
-    with pytest.raises(FileError, match=r"not one of \.svg \.pdf"):
+    with pytest.raises(FileError, match=r"not one of \.svg \.pdf \.dxf"):
         write_sheets(tmp_path / "net.png", net_of(*zoo.cube()))
 
 

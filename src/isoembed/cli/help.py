@@ -31,6 +31,10 @@ GROUPS = {
         *("output", "report", "metric", "picture", "color", "html", "animate", "film", "band", "paper"),
         *("scale", "solid_size", "numbers", "keep", "json", "verbose", "quiet"),
     ),
+    "material": (
+        *("joints", "allowance", "thickness", "kerf", "bends", "spacing", "hole", "dash", "gap"),
+        *("sheet_surface", "k_factor", "radius"),
+    ),
     "runs": (*("checkpoint", "resume", "jobs", "scheduler", "shard", "chunk", "retry", "force"),),
 }
 """Titles, and the names of the options under each; others are under the last one, ``options``."""

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from typing import get_args
 
+from isoembed.cli.material import add_material_options, given_fields, material_of
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_error
@@ -20,9 +21,16 @@ from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer
 DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
 EXAMPLES = (
-    "isoembed unfold surface.ply -o net.svg",
     "isoembed unfold surface.stl -o net.pdf --size 400 --paper A3 --numbers",
+    "isoembed unfold surface.ply -o net.dxf --kerf 0.15 --bends perforate",
 )
+
+
+USUAL = (
+    *("output", "paper", "scale", "solid_size", "numbers", "objective", "joints", "kerf"),
+    *("thickness", "merge"),
+)
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -80,6 +88,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             metavar="A-B",
             help=f"{purpose}, by the numbers of their vertices in the file, from 0 on",
         )
+    add_material_options(parser)
     add_merge_option(parser)
     add_quiet_option(parser)
 
@@ -90,8 +99,11 @@ def run(options: argparse.Namespace) -> int:
     check_answer(output, (*SHEET_ENDINGS, *NET_ENDINGS), options.file)
     given = {name: getattr(options, "solid_size" if name == "size" else name) for name in DRAWING}
     drawing = {name: value for name, value in given.items() if value is not None}
-    if drawing and ending(output) in NET_ENDINGS:
-        raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
+    told = [*drawing, *given_fields(options)]
+    if told and ending(output) in NET_ENDINGS:
+        raise UsageError(f"--{told[0].replace('_', '-')} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
+    if (material := material_of(options)) is not None:
+        drawing["material"] = material
     unfolding = unfold(
         read_surface(options.file, merge=options.merge),
         cut=options.cut_edges,

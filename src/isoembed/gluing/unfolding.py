@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from isoembed.gluing.net import Net, glue_rounded
 from isoembed.gluing.sheet_search import UNFOLDING, Objective, found_sheets
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
+
+if TYPE_CHECKING:
+    from isoembed.papercraft.material import Material
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,32 +88,37 @@ class Unfolding:
         scale: float | None = None,
         size: float | None = None,
         numbers: bool = False,
+        material: Material | None = None,
     ) -> None:
         """Write the net, by the ending of the file: on pages to print and cut out, or to be glued again.
 
         Parameters
         ----------
         path : path
-            ``.svg`` or ``.pdf`` for pages, as `isoembed.papercraft.write_sheets` writes them; ``.json`` or
-            ``.fold`` for what `isoembed.glue` reads.
+            ``.svg``, ``.pdf`` or ``.dxf`` for pages, as `isoembed.papercraft.write_sheets` writes them;
+            ``.json`` or ``.fold`` for the net alone, in the unit of the solid.  `isoembed.glue` reads all of
+            these but ``.pdf``.
         paper, scale, size, numbers
             Of pages, as of `isoembed.papercraft.write_sheets`: ``"A4"``, another format,
             ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``; millimeters a unit of the solid, or the millimeters of its
             longest extent, by default what fits; whether faces are numbered.
+        material : isoembed.papercraft.Material, optional
+            Of pages: what the net is cut from and with; by default paper, with tabs.
 
         Raises
         ------
         FileError
-            The ending is not known, the file cannot be written, or for PDF matplotlib is not installed.
+            The ending is not known, the file cannot be written, or matplotlib for PDF or ezdxf for DXF is not
+            installed.
         InvalidMetric
             The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
         InvalidParameter
-            There is no such paper, or a face does not fit on it.
+            There is no such paper, a face does not fit on it, or an allowance or the kerf closes a notch.
         """
         # As those of `isoembed.embedding.embedding`, this import is upward, and named in the contract.
         from isoembed.papercraft.sheets import save_unfolding
 
-        save_unfolding(self, path, paper=paper, scale=scale, size=size, numbers=numbers)
+        save_unfolding(self, path, paper=paper, scale=scale, size=size, numbers=numbers, material=material)
 
 
 def unfold(

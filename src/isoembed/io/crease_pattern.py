@@ -81,7 +81,7 @@ def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
         raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
     names = [[corners[v] for v in face] for face in faces]
     net = glue([points[face] for face in faces], corners=names, tolerance=tolerance)
-    return _folded(net.knowing(precision=_precision(tables.get("precision"), str(file))), faces, folded)
+    return with_places(net.knowing(precision=_precision(tables.get("precision"), str(file))), faces, folded)
 
 
 def creased_net(
@@ -135,7 +135,7 @@ def creased_net(
     known = _precision(precision, name)
     net = glue_rounded([points[face] for face in faces], pairs, known, tolerance)
     folded = fold_up(points, faces, angles, meeting_tolerance(points))
-    return _folded(net, faces, folded)
+    return with_places(net, faces, folded)
 
 
 def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
@@ -170,7 +170,7 @@ def _precision(said: Any, name: str) -> Precision | None:
     return Precision(said["name"], float(error))
 
 
-def _folded(net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None) -> Net:
+def with_places(net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None) -> Net:
     """The net with the places of the vertices, if its file has the angles."""
     if folded is not None:
         places, sheets = folded

@@ -32,11 +32,14 @@ class Paper:
     name : str
     width, height : float
         In mm.  Of a roll, which is cut off where it is needed, the height is infinite.
+    beyond : float
+        How much farther than tabs seam allowances stand out of the sheets, mm.
     """
 
     name: str
     width: float
     height: float
+    beyond: float = 0.0
 
     @classmethod
     def of(cls, name: str) -> Paper:
@@ -64,6 +67,11 @@ class Paper:
         return found
 
     @property
+    def margin(self) -> float:
+        """Around the sheets, mm."""
+        return MARGIN + self.beyond
+
+    @property
     def is_roll(self) -> bool:
         """Whether it is as long as needed."""
         return self.height == np.inf
@@ -76,4 +84,4 @@ class Paper:
     @property
     def room(self) -> Floats:
         """Width and height of what is inside the margins and above the foot, mm."""
-        return np.array([self.width, self.height - FOOT]) - 2 * MARGIN
+        return np.array([self.width, self.height - FOOT]) - 2 * self.margin

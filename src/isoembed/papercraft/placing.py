@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.papercraft.fitting import best_turn
 from isoembed.papercraft.islands import cut_along, partition
 from isoembed.papercraft.packing import packed
-from isoembed.papercraft.paper import FOOT, FORMATS, MARGIN, Paper
+from isoembed.papercraft.paper import FOOT, FORMATS, Paper
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
@@ -67,7 +67,12 @@ class Layout:
 
 
 def laid_out(
-    unfolding: Unfolding, paper: str = "A4", *, scale: float | None = None, size: float | None = None
+    unfolding: Unfolding,
+    paper: str = "A4",
+    *,
+    scale: float | None = None,
+    size: float | None = None,
+    beyond: float = 0.0,
 ) -> Layout:
     """Put a net on pages.
 
@@ -84,13 +89,15 @@ def laid_out(
     size : float, optional
         Instead of a scale: millimeters of the solid along that axis of its coordinates along which it is
         longest.
+    beyond : float
+        How much farther than tabs what is cut stands out of the sheets, mm.
 
     Raises
     ------
     InvalidParameter
         There is no such paper, a face is larger than a page, or there are both scale and size.
     """
-    page = Paper.of(paper)
+    page = replace(Paper.of(paper), beyond=beyond)
     given = _given(scale, size)
     if given is None:
         return _on_pages(unfolding, page, min(best_turn(sheet, page.room)[1] for sheet in unfolding.sheets))
@@ -188,16 +195,16 @@ def _on_pages(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
     sizes = scale * np.array(
         [np.ptp(sheet @ turn, axis=0) for sheet, turn in zip(unfolding.sheets, turns, strict=True)]
     )
-    corners, pages, turned = packed(sizes, page.room, GAP)
+    corners, pages, turned = packed(sizes, page.room, GAP + 2 * page.beyond)
     turns = [turn @ RIGHT_ANGLE if is_turned else turn for turn, is_turned in zip(turns, turned, strict=True)]
     sizes[turned] = sizes[turned][:, ::-1]
     height = page.height
     if page.is_roll:
-        height = float(np.ceil((corners + sizes)[:, 1].max())) + FOOT + 2 * MARGIN
-    room = np.array([page.width, height - FOOT]) - 2 * MARGIN
+        height = float(np.ceil((corners + sizes)[:, 1].max())) + FOOT + 2 * page.margin
+    room = np.array([page.width, height - FOOT]) - 2 * page.margin
     for k in range(int(pages.max()) + 1):  # to the middle
         mine = pages == k
-        corners[mine] += MARGIN + (room - (corners + sizes)[mine].max(axis=0)) / 2 + [0, k * height]
+        corners[mine] += page.margin + (room - (corners + sizes)[mine].max(axis=0)) / 2 + [0, k * height]
     placings = []
     for sheet, turn, (left, top) in zip(unfolding.sheets, turns, corners.tolist(), strict=True):
         there = scale * sheet @ turn

@@ -1,4 +1,4 @@
-"""Printable nets in SVG and PDF."""
+"""Printable nets in SVG, PDF and DXF."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from isoembed.io.dxf_lines import ezdxf_for
 from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.io.registry import check_output
 from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.dxf import write_dxf
+from isoembed.papercraft.material import Material
 from isoembed.papercraft.pdf import write_pdf
 from isoembed.papercraft.svg import svg
 from isoembed.plot.picture import check_drawable
@@ -17,7 +20,7 @@ from isoembed.plot.picture import check_drawable
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-SHEET_ENDINGS = (".svg", ".pdf")
+SHEET_ENDINGS = (".svg", ".pdf", ".dxf")
 
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
@@ -26,6 +29,9 @@ def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing:
     if ending(path) == ".pdf":
         check_drawable()
         return lambda temporary: write_pdf(temporary, pages)
+    if ending(path) == ".dxf":
+        ezdxf_for(f"writing {path}")
+        return lambda temporary: write_dxf(temporary, pages)
     return lambda temporary: temporary.write_text(svg(pages), encoding="utf-8")
 
 
@@ -37,6 +43,7 @@ def write_sheets(
     scale: float | None = None,
     size: float | None = None,
     numbers: bool = False,
+    material: Material | None = None,
 ) -> None:
     """Write a net to cut out: with tabs, folds, and the same number on both sides that are glued.
 
@@ -52,7 +59,7 @@ def write_sheets(
     Parameters
     ----------
     path : path
-        Ending in ``.svg``, with the pages below one another, or in ``.pdf``.
+        Ending in ``.svg`` or ``.dxf``, in layers and with the pages below one another, or in ``.pdf``.
     unfolding : Unfolding
     paper : str
         ``"A0"`` to ``"A5"``, ``"letter"``, ``"legal"``, ``"tabloid"``, ``"WIDTHxHEIGHT"`` in mm, or
@@ -65,17 +72,20 @@ def write_sheets(
         longest.
     numbers : bool, optional
         Number the faces, and draw the solid with the same numbers on another page.
+    material : Material, optional
+        What it is cut from and with; by default paper, with tabs.
 
     Raises
     ------
     FileError
-        The ending is not known, the file cannot be written, or, for PDF, matplotlib is not installed.
+        The ending is not known, the file cannot be written, or matplotlib for PDF or ezdxf for DXF is not
+        installed.
     InvalidParameter
-        There is no such paper, or a face does not fit on it.
+        There is no such paper, a face does not fit on it, or an allowance or the kerf closes a notch.
     """
     check_output(path, SHEET_ENDINGS)
-    writer = sheets_writer(path, unfolding, paper=paper, scale=scale, size=size, numbers=numbers)
-    write_atomically({Path(path): writer})
+    drawing = {"paper": paper, "scale": scale, "size": size, "numbers": numbers, "material": material}
+    write_atomically({Path(path): sheets_writer(path, unfolding, **drawing)})
 
 
 def save_unfolding(unfolding: Unfolding, path: str | os.PathLike[str], **drawing: Any) -> None:
