@@ -27,8 +27,8 @@ EXAMPLES = (
 
 
 USUAL = (
-    *("output", "paper", "scale", "solid_size", "numbers", "objective", "joints", "kerf", "thickness"),
-    "merge",
+    *("output", "paper", "scale", "solid_size", "numbers", "objective", "joints", "kerf"),
+    *("thickness", "merge"),
 )
 """The options that ``--help`` lists."""
 
