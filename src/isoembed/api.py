@@ -21,6 +21,8 @@ from isoembed.space.models import Model
 
 if TYPE_CHECKING:
     from isoembed.gluing import Net, Unfolding
+    from isoembed.gluing.edge_choice import Edges
+    from isoembed.gluing.sheet_search import Objective
 
 # Files and nets are imported where there are some: to embed a metric takes neither.
 
@@ -177,7 +179,13 @@ def glue(
     )
 
 
-def unfold(surface: Embedding | str | os.PathLike[str] | Any) -> Unfolding:
+def unfold(
+    surface: Embedding | str | os.PathLike[str] | Any,
+    *,
+    cut: Edges = (),
+    keep: Edges = (),
+    objective: Objective = "sheets",
+) -> Unfolding:
     """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
 
     Parameters
@@ -185,6 +193,9 @@ def unfold(surface: Embedding | str | os.PathLike[str] | Any) -> Unfolding:
     surface : Embedding, path, or a mesh
         In R^3: what `embed` returns, a file with vertices, or a mesh as of `embed`.  Its vertices count, not
         its metric.  How it is cut is said at `isoembed.gluing.unfold`.
+    cut, keep, objective
+        As of `isoembed.gluing.unfold`: edges, by their vertices, that are cut or not; what the net is made
+        for.
 
     Returns
     -------
@@ -195,7 +206,7 @@ def unfold(surface: Embedding | str | os.PathLike[str] | Any) -> Unfolding:
     ------
     FileError
         The file cannot be read, or is a metric without vertices.
-    InvalidMetric
+    InvalidMetric, InvalidParameter
         As `isoembed.gluing.unfold`.
 
     Examples
@@ -212,7 +223,7 @@ def unfold(surface: Embedding | str | os.PathLike[str] | Any) -> Unfolding:
         surface = read_surface(surface)
     elif not isinstance(surface, Embedding):
         surface = surface_of(_mesh(surface, "surface"), "the mesh")
-    return unfold_surface(surface)
+    return unfold_surface(surface, cut=cut, keep=keep, objective=objective)
 
 
 def _metric(given: Any) -> PolyhedralMetric | GluedMetric:

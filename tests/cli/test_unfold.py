@@ -50,19 +50,51 @@ def test_pages(kind, magic, call, tmp_path):
     assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
 
 
+def test_edges_are_cut_and_kept(call):
+    vertices, faces = zoo.icosahedron()
+    write("solid.obj", vertices, faces)
+    kept, cut = ("-".join(map(str, faces[f][:2])) for f in (0, 5))
+    status, out, _ = call("unfold", "solid.obj", "-o", "a.json", "--objective", "faces", "--keep", kept)
+    assert status == 0 and out.startswith("19 sheets, 29 pairs of sides, 1 fold\n")
+    status, out, _ = call("unfold", "solid.obj", "-o", "b.json", "--cut", cut, "--objective", "strips")
+    assert status == 0 and out.startswith("1 sheet, 11 pairs of sides, 19 folds\n")
+
+
+def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
+    write("cube.off", *zoo.cube())
+    status, out, err = call(
+        "unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers", "--paper", "a4"
+    )
+    assert (status, out) == (2, "") and "paper is 'a4', not one of A0" in err
+    assert call("unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers")[0] == 0
+    text = (tmp_path / "net.svg").read_text()
+    assert "page 7 of 7" in text and text.count(">F5<") == 2
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["cube.ply"], "the following arguments are required: -o/--output"),
-        (["cube.ply", "-o", "a.png"], "a.png has the ending '.png', not one of .svg .pdf .json"),
+        (["cube.ply", "-o", "a.png"], "a.png has the ending '.png', not one of .svg .pdf .dxf .json"),
         (["cube.json", "-o", "cube.json"], "the output is the input cube.json"),
-        (["cube.ply", "-o", "a.json", "--scale", "3"], "--scale is for nets on pages (.svg .pdf)"),
-        (["cube.ply", "-o", "a.json", "--paper", "A3"], "--paper is for nets on pages (.svg .pdf)"),
-        (["cube.ply", "-o", "a.svg", "--paper", "A9"], "invalid choice: 'A9'"),
+        (["cube.ply", "-o", "a.json", "--scale", "3"], "--scale is for nets on pages (.svg .pdf .dxf)"),
+        (
+            ["cube.ply", "-o", "a.json", "--k-factor", "0.4"],
+            "--k-factor is for nets on pages (.svg .pdf .dxf)",
+        ),
+        (["cube.ply", "-o", "a.svg", "--kerf", "2"], "kerf is 2 mm, as wide as a hole of 1 mm"),
+        (["cube.ply", "-o", "a.svg", "--allowance", "5"], "an allowance of 5 mm is for joints"),
+        (["cube.ply", "-o", "a.json", "--paper", "A3"], "--paper is for nets on pages (.svg .pdf .dxf)"),
+        (["cube.ply", "-o", "a.json", "--numbers"], "--numbers is for nets on pages (.svg .pdf .dxf)"),
+        (["cube.ply", "-o", "a.svg", "--scale", "3", "--size", "3"], "give one of them"),
+        (["cube.ply", "-o", "a.svg", "--paper", "A9"], "paper is 'A9', not one of A0, A1,"),
         (
             ["cube.ply", "-o", "a.svg", "--scale", "300"],
-            "scale is 300 mm, but sheet 0 fits on A4 up to 60.66",
+            "scale is 300 mm, but face 0 fits on A4 up to --scale 182; --paper A2 has room for it",
         ),
+        (["cube.ply", "-o", "a.svg", "--cut", "3"], "'3' is not two numbers of vertices, as 3-17 is"),
+        (["cube.ply", "-o", "a.svg", "--objective", "pages"], "invalid choice: 'pages'"),
+        (["cube.ply", "-o", "a.svg", "--cut", "0-0"], "cut[0] (0, 0) is no edge between two faces"),
         (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0.0, not a positive finite number"),
         (["nothing.ply", "-o", "a.svg"], "there is no file nothing.ply"),
         (["metric.npz", "-o", "a.svg"], "metric.npz is a metric without vertices"),
@@ -88,3 +120,16 @@ def test_a_net_of_many_folds_is_announced(call):
     simplify = "simplify the mesh first, to as many faces as you are ready to fold"
     assert (status, said) == (0, f"isoembed: note: 495 folds: {simplify}\n")
     assert call("unfold", "ball.obj", "-o", "net.json", "--quiet")[2] == ""
+
+
+@pytest.mark.parametrize("kind", ["svg", "dxf"])
+def test_the_solid_comes_back_from_a_drawing(kind, call):
+    if kind == "dxf":
+        pytest.importorskip("ezdxf")
+    write("cube.off", *zoo.cube())
+    how = ["--scale", "40", "--kerf", "0.2", "--bends", "perforate", "--joints", "none"]
+    assert call("unfold", "cube.off", "-o", f"net.{kind}", *how)[0] == 0
+    status, _, err = call("glue", f"net.{kind}", "-o", "again.npz")
+    assert (status, err) == (0, "")
+    apart = np.sort(pdist(read_surface("again.npz").vertices)) - np.sort(pdist(40 * zoo.cube()[0]))
+    assert np.abs(apart).max() < 1e-3

@@ -14,7 +14,7 @@ from gluing_polygons import shoelace
 from isoembed import Embedding, InvalidMetric, PolyhedralMetric
 from isoembed.gallery import BentTube, triangulate
 from isoembed.gluing import unfold
-from isoembed.gluing.unfolding import UnfoldingThresholds
+from isoembed.gluing.sheet_search import UnfoldingThresholds
 from isoembed.metric.curvature import deficits
 
 
@@ -134,11 +134,11 @@ def crumpled():
 def test_where_no_direction_helps_sides_are_exchanged(monkeypatch):
     surface = crumpled()
     given = UnfoldingThresholds()
-    monkeypatch.setattr("isoembed.gluing.unfolding.UNFOLDING", replace(given, exchanges=0))
+    monkeypatch.setattr("isoembed.gluing.sheet_search.UNFOLDING", replace(given, exchanges=0))
     before = unfold(surface)
     check_sheets(before, surface)
     check_deficits(before, surface)
-    monkeypatch.setattr("isoembed.gluing.unfolding.UNFOLDING", given)
+    monkeypatch.setattr("isoembed.gluing.sheet_search.UNFOLDING", given)
     after = unfold(surface)
     check_sheets(after, surface)
     check_deficits(after, surface)
@@ -172,7 +172,7 @@ def test_faces_with_a_hole_and_with_a_pinch_are_cut(flat, base):
 def prism(n):
     angles = 2 * np.pi * np.arange(n) / n
     base = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(n)])
-    return np.vstack([base, base + [0, 0, 1]])
+    return np.vstack([base, base + np.array([0, 0, 1])])
 
 
 @pytest.mark.parametrize("decimals", [3, 4, 5, 6])

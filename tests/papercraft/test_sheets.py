@@ -22,7 +22,8 @@ from isoembed.papercraft import write_sheets
 from isoembed.papercraft.convex import overlaps
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.labels import Label
-from isoembed.papercraft.placing import FOOT, GAP, MARGIN, placed
+from isoembed.papercraft.paper import FOOT, FORMATS, MARGIN
+from isoembed.papercraft.placing import GAP, laid_out
 
 
 def net_of(vertices, faces):
@@ -75,8 +76,7 @@ def drawing_scale(drawing):
 
 def test_labels_stand_at_their_sides():
     net = net_of(*zoo.icosahedron())
-    places, _, _ = placed(net.sheets)
-    outline = places[0].put(net.sheets[0])
+    outline = laid_out(net).places[0].put(net.sheets[0])
     by_text = {}
     for one in drawn(net).labels:
         by_text.setdefault(one.text, []).append((one.x, one.y))
@@ -114,12 +114,38 @@ def test_numbers_that_are_others_upside_down_are_underlined():
 # Pages
 
 
+def is_mark(lengths):
+    return np.abs(lengths - 6) < 1e-9
+
+
+@pytest.mark.parametrize("paper", ["A5", "A4", "tabloid", "100x120", "roll:90"])
+def test_marks_in_the_corners_of_each_page_meet_nothing(paper):
+    drawing = drawn(net_of(*zoo.icosahedron()), paper=paper)
+    lines = np.array(drawing.ruler)
+    marks = lines[is_mark(np.hypot(*np.moveaxis(np.diff(lines, axis=1), 2, 0)).ravel())]
+    assert len(marks) == 8 * drawing.pages
+    corners = {
+        (x, y - k * drawing.height)
+        for k in range(drawing.pages)
+        for x in (5.0, drawing.width - 5)
+        for y in (-5.0, 5 - drawing.height)
+    }
+    assert {tuple(start) for start, _ in marks.tolist()} == corners
+    boxes = [one.box for one in (*drawing.labels, *drawing.notes)]
+    others = [np.stack([cut, np.roll(cut, -1, axis=0)], axis=1) for cut in drawing.cuts]
+    for mark in marks:
+        assert not overlaps(mark, np.array(boxes)) and not any(overlaps(mark, some) for some in others)
+    written = np.concatenate([one.box for one in drawing.notes])
+    assert written[:, 0].min() > 0 and written[:, 0].max() < drawing.width
+
+
 @pytest.mark.parametrize("paper", ["A4", "A3", "letter"])
 def test_each_page_has_a_ruler_and_a_legend_apart_from_the_sheets(paper):
     drawing = drawn(squares(), paper=paper)
     lines = np.array(drawing.ruler)
     lengths = np.hypot(*np.moveaxis(np.diff(lines, axis=1), 2, 0)).ravel()
     assert (lengths == 50).sum() == drawing.pages > 1
+    lines = lines[~is_mark(lengths)]
     assert [kind for kind, _ in drawing.legend] == ["cut", "mountain"] * drawing.pages
     samples = np.concatenate([lines, [line for _, line in drawing.legend]])
     corners = np.concatenate([*drawing.cuts, *(one.box for one in drawing.labels)])
@@ -138,11 +164,12 @@ def test_each_page_has_a_ruler_and_a_legend_apart_from_the_sheets(paper):
 @pytest.mark.parametrize("paper", ["A4", "A3", "letter"])
 def test_sheets_are_on_pages_and_apart(paper):
     net = squares()
-    places, pages, scale = placed(net.sheets, paper)
-    width, height = {"A4": (210, 297), "A3": (297, 420), "letter": (215.9, 279.4)}[paper]
-    assert scale == pytest.approx(min(width, height) - 2 * MARGIN)
+    layout = laid_out(net, paper)
+    pages = layout.pages
+    width, height = FORMATS[paper]
+    assert layout.scale == pytest.approx(min(width, height) - 2 * MARGIN)
     boxes = []
-    for place, sheet in zip(places, net.sheets, strict=True):
+    for place, sheet in zip(layout.places, net.sheets, strict=True):
         there = place.put(sheet)
         low, high = there.min(axis=0), there.max(axis=0)
         page = int(-high[1] // height)
@@ -159,7 +186,8 @@ def test_sheets_are_on_pages_and_apart(paper):
 def test_a_sheet_is_turned_to_fit():
     angle = 0.3
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    _, _, scale = placed([np.array([[0.0, 0], [1, 0], [1, 1.5], [0, 1.5]]) @ turn])
+    sheet = np.array([[0.0, 0], [1, 0], [1, 1.5], [0, 1.5]]) @ turn
+    scale = laid_out(Unfolding((sheet,), (np.arange(4),), (), (), ())).scale
     assert scale == pytest.approx((297 - FOOT - 2 * MARGIN) / 1.5)
 
 
@@ -182,10 +210,23 @@ def test_a_scale_is_kept():
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"paper": "A5"}, "paper is 'A5', not one of A4, A3, letter"),
+        (
+            {"paper": "A9"},
+            "paper is 'A9', not one of A0, A1, .*, tabloid, nor WIDTHxHEIGHT or roll:WIDTH in mm",
+        ),
+        ({"paper": "roll:70"}, "paper is 'roll:70': less than 80 mm has no room for margins and ruler"),
+        ({"size": 0.0}, "size is 0.0, not a positive finite number of mm"),
+        ({"size": 10.0, "scale": 2.0}, "there are a scale of 2 mm and a size of 10 mm: give one of them"),
         ({"scale": -1.0}, "scale is -1.0, not a positive finite number of mm"),
         ({"scale": float("nan")}, "scale is nan, not a positive finite number of mm"),
-        ({"scale": 100.0}, r"scale is 100 mm, but sheet 0 fits on A4 up to 60\.6667 mm"),
+        (
+            {"scale": 400.0},
+            "scale is 400 mm, but face 0 fits on A4 up to scale=182; paper='A1' has room for it",
+        ),
+        (
+            {"size": 400.0, "paper": "A3"},
+            "size is 400 mm, but face 0 fits on A3 up to size=269; paper='A1' has room for it",
+        ),
     ],
 )
 def test_refusals(options, sentence):
@@ -205,9 +246,14 @@ def test_svg_holds_every_line(tmp_path):
     assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("210mm", "297mm", "0 0 210 297")
     groups = {group.get("id"): group for group in root.findall(f"{name}g")}
     numbers = [float(x) for x in re.findall(r"-?\d+\.\d+", groups["cut"][0].get("d"))]
-    assert np.reshape(numbers, (-1, 2)) * [1, -1] == pytest.approx(drawing.cuts[0], abs=1e-3)
+    assert np.reshape(numbers, (-1, 2)) * [1, -1] == pytest.approx(drawing.cuts[0], abs=1e-4)
     assert len(groups["mountain"]) == len(drawing.mountains)
-    texts = [text.text for text in groups["labels"]]
+    layers = ["glue", "engrave", "valley", "mountain", "cut"]
+    assert [*groups] == layers
+    inkscape = "{http://www.inkscape.org/namespaces/inkscape}"
+    assert [group.get(f"{inkscape}label") for group in groups.values()] == layers
+    assert {group.get(f"{inkscape}groupmode") for group in groups.values()} == {"layer"}
+    texts = [text.text for text in groups["engrave"].iter(f"{name}text")]
     assert texts == [one.text for one in (*drawing.labels, *drawing.notes)]
 
 
@@ -224,7 +270,7 @@ def test_pdf_has_a_page_each(tmp_path):
 
 
 def test_other_endings_are_refused(tmp_path):
-    with pytest.raises(FileError, match=r"not one of \.svg \.pdf"):
+    with pytest.raises(FileError, match=r"not one of \.svg \.pdf \.dxf"):
         write_sheets(tmp_path / "net.png", net_of(*zoo.cube()))
 
 

@@ -24,11 +24,16 @@ GROUPS = {
     "search": (
         *("method", "which", "best_fit", "repair", "effort", "tolerance", "parameter", "find", "guess"),
         *("vertices", "size", "grading", "distance", "motions", "surfaces"),
+        *("objective", "cut_edges", "keep_edges"),
     ),
     "report": ("axis", "wang_yau", "multipoles", "stability", "bound"),
     "output": (
         *("output", "report", "metric", "picture", "color", "html", "animate", "film", "band", "paper"),
-        *("scale", "keep", "json", "verbose", "quiet"),
+        *("scale", "solid_size", "numbers", "keep", "json", "verbose", "quiet"),
+    ),
+    "material": (
+        *("joints", "allowance", "thickness", "kerf", "bends", "spacing", "hole", "dash", "gap"),
+        *("sheet_surface", "k_factor", "radius"),
     ),
     "runs": (*("checkpoint", "resume", "jobs", "scheduler", "shard", "chunk", "retry", "force"),),
 }

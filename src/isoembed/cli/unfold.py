@@ -1,24 +1,36 @@
 """``isoembed unfold``: unfolding of a solid to a paper net."""
 
 import argparse
+import re
 from pathlib import Path
+from typing import get_args
 
+from isoembed.cli.material import add_material_options, given_fields, material_of
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_error
 from isoembed.cli.status import OK
 from isoembed.gluing import unfold
+from isoembed.gluing.sheet_search import Objective
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
-from isoembed.papercraft.placing import PAPERS
+from isoembed.papercraft.paper import FORMATS
 from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer
 
+DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
 EXAMPLES = (
-    "isoembed unfold surface.ply -o net.svg",
-    "isoembed unfold surface.ply -o net.pdf --paper letter",
+    "isoembed unfold surface.stl -o net.pdf --size 400 --paper A3 --numbers",
+    "isoembed unfold surface.ply -o net.dxf --kerf 0.15 --bends perforate",
 )
+
+
+USUAL = (
+    *("output", "paper", "scale", "solid_size", "numbers", "objective", "joints", "kerf"),
+    *("thickness", "merge"),
+)
+"""The options that ``--help`` lists."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -36,13 +48,47 @@ def configure(parser: argparse.ArgumentParser) -> None:
         f"glued; {' '.join(NET_ENDINGS)}: the net for 'isoembed glue'",
         required=True,
     )
-    parser.add_argument("--paper", choices=PAPERS, help=f"{', '.join(PAPERS)} (default A4)")
+    parser.add_argument(
+        "--paper",
+        metavar="NAME|WIDTHxHEIGHT|roll:WIDTH",
+        help=f"{', '.join(FORMATS)}, or mm, of a roll as long as needed (default A4)",
+    )
     parser.add_argument(
         "--scale",
         type=float,
         metavar="MM",
-        help="millimeters a unit of the solid (default: the largest with which each sheet fits on a page)",
+        help="millimeters a unit of the solid (default: the largest with which each sheet fits on a page); "
+        "sheets larger than a page are cut into several",
     )
+    parser.add_argument(
+        "--size",
+        dest="solid_size",
+        type=float,
+        metavar="MM",
+        help="instead of --scale: millimeters of the longest side of the solid",
+    )
+    parser.add_argument(
+        "--numbers",
+        action="store_true",
+        default=None,
+        help="number the faces, on a picture of the solid, too",
+    )
+    parser.add_argument(
+        "--objective",
+        choices=get_args(Objective),
+        help="few sheets (default), short cuts, strips without branches, or every face by itself",
+    )
+    for name, purpose in (("cut", "edges to cut"), ("keep", "edges not to cut")):
+        parser.add_argument(
+            f"--{name}",
+            dest=f"{name}_edges",
+            type=_edge,
+            nargs="+",
+            default=[],
+            metavar="A-B",
+            help=f"{purpose}, by the numbers of their vertices in the file, from 0 on",
+        )
+    add_material_options(parser)
     add_merge_option(parser)
     add_quiet_option(parser)
 
@@ -51,10 +97,19 @@ def run(options: argparse.Namespace) -> int:
     """Unfold the surface; return the exit status."""
     output = options.output
     check_answer(output, (*SHEET_ENDINGS, *NET_ENDINGS), options.file)
-    drawing = {name: value for name in ("paper", "scale") if (value := getattr(options, name)) is not None}
-    if drawing and ending(output) in NET_ENDINGS:
-        raise UsageError(f"--{next(iter(drawing))} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
-    unfolding = unfold(read_surface(options.file, merge=options.merge))
+    given = {name: getattr(options, "solid_size" if name == "size" else name) for name in DRAWING}
+    drawing = {name: value for name, value in given.items() if value is not None}
+    told = [*drawing, *given_fields(options)]
+    if told and ending(output) in NET_ENDINGS:
+        raise UsageError(f"--{told[0].replace('_', '-')} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
+    if (material := material_of(options)) is not None:
+        drawing["material"] = material
+    unfolding = unfold(
+        read_surface(options.file, merge=options.merge),
+        cut=options.cut_edges,
+        keep=options.keep_edges,
+        objective=options.objective or "sheets",
+    )
     folds = sum(map(len, unfolding.folds))
     if folds > MANY_FOLDS and not options.quiet:
         print_error(
@@ -67,3 +122,10 @@ def run(options: argparse.Namespace) -> int:
     write_atomically({output: writer})
     print_aside(f"{unfolding}\n{written(options, output)}")
     return OK
+
+
+def _edge(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d+)-(\d+)", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not two numbers of vertices, as 3-17 is")
+    return int(found[1]), int(found[2])

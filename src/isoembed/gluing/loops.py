@@ -44,7 +44,7 @@ def folds(a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1]) -> cython.bin
     return _turn(a, b, c) == 0
 
 
-def joined(faces, order: ConstInt[::1]):
+def joined(faces, order: ConstInt[::1], most: Int):
     """Join faces along sides, where the sheets that are there do not overlap or touch then.
 
     The outlines of two sheets, turned so that they have one side in common and lie on different sides of it,
@@ -57,6 +57,8 @@ def joined(faces, order: ConstInt[::1]):
         Of the size of 1 at most, all in a row.
     order : ndarray of int
         Sides, in the order in which it is tried to join the faces beside them.
+    most : int
+        How many others a face is joined to.
 
     Returns
     -------
@@ -80,13 +82,15 @@ def joined(faces, order: ConstInt[::1]):
     sheets: Int[::1] = np.empty(S, np.int64)
     rest: Int[::1] = np.empty(S, np.int64)
     size: Int[::1] = np.zeros(S, np.int64)
+    owner: Int[::1] = np.empty(S, np.int64)
+    joints: Int[::1] = np.zeros(first.shape[0], np.int64)
     for f in range(first.shape[0] - 1):
         low, high = first[f], first[f + 1]
         size[low] = high - low
         for s in range(low, high):
             nxt = s + 1 if s + 1 < high else low
             after[s], following[s], before[nxt] = nxt, nxt, s
-            sheets[s] = low
+            sheets[s], owner[s] = low, f
             rest[s] = s + 1 if s + 1 < high else -1  # of the sides of the sheet
     tail: Int[::1] = np.array(sheets)  # the last of them, by sheet
     for f in range(first.shape[0] - 1):
@@ -96,7 +100,7 @@ def joined(faces, order: ConstInt[::1]):
     for side in order:
         s = side
         t = twins[s]
-        if sheets[s] == sheets[t]:
+        if sheets[s] == sheets[t] or joints[owner[s]] >= most or joints[owner[t]] >= most:
             continue
         if size[sheets[s]] < size[sheets[t]]:
             s, t = t, s
@@ -115,6 +119,8 @@ def joined(faces, order: ConstInt[::1]):
         after[p], before[v] = v, p
         after[u], before[q] = q, u
         after[s] = after[t] = -1
+        joints[owner[s]] += 1
+        joints[owner[t]] += 1
     return np.asarray(points), np.asarray(after), np.asarray(sheets)
 
 

@@ -5,32 +5,22 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric
+from isoembed.gluing.edge_choice import Edges, chosen_sides
 from isoembed.gluing.faces import Faces, true_faces
-from isoembed.gluing.loops import joined
 from isoembed.gluing.net import Net, glue_rounded
+from isoembed.gluing.sheet_search import UNFOLDING, Objective, found_sheets
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
-from isoembed.thresholds import threshold
 
-
-@dataclass(frozen=True)
-class UnfoldingThresholds:
-    """Thresholds of the search for a net without overlaps."""
-
-    directions: int = threshold(50, "count", "Directions that are tried to unfold a surface into one sheet.")
-    exchanges: int = threshold(450, "count", "Attempts afterwards to get fewer sheets from the best one.")
-    sharp: float = threshold(1e-3, "radians", "Edges that bend less are not cut where others can be.")
-    digits: int = threshold(3, "digits", "Coordinates with fewer are exact: their faces bend as they say.")
-    seed: int = threshold(0, "seed", "Of the directions and of the attempts.")
-
-
-UNFOLDING = UnfoldingThresholds()
+if TYPE_CHECKING:
+    from isoembed.papercraft.material import Material
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +41,12 @@ class Unfolding:
         By how much to fold, radians: positive where the solid is convex.
     precision : Precision or None
         Of the coordinates of the solid, the error of a length in their unit.
+    faces : tuple of tuples of ndarray of int64
+        The faces of each sheet: the corners of the sheet around each, counterclockwise.
+    numbers : tuple of ndarray of int64, shape (f,)
+        The numbers of these faces on the solid: flat faces are counted in the order of their first triangles.
+    vertices : ndarray, shape (V, 3), or None
+        Of the solid.
     """
 
     sheets: tuple[Floats, ...]
@@ -59,6 +55,9 @@ class Unfolding:
     folds: tuple[Floats, ...]
     angles: tuple[Floats, ...]
     precision: Precision | None = None
+    faces: tuple[tuple[Indices, ...], ...] = ()
+    numbers: tuple[Indices, ...] = ()
+    vertices: Floats | None = None
 
     def __repr__(self) -> str:
         return f"Unfolding({self})"
@@ -72,50 +71,77 @@ class Unfolding:
         return f"{sheets}, {len(self.sides)} pairs of sides, {creased}"
 
     @cached_property
+    def fold_corners(self) -> tuple[Indices, ...]:
+        """The corners of the sheet at the ends of its `folds`, shape (m, 2)."""
+        return tuple(map(_nearest, self.sheets, self.folds))
+
+    @cached_property
     def net(self) -> Net:
         """The sheets glued: the metric of the solid, from paper."""
         return glue_rounded(self.sheets, self.sides, self.precision)
 
-    def save(self, path: str | os.PathLike[str], *, paper: str = "A4", scale: float | None = None) -> None:
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        paper: str = "A4",
+        scale: float | None = None,
+        size: float | None = None,
+        numbers: bool = False,
+        material: Material | None = None,
+    ) -> None:
         """Write the net, by the ending of the file: on pages to print and cut out, or to be glued again.
 
         Parameters
         ----------
         path : path
-            ``.svg`` or ``.pdf`` for pages, as `isoembed.papercraft.write_sheets` writes them; ``.json`` or
-            ``.fold`` for what `isoembed.glue` reads.
-        paper : str
-            Of pages: ``"A4"``, ``"A3"`` or ``"letter"``.
-        scale : float, optional
-            Of pages: millimeters a unit of the solid; by default the largest with which each sheet fits.
+            ``.svg``, ``.pdf`` or ``.dxf`` for pages, as `isoembed.papercraft.write_sheets` writes them;
+            ``.json`` or ``.fold`` for the net alone, in the unit of the solid.  `isoembed.glue` reads all of
+            these but ``.pdf``.
+        paper, scale, size, numbers
+            Of pages, as of `isoembed.papercraft.write_sheets`: ``"A4"``, another format,
+            ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``; millimeters a unit of the solid, or the millimeters of its
+            longest extent, by default what fits; whether faces are numbered.
+        material : isoembed.papercraft.Material, optional
+            Of pages: what the net is cut from and with; by default paper, with tabs.
 
         Raises
         ------
         FileError
-            The ending is not known, the file cannot be written, or for PDF matplotlib is not installed.
+            The ending is not known, the file cannot be written, or matplotlib for PDF or ezdxf for DXF is not
+            installed.
         InvalidMetric
             The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
         InvalidParameter
-            There is no such paper, or a sheet does not fit on it.
+            There is no such paper, a face does not fit on it, or an allowance or the kerf closes a notch.
         """
         # As those of `isoembed.embedding.embedding`, this import is upward, and named in the contract.
         from isoembed.papercraft.sheets import save_unfolding
 
-        save_unfolding(self, path, paper=paper, scale=scale)
+        save_unfolding(self, path, paper=paper, scale=scale, size=size, numbers=numbers, material=material)
 
 
-def unfold(surface: Embedding) -> Unfolding:
+def unfold(
+    surface: Embedding, *, cut: Edges = (), keep: Edges = (), objective: Objective = "sheets"
+) -> Unfolding:
     """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
 
-    The cuts lead from every vertex along its steepest edge upward, for one direction after the other, until
-    the sheet does not overlap; for a convex body one of the first few does.  Where none does, faces are
-    joined as long as nothing overlaps, and sides that were left out come first the next time, as long as that
-    makes fewer sheets.  The same surface has the same net every time.
+    For the fewest sheets the cuts lead from every vertex along its steepest edge upward, for one direction
+    after the other, until the sheet does not overlap; for a convex body one of the first few does.  Where
+    none does, faces are joined as long as nothing overlaps, and sides that were left out come first the next
+    time, as long as that makes fewer sheets.  The cuts are shortest as a minimum spanning tree of the
+    vertices, which is then changed in the same way until nothing overlaps.  The same surface has the same net
+    every time.
 
     Parameters
     ----------
     surface : Embedding
         Its vertices count, not its metric.  Triangles in one plane are one face.
+    cut, keep : sequence of (int, int), optional
+        Edges, by their vertices, that are cut, and that are not.
+    objective : {"sheets", "length", "strips", "faces"}, optional
+        Few sheets; cuts that are short in all; sheets in which no face is joined to more than two others, as
+        few as are found; or every face by itself, but for those that `keep` joins.
 
     Returns
     -------
@@ -126,6 +152,9 @@ def unfold(surface: Embedding) -> Unfolding:
     InvalidMetric
         A face is so thin that it lies in no plane, a side is so short that rounding hides it, or the surface
         is in hyperbolic or spherical space, or has a boundary or handles.
+    InvalidParameter
+        Something is no edge between two faces, an edge is both cut and kept, edges that are kept lead around
+        a vertex, faces that they join overlap, or there is no such objective.
 
     References
     ----------
@@ -152,7 +181,7 @@ def unfold(surface: Embedding) -> Unfolding:
     lengths = np.linalg.norm(steps, axis=1)
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
     small = faces._replace(points=faces.points / size)
-    points, after, sheets = _fewest(small, steps / lengths[:, None])
+    points, after, sheets = found_sheets(small, steps, chosen_sides(faces, cut, keep), objective)
     outer = np.flatnonzero(after >= 0)
     apart = np.abs(points[after[outer]] - points[outer]).max(axis=1) > 0
     if not apart.all():
@@ -161,48 +190,8 @@ def unfold(surface: Embedding) -> Unfolding:
     return replace(
         _cut_out(faces, points * size * unit, after, sheets),
         precision=None if precision is None else precision.in_means(mean_length),
+        vertices=surface.vertices,
     )
-
-
-def _fewest(faces: Faces, directions: Floats) -> tuple[Floats, Indices, Indices]:
-    """Sheets as of `joined`, as few as are found."""
-    rng = np.random.default_rng(UNFOLDING.seed)
-    order = _order(faces, directions, rng.normal(size=3))
-    best = joined(faces, order)
-    fewest = len(np.unique(best[2]))
-    for k in range(1, UNFOLDING.directions + UNFOLDING.exchanges):
-        if fewest == 1:
-            break
-        exchange = k >= UNFOLDING.directions
-        if exchange:  # join two sheets first that did not come together
-            between = np.flatnonzero(best[2][order] != best[2][faces.twins[order]])
-            first = rng.choice(between)
-            tried = np.concatenate([[order[first]], np.delete(order, first)])
-        else:
-            tried = _order(faces, directions, rng.normal(size=3))
-        found = joined(faces, tried)
-        count = len(np.unique(found[2]))
-        if count < fewest or (exchange and count == fewest):
-            fewest, best, order = count, found, tried
-    return best
-
-
-def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
-    """Sides, those first across which the faces should stay together."""
-    slopes = directions @ (up / np.linalg.norm(up))
-    sharp = np.abs(faces.angles) > UNFOLDING.sharp
-    faceted = np.bincount(faces.corners, sharp) > 0
-    # Of the sides that lead up from a vertex the steepest is cut, and no diagonal of a face.
-    climb = np.where(sharp | ~faceted[faces.corners], slopes, 0.0)
-    by_climb = np.lexsort([climb, faces.corners])
-    steepest = by_climb[np.append(np.diff(faces.corners[by_climb]) != 0, True)]
-    cut = np.zeros(len(slopes), dtype=np.bool_)
-    cut[steepest] = climb[steepest] > 0
-    cut |= cut[faces.twins]
-    along = np.where(sharp, np.abs(slopes), -1.0)
-    along[cut] = 1.0 + np.abs(slopes[cut])
-    order = np.argsort(along, kind="stable")
-    return order[order < faces.twins[order]]
 
 
 def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> Unfolding:
@@ -225,10 +214,36 @@ def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> U
     ends[faces.first[1:] - 1] = faces.first[:-1]
     inside = (after < 0) & (number < faces.twins) & (faces.angles != 0)
     folds = [np.flatnonzero(inside & (sheets == sheet)) for sheet in every]
+    owners = sheets[faces.first[:-1]]
+    numbers = [np.flatnonzero(owners == sheet) for sheet in every]
+    following = ends.tolist()
+
+    def corner(s: int) -> int:
+        """The corner of the sheet where a side begins: around it to the next side on the outline."""
+        while s not in place:
+            s = following[twins[s]]
+        return place[s][1]
+
+    around = [
+        tuple(
+            frozen(np.array([corner(s) for s in range(faces.first[f], faces.first[f + 1])]))
+            for f in some.tolist()
+        )
+        for some in numbers
+    ]
     return Unfolding(
         tuple(frozen(points[outline]) for outline in outlines),
         tuple(frozen(faces.corners[outline]) for outline in outlines),
         sides,
         tuple(frozen(np.stack([points[some], points[ends[some]]], axis=1)) for some in folds),
         tuple(frozen(faces.angles[some]) for some in folds),
+        faces=tuple(around),
+        numbers=tuple(map(frozen, numbers)),
     )
+
+
+def _nearest(sheet: Floats, folds: Floats) -> Indices:
+    """The corners at the ends of the folds, shape (m, 2)."""
+    size = np.ptp(sheet, axis=0).max()  # keeps the squares from under- and overflowing
+    apart = np.linalg.norm(folds[:, :, None] / size - sheet / size, axis=3)
+    return np.argmin(apart, axis=2)

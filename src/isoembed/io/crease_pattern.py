@@ -81,7 +81,7 @@ def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
         raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
     names = [[corners[v] for v in face] for face in faces]
     net = glue([points[face] for face in faces], corners=names, tolerance=tolerance)
-    return _folded(net.knowing(precision=_precision(tables.get("precision"), str(file))), faces, folded)
+    return with_places(net.knowing(precision=_precision(tables.get("precision"), str(file))), faces, folded)
 
 
 def creased_net(
@@ -135,16 +135,14 @@ def creased_net(
     known = _precision(precision, name)
     net = glue_rounded([points[face] for face in faces], pairs, known, tolerance)
     folded = fold_up(points, faces, angles, meeting_tolerance(points))
-    return _folded(net, faces, folded)
+    return with_places(net, faces, folded)
 
 
 def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
     """The folds of each sheet, [corner, corner, degrees], positive where the solid is convex."""
     return [
-        [[*ends, angle] for ends, angle in zip(_nearest(sheet, folds).tolist(), bends, strict=True)]
-        for sheet, folds, bends in zip(
-            unfolding.sheets, unfolding.folds, map(np.degrees, unfolding.angles), strict=True
-        )
+        [[*ends, angle] for ends, angle in zip(folds.tolist(), bends, strict=True)]
+        for folds, bends in zip(unfolding.fold_corners, map(np.degrees, unfolding.angles), strict=True)
     ]
 
 
@@ -172,7 +170,7 @@ def _precision(said: Any, name: str) -> Precision | None:
     return Precision(said["name"], float(error))
 
 
-def _folded(net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None) -> Net:
+def with_places(net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None) -> Net:
     """The net with the places of the vertices, if its file has the angles."""
     if folded is not None:
         places, sheets = folded
@@ -204,12 +202,11 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
     points, edges, faces = [], [], []
     letters, angles = [], []
     first, right = 0, 0.0
-    for sheet, folds, bends in zip(unfolding.sheets, unfolding.folds, unfolding.angles, strict=True):
+    for sheet, chords, bends in zip(unfolding.sheets, unfolding.fold_corners, unfolding.angles, strict=True):
         n = len(sheet)
         low, high = sheet.min(axis=0), sheet.max(axis=0)
         points.append(sheet - low + [right, 0.0])
         right += (1 + GAP) * (high[0] - low[0])
-        chords = _nearest(sheet, folds)
         edges += [[first + k, first + (k + 1) % n] for k in range(n)]
         edges += (first + chords).tolist()
         letters += ["B"] * n + ["M" if bend > 0 else "V" for bend in bends]
@@ -230,13 +227,6 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
         ANGLES: angles,
         "faces_vertices": faces,
     }
-
-
-def _nearest(sheet: Floats, folds: Floats) -> Indices:
-    """The corners at the ends of the folds, shape (m, 2)."""
-    size = np.ptp(sheet, axis=0).max()  # keeps the squares from under- and overflowing
-    apart = np.linalg.norm(folds[:, :, None] / size - sheet / size, axis=3)
-    return np.argmin(apart, axis=2)
 
 
 def _faces(n: int, chords: Indices) -> list[list[int]]:

@@ -30,10 +30,13 @@ from isoembed.io.crease_pattern import (
     precision_entry,
     read_crease_pattern,
 )
+from isoembed.io.drawn_net import drawn_net
+from isoembed.io.dxf_lines import read_dxf_lines
 from isoembed.io.files import FileError, Writer, check_ending, ending, input_ending, write_atomically
 from isoembed.io.fold import CORNERS
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import FORMATS, check_output
+from isoembed.io.svg_lines import read_svg_lines
 from isoembed.space import Space
 from isoembed.space.models import MODELS, Model, to_model
 from isoembed.strict_json import strict_json
@@ -42,6 +45,8 @@ Makers = dict[str, tuple[Callable[..., Any], int, int]]
 """Shapes by name: who makes them, from how many numbers at least and at most."""
 
 NET_ENDINGS = (".json", ".fold")
+DRAWN = {".svg": read_svg_lines, ".dxf": read_dxf_lines}
+"""Who reads the lines of a drawn net, by the ending of the file."""
 FORMS = ("polygons", "regular", "zip", "pita", "dform")
 CURVED: Makers = {"triangle": (triangle, 3, 3), "regular": (regular_polygon, 1, 2)}
 """Polygons of the plane, of the hyperbolic plane and of the sphere."""
@@ -94,8 +99,10 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
             f"{source} is no net, which has the ending .json or .fold: a metric or a mesh is embedded, with "
             f"'isoembed embed {source} -o surface.ply'"
         )
-    check_ending(source, NET_ENDINGS)
+    check_ending(source, (*NET_ENDINGS, *DRAWN))
     with InputFile(source) as file:
+        if file.ending in DRAWN:
+            return drawn_net(DRAWN[file.ending](file), str(source), tolerance)
         if file.ending == ".fold":
             return read_crease_pattern(file, tolerance)
         return _net(json.read(file), str(source), tolerance)

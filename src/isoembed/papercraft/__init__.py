@@ -1,8 +1,9 @@
 """Printable and machine-cut paper nets of unfolded solids.
 
-PDF needs matplotlib: ``pip install 'isoembed[plot]'``.
+PDF needs matplotlib, ``pip install 'isoembed[plot]'``, and DXF ezdxf, ``pip install 'isoembed[dxf]'``.
 """
 
+from isoembed.papercraft.material import Material
 from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer, write_sheets
 
-__all__ = ["SHEET_ENDINGS", "sheets_writer", "write_sheets"]
+__all__ = ["SHEET_ENDINGS", "Material", "sheets_writer", "write_sheets"]

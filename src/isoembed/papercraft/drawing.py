@@ -1,35 +1,68 @@
-"""Drawing of a paper net: outlines to cut, folds, and labels of glued sides."""
+"""Drawing of a paper net in layers: outlines to cut, folds, glued areas, and what is only read."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.papercraft.labels import WIDTH, Label, labels
-from isoembed.papercraft.placing import MARGIN, PAPERS, placed
-from isoembed.papercraft.tabs import tabs
+from isoembed.errors import InvalidParameter
+from isoembed.gluing.offset import offset
+from isoembed.papercraft.foot import LEGEND, foot
+from isoembed.papercraft.labels import Label, labels
+from isoembed.papercraft.material import Material
+from isoembed.papercraft.numbers import face_numbers
+from isoembed.papercraft.paper import FOOT, MARGIN
+from isoembed.papercraft.perforation import pieces
+from isoembed.papercraft.placing import laid_out
+from isoembed.papercraft.stitches import stitches
+from isoembed.papercraft.tabs import DEPTH, tabs
+from isoembed.papercraft.thickness import thickened
+from isoembed.papercraft.views import views
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-NOTE = 3.0  # mm, the size of what is written at the foot
-RULER, TICK = 50, 10  # mm
-LEGEND = {
-    "cut": (92.0, "cut"),
-    "mountain": (114.0, "fold away from you"),
-    "valley": (158.0, "fold toward you"),
-}
-"""By kind of line, where a sample of it begins, in mm from the left, and what it says."""
-SAMPLE = 10.0  # mm
 LEAST = 1e-3  # radians; nobody folds by less
+GLUED = 0.75  # of a tab, in each direction
+ALLOWANCE_LIMIT = 1.5  # allowances: right angles keep their corners, sharper ones are cut off
+KERF_LIMIT = 20.0  # half kerfs: so are those of less than 6 degrees
+DECIMALS = 4  # of a millimeter in files: a tenth of a micrometer
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """A fold on the paper.
+
+    Attributes
+    ----------
+    line : ndarray, shape (2, 2)
+        Its ends.
+    angle : float or None
+        By how much to fold, radians: positive away from whoever sees the outside of the solid.  None of a
+        tab, which is folded away until it meets the other side.
+    pieces : ndarray, shape (m, 2, 2)
+        What is cut or scored of it.
+    """
+
+    line: Floats
+    angle: float | None
+    pieces: Floats
+
+    @property
+    def kind(self) -> str:
+        """``"mountain"`` or ``"valley"``."""
+        return "valley" if self.angle is not None and self.angle < 0 else "mountain"
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
     """Lines and numbers on pages below one another, in mm from the upper left corner, y upward.
+
+    No line is there twice.  Files have them in layers: ``cut``, ``mountain``, ``valley``, ``seam``, ``glue``,
+    and ``engrave`` for what is only read: labels, ruler, legend, notes.
 
     Attributes
     ----------
@@ -37,91 +70,178 @@ class Drawing:
         Of a page.
     pages : int
     cuts : list of ndarray, shape (n, 2)
-        Closed outlines, with their tabs.
-    mountains, valleys : list of ndarray, shape (2, 2)
-        Folds away from whoever sees the outside of the solid, and toward them.
+        Closed outlines, with their tabs or seam allowance, and half of the kerf.
+    holes : list of (float, float, float)
+        Circles to cut: middle and radius.
+    seams : list of ndarray, shape (n, 2)
+        Closed outlines of the net, where the cuts are wider by an allowance.
+    folds : list of Fold
+    glue : list of ndarray, shape (n, 2)
+        Areas that get glue, in the middle of each tab.
     labels : list of Label
     ruler : list of ndarray, shape (2, 2)
-        At the foot of each page: 50 mm, by which one sees whether a printer has scaled it.
+        At the foot of each page: 50 mm, by which one sees whether a printer has scaled it; and the marks in
+        the corners of the page.
     legend : list of (str, ndarray of shape (2, 2))
         At the foot of each page, samples of the kinds of lines: ``"cut"``, ``"mountain"``, ``"valley"``.
     notes : list of Label
         At the foot of each page: a line, and what belongs to ruler and legend.
+    kerf : float
+        By half of it the cuts are offset, mm.
+    error : float
+        Of the points of the solid, where they were rounded, mm.
     """
 
     width: float
     height: float
     pages: int
     cuts: list[Floats]
-    mountains: list[Floats]
-    valleys: list[Floats]
+    holes: list[tuple[float, float, float]]
+    seams: list[Floats]
+    folds: list[Fold]
+    glue: list[Floats]
     labels: list[Label]
     ruler: list[Floats]
     legend: list[tuple[str, Floats]]
     notes: list[Label]
+    kerf: float
+    error: float
+
+    @property
+    def mountains(self) -> list[Floats]:
+        """The ends of folds away from whoever sees the outside of the solid."""
+        return [fold.line for fold in self.folds if fold.kind == "mountain"]
+
+    @property
+    def valleys(self) -> list[Floats]:
+        """The ends of folds toward whoever sees the outside of the solid."""
+        return [fold.line for fold in self.folds if fold.kind == "valley"]
+
+    @property
+    def underlines(self) -> list[Floats]:
+        """Lines below labels that are others upside down."""
+        return [one.underline for one in self.labels if one.underline is not None]
 
 
-def drawn(unfolding: Unfolding, *, paper: str = "A4", scale: float | None = None) -> Drawing:
+def drawn(
+    unfolding: Unfolding,
+    *,
+    paper: str = "A4",
+    scale: float | None = None,
+    size: float | None = None,
+    numbers: bool = False,
+    material: Material | None = None,
+) -> Drawing:
     """Draw a net.
 
     Parameters
     ----------
     unfolding : Unfolding
     paper : str
-        One of `isoembed.papercraft.placing.PAPERS`.
+        As of `isoembed.papercraft.paper.Paper.of`.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+    material : Material, optional
+        Joints, allowance, kerf and the cut of folds.
 
     Raises
     ------
     InvalidParameter
-        There is no such paper, or a sheet does not fit on it.
+        There is no such paper, a sheet does not fit on it, or an allowance or the kerf closes a notch.
     """
-    places, pages, scale = placed(unfolding.sheets, paper, scale)
+    material = material or Material()
+    beyond = _beyond(material)
+    layout = laid_out(unfolding, paper, scale=scale, size=size, beyond=beyond)
+    if material.thickness:
+        if numbers:
+            raise InvalidParameter("numbers of faces are for thin sheets: give no thickness")
+        thick = thickened(layout.unfolding, material.in_units(layout.scale))
+        layout = laid_out(thick, paper, scale=layout.scale, beyond=beyond)
+    unfolding, places = layout.unfolding, layout.places
     outlines = [place.put(sheet) for place, sheet in zip(places, unfolding.sheets, strict=True)]
     angles = [some[np.abs(some) > LEAST] for some in unfolding.angles]
     folds = [
         place.put(some[np.abs(bent) > LEAST])
         for place, some, bent in zip(places, unfolding.folds, unfolding.angles, strict=True)
     ]
-    standing = tabs(outlines, unfolding.sides)
-    cuts, mountains, valleys = [], [], []
+    standing = tabs(outlines, unfolding.sides) if material.joints == "tabs" else {}
+    holes = (
+        stitches(outlines, unfolding.sides, material)
+        if material.joints == "stitches"
+        else [np.empty((0, 2))] * len(outlines)
+    )
+    cuts, creases, glue = [], [], []
     for p, (outline, inside, bent) in enumerate(zip(outlines, folds, angles, strict=True)):
         around: list[Floats] = []
         for k, corner in enumerate(outline):
             around.append(corner)
             if (p, k) in standing:
+                side = outline[[k, (k + 1) % len(outline)]]
                 around += list(standing[p, k])
-                mountains.append(outline[[k, (k + 1) % len(outline)]])
-        cuts.append(np.array(around))
-        mountains += list(inside[bent > 0])
-        valleys += list(inside[bent < 0])
-    width, height = PAPERS[paper]
-    kinds = [kind for kind in LEGEND if kind != "valley" or valleys]
-    ruler, legend, notes = [], [], []
-    for k in range(pages):
-        low = -(k + 1) * height
-        of = f", page {k + 1} of {pages}" if pages > 1 else ""
-        said = (
-            f"outside of the solid{of}; {scale:.4g} mm a unit; print at 100 %: the ruler is {RULER} mm long"
-        )
-        notes.append(Label(said, width / 2, low + 1.6 * NOTE, 0.0, NOTE))
-        line, end = low + 3.2 * NOTE, MARGIN + RULER
-        ticks = np.arange(MARGIN, end + 1, TICK)
-        ruler += [_line(MARGIN, line, end, line), *(_line(x, line, x, line + 0.6 * NOTE) for x in ticks)]
-        notes.append(_after(f"{RULER} mm", end, line))
-        for kind in kinds:
-            x, said = LEGEND[kind]
-            legend.append((kind, _line(x, line, x + SAMPLE, line)))
-            notes.append(_after(said, x + SAMPLE, line))
-    numbers = labels(outlines, folds, unfolding.sides)
-    return Drawing(width, height, pages, cuts, mountains, valleys, numbers, ruler, legend, notes)
+                creases.append(Fold(side, None, pieces(side, material)))
+                glue.append(_middle(np.concatenate([side, standing[p, k][::-1]])))
+        cuts.append(_widened(np.array(around), material, f"sheet {p}"))
+        creases += [
+            Fold(line, angle, pieces(line, material))
+            for line, angle in zip(inside, bent.tolist(), strict=True)
+        ]
+    obstacles = [
+        np.concatenate([lines, _crosses(some, material.hole)])
+        for lines, some in zip(folds, holes, strict=True)
+    ]
+    written = labels(outlines, obstacles, unfolding.sides)
+    pictured: list[Floats] = []
+    named: list[Label] = []
+    if numbers:
+        faces = [outline[face] for p, outline in enumerate(outlines) for face in unfolding.faces[p]]
+        named = face_numbers(faces, np.concatenate(unfolding.numbers).tolist(), written)
+        layout = replace(layout, pages=layout.pages + 1)
+        low = -layout.pages * layout.height + FOOT + MARGIN
+        high = (1 - layout.pages) * layout.height - MARGIN
+        pictured, seen = views(unfolding, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high]))
+        named += seen
+    has_valleys = any(fold.kind == "valley" for fold in creases)
+    kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
+    ruler, legend, notes = foot(layout, kinds)
+    radius = (material.hole - material.kerf) / 2
+    precision = unfolding.precision
+    return Drawing(
+        layout.width,
+        layout.height,
+        layout.pages,
+        cuts,
+        [(x, y, radius) for x, y in np.concatenate(holes).tolist()],
+        outlines if material.allowance else [],
+        creases,
+        glue,
+        written,
+        ruler + pictured,
+        legend,
+        notes + named,
+        material.kerf,
+        0.0 if precision is None else layout.scale * precision.vertex_error,
+    )
 
 
-def _line(x: float, y: float, to_x: float, to_y: float) -> Floats:
-    return np.array([[x, y], [to_x, to_y]])
+def _beyond(material: Material) -> float:
+    """How much farther than a tab what is cut may be from the outline of a sheet."""
+    return max(0.0, ALLOWANCE_LIMIT * material.allowance + material.kerf - DEPTH)
 
 
-def _after(text: str, x: float, y: float) -> Label:
-    """Words that begin a little to the right of a point."""
-    return Label(text, x + (len(text) / 2 + 1) * WIDTH * NOTE, y, 0.0, NOTE)
+def _widened(outline: Floats, material: Material, name: str) -> Floats:
+    """The outline that is cut: with the allowance, and the middle of the beam outside of it."""
+    if material.allowance:
+        outline = offset(outline, material.allowance, name, ALLOWANCE_LIMIT)
+    return offset(outline, material.kerf / 2, name, KERF_LIMIT) if material.kerf else outline
+
+
+def _crosses(middles: Floats, size: float) -> Floats:
+    """Lines across holes, which labels do not meet."""
+    across = np.array([[[-size / 2, 0.0], [size / 2, 0.0]], [[0.0, -size / 2], [0.0, size / 2]]])
+    return np.asarray(middles[:, None, None] + across).reshape(-1, 2, 2)
+
+
+def _middle(tab: Floats) -> Floats:
+    """The area of a tab that gets glue, off its sides so that no line is there twice."""
+    center = tab.mean(axis=0)
+    return np.asarray(center + GLUED * (tab - center))

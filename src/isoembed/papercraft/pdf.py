@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from isoembed.arrays import Floats
 from isoembed.papercraft.drawing import Drawing
 
 INCH, POINT = 25.4, 25.4 / 72  # mm
@@ -18,16 +19,19 @@ def write_pdf(path: Path, drawing: Drawing) -> None:
     from matplotlib.figure import Figure
 
     kinds = {
-        "cut": [np.vstack([cut, cut[:1]]) for cut in drawing.cuts],
-        "mountain": [*drawing.mountains],
-        "valley": [*drawing.valleys],
+        "cut": [np.vstack([cut, cut[:1]]) for cut in drawing.cuts]
+        + [_circle(*hole) for hole in drawing.holes],
+        "mountain": [],
+        "valley": [],
     }
+    for fold in drawing.folds:
+        kinds[fold.kind] += list(fold.pieces)
     for kind, sample in drawing.legend:
         kinds[kind].append(sample)
-    underlines = [one.underline for one in drawing.labels if one.underline is not None]
     lines = (
         *((some, WIDTHS[kind], DASHES[kind]) for kind, some in kinds.items()),
-        (underlines + drawing.ruler, 0.2, "solid"),
+        (drawing.underlines + drawing.ruler, 0.2, "solid"),
+        ([np.vstack([seam, seam[:1]]) for seam in drawing.seams], 0.2, "dotted"),
     )
     with PdfPages(path, metadata={"CreationDate": None}) as file:
         for page in range(drawing.pages):
@@ -49,3 +53,8 @@ def write_pdf(path: Path, drawing: Drawing) -> None:
                         rotation_mode="anchor", ha="center", va="center_baseline", family="DejaVu Sans",
                     )  # fmt: skip
             file.savefig(picture)
+
+
+def _circle(x: float, y: float, radius: float) -> Floats:
+    turns = np.linspace(0, 2 * np.pi, 25)
+    return np.column_stack([x + radius * np.cos(turns), y + radius * np.sin(turns)])

@@ -1,17 +1,26 @@
-"""Packing of sheets on pages: rotation, common scale, rows."""
+"""Layout of a net on pages: scale, islands, rotation and packing of the sheets."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.papercraft.fitting import best_turn
+from isoembed.papercraft.islands import cut_along, partition
+from isoembed.papercraft.packing import packed
+from isoembed.papercraft.paper import FOOT, FORMATS, Paper
 
-PAPERS = {"A4": (210.0, 297.0), "A3": (297.0, 420.0), "letter": (215.9, 279.4)}  # mm
-MARGIN = 14.0  # mm, around the sheets; tabs stand out into it
-FOOT = 10.0  # mm, below them and their tabs, for the ruler and the legend
+if TYPE_CHECKING:
+    from isoembed.gluing.unfolding import Unfolding
+
 GAP = 14.0  # mm, between sheets, for the tabs of both
+SLACK = 1e-9  # of what fits exactly
+RIGHT_ANGLE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,81 +41,172 @@ class Placing:
         return points @ self.turn + self.shift
 
 
-def placed(
-    sheets: Sequence[Floats], paper: str = "A4", scale: float | None = None
-) -> tuple[list[Placing], int, float]:
-    """Put sheets on pages.
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """A net on pages.
+
+    Attributes
+    ----------
+    unfolding : Unfolding
+        The sheets, those that were too large for a page in islands.
+    places : list of Placing
+        Of each sheet.
+    pages : int
+    width, height : float
+        Of a page, mm.
+    scale : float
+        Millimeters a unit of the solid.
+    """
+
+    unfolding: Unfolding
+    places: list[Placing]
+    pages: int
+    width: float
+    height: float
+    scale: float
+
+
+def laid_out(
+    unfolding: Unfolding,
+    paper: str = "A4",
+    *,
+    scale: float | None = None,
+    size: float | None = None,
+    beyond: float = 0.0,
+) -> Layout:
+    """Put a net on pages.
+
+    With a `scale` or `size`, sheets that are larger than a page are cut into islands, as few and along folds
+    as short as are found, and the pages are upright or sideways, whichever takes fewer islands, then pages.
 
     Parameters
     ----------
-    sheets : sequence of ndarray, shape (n, 2)
-        The outlines.
+    unfolding : Unfolding
     paper : str
-        One of `PAPERS`.
+        As of `Paper.of`.
     scale : float, optional
-        Millimeters a unit of the outlines; by default the largest with which each fits on a page.
-
-    Returns
-    -------
-    list of Placing
-    int
-        Number of pages.
-    float
-        The scale.
+        Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+    size : float, optional
+        Instead of a scale: millimeters of the solid along that axis of its coordinates along which it is
+        longest.
+    beyond : float
+        How much farther than tabs what is cut stands out of the sheets, mm.
 
     Raises
     ------
     InvalidParameter
-        There is no such paper, or a sheet does not fit on it.
+        There is no such paper, a face is larger than a page, or there are both scale and size.
     """
-    if paper not in PAPERS:
-        raise InvalidParameter(f"paper is {paper!r}, not one of {', '.join(PAPERS)}")
-    if scale is not None and not 0 < scale < np.inf:
-        raise InvalidParameter(f"scale is {scale!r}, not a positive finite number of mm")
-    width, height = PAPERS[paper]
-    room = np.array([width, height - FOOT]) - 2 * MARGIN
-    turns = [_turned(sheet, room) for sheet in sheets]
-    sizes = [np.ptp(sheet @ turn, axis=0) for sheet, turn in zip(sheets, turns, strict=True)]
-    largest = [float((room / size).min()) for size in sizes]
-    scale = min(largest) if scale is None else scale
-    for p, most in enumerate(largest):
-        if scale > most * (1 + 1e-9):
-            raise InvalidParameter(
-                f"scale is {scale:.6g} mm, but sheet {p} fits on {paper} up to {most:.6g} mm"
-            )
-    corners = np.zeros((len(sheets), 2))
-    pages = np.zeros(len(sheets), dtype=np.int64)
-    x = y = shelf = 0.0
-    page = 0
-    for p in sorted(range(len(sheets)), key=lambda p: -float(sizes[p][1])):
-        across, up = scale * sizes[p]
-        if x and x + across > room[0]:
-            x, y, shelf = 0.0, y + shelf + GAP, 0.0
-        if y and y + up > room[1]:
-            x, y, shelf, page = 0.0, 0.0, 0.0, page + 1
-        corners[p], pages[p] = (x, y), page
-        x, shelf = x + across + GAP, max(shelf, up)
-    for k in range(page + 1):  # to the middle
-        mine = np.flatnonzero(pages == k)
-        used = (corners[mine] + scale * np.array(sizes)[mine]).max(axis=0)
-        corners[mine] += MARGIN + (room - used) / 2 + [0, k * height]
+    page = replace(Paper.of(paper), beyond=beyond)
+    given = _given(scale, size)
+    if given is None:
+        return _on_pages(unfolding, page, min(best_turn(sheet, page.room)[1] for sheet in unfolding.sheets))
+    name, value = given
+    wanted = value if name == "scale" else value / _extent(unfolding)
+    pages = [one for one in dict.fromkeys((page, page.turned)) if _largest(unfolding, one)[0] >= wanted]
+    if not pages:
+        raise InvalidParameter(_too_large(unfolding, page, wanted, name, value))
+    layouts = [_in_islands(unfolding, one, wanted) for one in pages]
+    return min(layouts, key=lambda one: (len(one.unfolding.sheets), one.pages, _cut_length(one.unfolding)))
+
+
+def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
+    """The name and value of the scale or size, if there is one."""
+    given = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
+    for name, value in given:
+        if not 0 < value < np.inf:
+            raise InvalidParameter(f"{name} is {value!r}, not a positive finite number of mm")
+    if len(given) == 2:
+        raise InvalidParameter(
+            f"there are a scale of {scale:g} mm and a size of {size:g} mm: give one of them"
+        )
+    return given[0] if given else None
+
+
+def _extent(unfolding: Unfolding) -> float:
+    if unfolding.vertices is None:
+        raise InvalidParameter("the size is that of a solid, and this net knows none: give a scale")
+    return float(np.ptp(unfolding.vertices, axis=0).max())
+
+
+def _parts(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
+    """What is not cut: the faces, by name, or sheets whose faces are not known."""
+    for p, sheet in enumerate(unfolding.sheets):
+        if not unfolding.faces:
+            yield f"sheet {p}", sheet
+        else:
+            for number, face in zip(unfolding.numbers[p].tolist(), unfolding.faces[p], strict=True):
+                yield f"face {number}", sheet[face]
+
+
+def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
+    """The largest scale at which all faces fit on a page as it lies, and the first that fits up to it."""
+    found, worst = np.inf, ""
+    for name, part in _parts(unfolding):
+        if page.room.min() >= found * np.hypot(*np.ptp(part, axis=0)):
+            continue  # however it is turned
+        largest = best_turn(part, page.room, oblique=True)[1]
+        if largest < found * (1 - SLACK):
+            found, worst = largest, name
+    return found * (1 + SLACK), worst
+
+
+def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, value: float) -> str:
+    """Which face does not fit, and the scale and the paper with which it would."""
+    largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
+    most = value * largest / wanted
+    digits = 10.0 ** (np.floor(np.log10(most)) - 3)
+    papers = [Paper.of(other) for other in sorted(FORMATS, key=lambda other: np.prod(FORMATS[other]))]
+    enough = (
+        f"paper='{paper.name}' has room for it"
+        for paper in papers
+        if max(_largest(unfolding, one)[0] for one in (paper, paper.turned)) >= wanted
+    )
+    return (
+        f"{given} is {value:.6g} mm, but {name} fits on {page.name} up to "
+        f"{given}={np.floor(most / digits) * digits:.6g}; {next(enough, 'no format has room for it')}"
+    )
+
+
+def _in_islands(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
+    """A layout with islands of those sheets that do not fit."""
+    cuts = [
+        []
+        if best_turn(sheet, page.room, oblique=True)[1] * (1 + SLACK) >= scale
+        else partition(sheet, unfolding.faces[p], page.room / scale)
+        for p, sheet in enumerate(unfolding.sheets)
+    ]
+    return _on_pages(cut_along(unfolding, cuts) if any(cuts) else unfolding, page, scale)
+
+
+def _cut_length(unfolding: Unfolding) -> float:
+    lengths = [np.hypot(*(np.roll(sheet, -1, axis=0) - sheet).T) for sheet in unfolding.sheets]
+    return float(sum(lengths[p][k] for (p, k), _ in unfolding.sides))
+
+
+def _on_pages(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
+    """A layout of sheets that fit on pages as they lie."""
+    turns = []
+    for sheet in unfolding.sheets:
+        turn, largest = best_turn(sheet, page.room)
+        if largest * (1 + SLACK) < scale:
+            turn, _ = best_turn(sheet, page.room, oblique=True)
+        turns.append(turn)
+    sizes = scale * np.array(
+        [np.ptp(sheet @ turn, axis=0) for sheet, turn in zip(unfolding.sheets, turns, strict=True)]
+    )
+    corners, pages, turned = packed(sizes, page.room, GAP + 2 * page.beyond)
+    turns = [turn @ RIGHT_ANGLE if is_turned else turn for turn, is_turned in zip(turns, turned, strict=True)]
+    sizes[turned] = sizes[turned][:, ::-1]
+    height = page.height
+    if page.is_roll:
+        height = float(np.ceil((corners + sizes)[:, 1].max())) + FOOT + 2 * page.margin
+    room = np.array([page.width, height - FOOT]) - 2 * page.margin
+    for k in range(int(pages.max()) + 1):  # to the middle
+        mine = pages == k
+        corners[mine] += page.margin + (room - (corners + sizes)[mine].max(axis=0)) / 2 + [0, k * height]
     placings = []
-    for sheet, turn, (left, top) in zip(sheets, turns, corners.tolist(), strict=True):
+    for sheet, turn, (left, top) in zip(unfolding.sheets, turns, corners.tolist(), strict=True):
         there = scale * sheet @ turn
         placings.append(Placing(scale * turn, np.array([left - there[:, 0].min(), -top - there[:, 1].max()])))
-    return placings, page + 1, scale
-
-
-def _turned(sheet: Floats, room: Floats) -> Floats:
-    """How to turn a sheet so that it fits best: one side of its hull is upright or level."""
-    from scipy.spatial import ConvexHull  # slow to import
-
-    size = np.ptp(sheet, axis=0).max()
-    hull = sheet[ConvexHull((sheet - sheet[0]) / size).vertices] / size
-    sides = np.roll(hull, -1, axis=0) - hull
-    angles = np.arctan2(sides[:, 1], sides[:, 0])
-    turns = []
-    for angle in np.concatenate([angles, angles + np.pi / 2]):
-        cosine, sine = np.cos(angle), np.sin(angle)
-        turns.append(np.array([[cosine, -sine], [sine, cosine]]))
-    return max(turns, key=lambda turn: round(float((room / np.ptp(hull @ turn, axis=0)).min()), 9))
+    return Layout(unfolding, placings, int(pages.max()) + 1, page.width, height, scale)

@@ -1,64 +1,122 @@
-"""SVG output of a paper net, in millimeters."""
+"""SVG output of a paper net: millimeters, layers of Inkscape, four decimals."""
 
 from collections.abc import Iterable
 from html import escape
 
+import numpy as np
+
 from isoembed.arrays import Floats
-from isoembed.papercraft.drawing import Drawing
+from isoembed.papercraft.drawing import DECIMALS, Drawing
 from isoembed.papercraft.labels import HEIGHT, Label
 
-STYLES = {
-    "cut": 'stroke-width="0.3"',
-    "mountain": 'stroke-width="0.2" stroke-dasharray="2 1.2"',
-    "valley": 'stroke-width="0.2" stroke-dasharray="3 1 0.5 1"',
-    "underline": 'stroke-width="0.2"',
-    "ruler": 'stroke-width="0.2"',
+COLORS = {
+    "cut": "#ff0000",
+    "mountain": "#0000ff",
+    "valley": "#008000",
+    "seam": "#ff00ff",
+    "engrave": "#000000",
 }
+"""Machines that cut tell what to do by the color of a line."""
+INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
+WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2, "seam": 0.2, "engrave": 0.2}  # mm
+DASHES = {"mountain": "2 1.2", "valley": "3 1 0.5 1", "seam": "1 1"}  # mm
 
 
 def svg(drawing: Drawing) -> str:
-    """The text of the file: what to cut, what to fold and what to read are groups, for machines that cut."""
+    """The text of the file: what to cut, to fold, to glue and to read are layers, those inside cut first."""
     width, height = drawing.width, drawing.pages * drawing.height
-    labels = drawing.labels
-    groups = [
-        _lines("cut", (_path(cut) + "Z" for cut in drawing.cuts)),
-        _lines("mountain", map(_path, drawing.mountains)),
-        _lines("valley", map(_path, drawing.valleys)),
-        _lines("underline", (_path(one.underline) for one in labels if one.underline is not None)),
-        '<g id="legend">',
-        *(_lines(kind, [_path(sample)], "class") for kind, sample in drawing.legend),
-        _lines("ruler", map(_path, drawing.ruler), "class"),
-        "</g>",
-        '<g id="labels" font-family="Helvetica, Arial, sans-serif" text-anchor="middle">',
-        *map(_text, labels),
-        *map(_text, drawing.notes),
-        "</g>",
+    read = drawing.underlines + drawing.ruler
+    layers = [
+        _layer("glue", (_path(area, closed=True) for area in drawing.glue), 'fill="#e4e4e4"'),
+        _layer(
+            "engrave",
+            [
+                *_group("legend", (_path(line, extra=_dashes(kind)) for kind, line in drawing.legend)),
+                *map(_path, read),
+                *_group("numbers", map(_text, drawing.labels)),
+                *_group("notes", map(_text, drawing.notes)),
+            ],
+            f'{_stroke("engrave")} font-family="Helvetica, Arial, sans-serif" text-anchor="middle"',
+        ),
+        *(
+            _layer(
+                kind,
+                (
+                    _path(*fold.pieces, extra=_angle(fold.angle))
+                    for fold in drawing.folds
+                    if fold.kind == kind
+                ),
+                _stroke(kind),
+            )
+            for kind in ("valley", "mountain")
+        ),
+        *(
+            [_layer("seam", (_path(seam, closed=True) for seam in drawing.seams), _stroke("seam"))]
+            * bool(drawing.seams)
+        ),
+        _layer(
+            "cut",
+            [*(_circle(*hole) for hole in drawing.holes), *(_path(cut, closed=True) for cut in drawing.cuts)],
+            _stroke("cut"),
+        ),
     ]
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" '
-            f'viewBox="0 0 {width:g} {height:g}" style="background: white">',
-            *groups,
+            f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="{INKSCAPE}" '
+            f'width="{width:g}mm" height="{height:g}mm" viewBox="0 0 {width:g} {height:g}" '
+            f'{_said("kerf", drawing.kerf)}{_said("error", drawing.error)}style="background: white">',
+            *layers,
             "</svg>\n",
         ]
     )
 
 
-def _lines(name: str, paths: Iterable[str], attribute: str = "id") -> str:
-    body = "".join(f'\n<path d="{path}"/>' for path in paths)
-    style = f'fill="none" stroke="black" stroke-linejoin="round" {STYLES[name]}'
-    return f'<g {attribute}="{name}" {style}>{body}\n</g>'
+def _layer(name: str, lines: Iterable[str], style: str) -> str:
+    layer = f'inkscape:groupmode="layer" inkscape:label="{name}"'
+    return "\n".join([f'<g id="{name}" {layer} {style}>', *lines, "</g>"])
 
 
-def _path(points: Floats) -> str:
-    return "M" + "L".join(f"{x:.3f} {-y:.3f}" for x, y in points.tolist())
+def _group(name: str, lines: Iterable[str]) -> list[str]:
+    return [f'<g id="{name}">', *lines, "</g>"]
+
+
+def _stroke(kind: str) -> str:
+    style = f'fill="none" stroke="{COLORS[kind]}" stroke-width="{WIDTHS[kind]}" stroke-linejoin="round"'
+    return f"{style} {_dashes(kind)}".strip()
+
+
+def _dashes(kind: str) -> str:
+    """How a line looks; machines draw it whole."""
+    return f'stroke-dasharray="{DASHES[kind]}"' if kind in DASHES else ""
+
+
+def _said(name: str, millimeters: float) -> str:
+    return f'data-{name}="{millimeters:.6g}" ' if millimeters else ""
+
+
+def _angle(angle: float | None) -> str:
+    """What `isoembed.glue` reads of a fold, in degrees."""
+    return "" if angle is None else f'data-angle="{np.degrees(angle):.6f}"'
+
+
+def _path(*parts: Floats, closed: bool = False, extra: str = "") -> str:
+    d = "".join("M" + "L".join(f"{_number(x)} {_number(-y)}" for x, y in part.tolist()) for part in parts)
+    return f'<path d="{d}{"Z" if closed else ""}"{" " if extra else ""}{extra}/>'
+
+
+def _circle(x: float, y: float, radius: float) -> str:
+    return f'<circle cx="{_number(x)}" cy="{_number(-y)}" r="{_number(radius)}"/>'
 
 
 def _text(label: Label) -> str:
-    x, y = f"{label.x:.3f}", f"{-label.y:.3f}"
+    x, y = _number(label.x), _number(-label.y)
     turn = f' transform="rotate({-label.angle:.2f} {x} {y})"' if label.angle else ""
     return (
-        f'<text x="{x}" y="{y}" dy="{HEIGHT / 2 * label.size:.3f}" font-size="{label.size:.3f}"{turn}>'
-        f"{escape(label.text)}</text>"
+        f'<text x="{x}" y="{y}" dy="{HEIGHT / 2 * label.size:.3f}" font-size="{label.size:.3f}" '
+        f'fill="{COLORS["engrave"]}" stroke="none"{turn}>{escape(label.text)}</text>'
     )
+
+
+def _number(value: float) -> str:
+    return f"{round(value, DECIMALS) + 0.0:.{DECIMALS}f}"

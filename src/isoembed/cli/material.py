@@ -1,0 +1,60 @@
+"""Options of the material of a net."""
+
+import argparse
+from dataclasses import fields
+from typing import Any, get_args
+
+from isoembed.papercraft.material import Bends, Joints, Material, Surface
+
+FIELDS = tuple(field.name for field in fields(Material))
+DESTINATIONS = {"surface": "sheet_surface"}  # there are other surfaces
+
+
+def add_material_options(parser: argparse.ArgumentParser) -> None:
+    """Add an option for each field of `Material`."""
+    parser.add_argument(
+        "--joints",
+        choices=get_args(Joints),
+        help="how sides are joined: tabs to glue (default), holes for stitches, none",
+    )
+    parser.add_argument(
+        "--bends", choices=get_args(Bends), help="folds as whole lines (default) or dashes to cut"
+    )
+    parser.add_argument(
+        "--surface",
+        dest="sheet_surface",
+        choices=get_args(Surface),
+        help="with --thickness: which surface of the sheet has the faces of the solid (default outside)",
+    )
+    parser.add_argument(
+        "--k-factor",
+        type=float,
+        metavar="K",
+        help="with --thickness: where a bend keeps its length, from 0, inside, to 1 (default 0.5)",
+    )
+    for name, said in (
+        (
+            "thickness",
+            "of board, foam or metal: faces leave room where they meet, folds have their bend allowance",
+        ),
+        ("radius", "with --thickness: of a bend, inside (default 0)"),
+        ("allowance", "seam allowance: how far outside of the net the cut runs, without tabs"),
+        ("kerf", "width of the beam or blade: outlines are offset outward by half of it"),
+        ("spacing", "of the holes for stitches (default 4)"),
+        ("hole", "diameter of the holes for stitches (default 1)"),
+        ("dash", "what is cut of a fold in dashes (default 3)"),
+        ("gap", "what is left between two dashes, at least (default 1)"),
+    ):
+        parser.add_argument(f"--{name}", type=float, metavar="MM", help=said)
+
+
+def material_of(options: argparse.Namespace) -> Material | None:
+    """The material that the options say; None if they say nothing."""
+    given = given_fields(options)
+    return Material(**given) if given else None
+
+
+def given_fields(options: argparse.Namespace) -> dict[str, Any]:
+    """The fields that the options say, by their names."""
+    values = {name: getattr(options, DESTINATIONS.get(name, name)) for name in FIELDS}
+    return {name: value for name, value in values.items() if value is not None}

@@ -1,0 +1,109 @@
+"""Edges that are cut or kept where a surface is unfolded, as the user chooses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+
+from isoembed.arrays import Indices, Mask
+from isoembed.errors import InvalidParameter
+from isoembed.gluing.faces import Faces
+
+Edges = Sequence[tuple[int, int]]
+"""Pairs of vertex numbers."""
+
+
+def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
+    """Read which edges are cut and which are kept.
+
+    Parameters
+    ----------
+    faces : Faces
+    cut, keep : sequence of (int, int)
+        Edges by their vertices.
+
+    Returns
+    -------
+    cut : ndarray of bool, shape (S,)
+        The sides on both faces beside each edge that is cut.
+    keep : ndarray of int
+        For each edge that is kept the side that comes first; no side twice.
+
+    Raises
+    ------
+    InvalidParameter
+        Something is no edge between two faces, an edge is in both, or edges that are kept lead around a
+        vertex, which cannot lie flat then, or in another ring.
+    """
+    ends = faces.corners[faces.twins]
+    number = {pair: s for s, pair in enumerate(zip(faces.corners.tolist(), ends.tolist(), strict=True))}
+    twins = faces.twins.tolist()
+    found: dict[str, list[int]] = {"cut": [], "keep": []}
+    for name, edges in (("cut", cut), ("keep", keep)):
+        for k, edge in enumerate(edges):
+            s = number.get(_pair(edge, f"{name}[{k}]"))
+            if s is None:
+                a, b = edge
+                raise InvalidParameter(
+                    f"{name}[{k}] ({a}, {b}) is no edge between two faces that meet at an angle"
+                )
+            found[name].append(min(s, twins[s]))
+    is_cut = np.zeros(len(ends), dtype=np.bool_)
+    is_cut[found["cut"]] = True
+    is_cut |= is_cut[faces.twins]
+    kept = list(dict.fromkeys(found["keep"]))
+    for k, s in enumerate(found["keep"]):
+        if is_cut[s]:
+            a, b = keep[k]
+            raise InvalidParameter(f"keep[{k}] ({a}, {b}) is in cut, too")
+    if len(forest(faces, np.array(kept, dtype=np.int64))) < len(kept):
+        raise InvalidParameter(_around(faces, found["keep"], keep))
+    return is_cut, np.array(kept, dtype=np.int64)
+
+
+def _pair(edge: Any, name: str) -> tuple[int, int]:
+    try:
+        a, b = edge
+    except (TypeError, ValueError):
+        raise InvalidParameter(f"{name} is {edge!r}, not a pair of vertex numbers") from None
+    if not isinstance(a, Integral) or not isinstance(b, Integral):
+        raise InvalidParameter(f"{name} is {edge!r}, not a pair of vertex numbers")
+    return int(a), int(b)
+
+
+def forest(faces: Faces, order: Indices) -> Indices:
+    """The sides that join faces to trees if they are taken in this order: those that close no ring."""
+    owner = np.repeat(np.arange(len(faces.first) - 1), np.diff(faces.first))
+    pairs = np.column_stack([owner[order], owner[faces.twins[order]]]).tolist()
+    root = list(range(len(faces.first) - 1))
+
+    def find(f: int) -> int:
+        while root[f] != f:
+            root[f] = f = root[root[f]]
+        return f
+
+    found = []
+    for s, (f, g) in zip(order.tolist(), pairs, strict=True):
+        f, g = find(f), find(g)
+        if f != g:
+            root[f] = g
+            found.append(s)
+    return np.array(found, dtype=np.int64)
+
+
+def _around(faces: Faces, sides: Sequence[int], keep: Edges) -> str:
+    """Which of the edges that are kept is the first to close a ring."""
+    for k in range(len(sides)):
+        kept = np.unique(sides[: k + 1])
+        if len(forest(faces, kept)) < len(kept):
+            break
+    a, b = keep[k]
+    left = np.bincount(faces.corners, minlength=1) - np.bincount(
+        faces.corners[np.concatenate([kept, faces.twins[kept]])], minlength=faces.corners.max() + 1
+    )
+    around = next((v for v in (a, b) if left[v] == 0), None)
+    where = "closes a ring of faces" if around is None else f"joins all faces around vertex {around}"
+    return f"keep[{k}] ({a}, {b}) {where}, which cannot lie flat"

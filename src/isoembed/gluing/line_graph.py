@@ -1,0 +1,203 @@
+"""Planar graph of drawn lines: what they enclose is a face, and sheets are faces that hang together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric
+from isoembed.gluing.drawn_lines import CUT, FOLD, Line
+from isoembed.mesh.merging import representatives
+
+Side = tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class LineGraph:
+    """The faces that lines enclose, counterclockwise.
+
+    Attributes
+    ----------
+    points : ndarray, shape (V, 2)
+    faces : list of list of int
+        The vertices around each.
+    lines : dict
+        The line that each side ``(f, k)`` lies on.
+    twins : dict
+        The side on the other side of the line, of those that have one.
+    """
+
+    points: Floats
+    faces: list[list[int]]
+    lines: dict[Side, Line]
+    twins: dict[Side, Side]
+
+    def ends(self, side: Side) -> Floats:
+        """Where a side begins and ends, (2, 2)."""
+        f, k = side
+        return self.points[[self.faces[f][k], self.faces[f][(k + 1) % len(self.faces[f])]]]
+
+    def folds(self, f: int) -> list[Side]:
+        """The sides of a face across which the paper goes on."""
+        return [(f, k) for k in range(len(self.faces[f])) if (f, k) in self.twins]
+
+    @classmethod
+    def of(cls, lines: Sequence[Line], near: float) -> LineGraph:
+        """The faces that lines enclose.
+
+        A line that is drawn twice counts once, and lines that enclose nothing count for nothing.
+
+        Parameters
+        ----------
+        lines : sequence of Line
+        near : float
+            Points as near are one.
+
+        Raises
+        ------
+        InvalidMetric
+            Lines cross, a fold ends inside of a sheet, or an outline is inside of another.
+        """
+        points, edges = _edges(lines, near)
+        edges = _without_ends(points, edges)
+        around: dict[int, list[int]] = {}
+        for a, b in edges:
+            around.setdefault(a, []).append(b)
+            around.setdefault(b, []).append(a)
+        for a, others in around.items():
+            others.sort(key=lambda b: float(np.arctan2(*(points[b] - points[a])[::-1])))
+        following = {(b, a): (a, others[k - 1]) for a, others in around.items() for k, b in enumerate(others)}
+        faces: list[list[int]] = []
+        outer: list[list[int]] = []
+        left = dict.fromkeys(following)
+        while left:
+            step = first = next(iter(left))
+            face: list[int] = []
+            while not face or step != first:
+                del left[step]
+                face.append(step[0])
+                step = following[step]
+            (faces if _area(points[face]) > 0 else outer).append(face)
+        _check_apart(points, faces, outer)
+        place = {
+            (a, face[(k + 1) % len(face)]): (f, k) for f, face in enumerate(faces) for k, a in enumerate(face)
+        }
+        on = {side: edges[min(ends), max(ends)] for ends, side in place.items()}
+        twins = {
+            side: place[b, a] for (a, b), side in place.items() if (b, a) in place and on[side].purpose != CUT
+        }
+        return cls(points, faces, on, twins)
+
+
+def _edges(lines: Sequence[Line], near: float) -> tuple[Floats, dict[Side, Line]]:
+    """Vertices, and the line on each edge between two of them."""
+    every = np.concatenate([line.points for line in lines])
+    size = float(np.ptp(every, axis=0).max()) or 1.0
+    names, number = np.unique(
+        representatives((every - every.min(axis=0)) / size, near / size), return_inverse=True
+    )
+    points = every[names]
+    number = number.ravel()
+    edges: dict[Side, Line] = {}
+    first = 0
+    for line in lines:
+        way = number[first : first + len(line.points)]
+        first += len(way)
+        for a, b in pairwise(way.tolist()):
+            if a == b:
+                continue
+            step = points[b] - points[a]
+            length = float(np.hypot(*step))
+            part = (points - points[a]) @ step / length**2
+            off = np.abs((points[:, 0] - points[a, 0]) * step[1] - (points[:, 1] - points[a, 1]) * step[0])
+            inside = np.flatnonzero(
+                (off <= near * length) & (part * length > near) & ((1 - part) * length > near)
+            )
+            stops = [a, *inside[np.argsort(part[inside])].tolist(), b]
+            for u, v in pairwise(stops):
+                known = edges.get((min(u, v), max(u, v)))
+                if known is None or line.purpose == CUT:
+                    edges[min(u, v), max(u, v)] = line
+    _check_crossings(points, np.array([*edges], dtype=np.int64).reshape(-1, 2))
+    return points, edges
+
+
+def _check_crossings(points: Floats, edges: np.ndarray) -> None:
+    starts, ends = points[edges[:, 0]], points[edges[:, 1]]
+
+    def turns(a: Floats, b: Floats, c: Floats) -> Floats:
+        u, v = b - a, c - a
+        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+
+    for e, (a, b) in enumerate(edges.tolist()):
+        apart = (edges != a).all(axis=1) & (edges != b).all(axis=1)
+        apart[: e + 1] = False
+        crossing = turns(points[a], points[b], starts) * turns(points[a], points[b], ends) < 0
+        crossing &= turns(starts, ends, points[a]) * turns(starts, ends, points[b]) < 0
+        if (crossing & apart).any():
+            other = int(np.argmax(crossing & apart))
+            raise InvalidMetric(f"the lines {_said(points[[a, b]])} and {_said(points[edges[other]])} cross")
+
+
+def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:
+    """The edges that are on the boundary of something: those with a loose end are removed one by one."""
+    around: dict[int, set[Side]] = {}
+    for edge in edges:
+        for v in edge:
+            around.setdefault(v, set()).add(edge)
+    loose = [v for v, some in around.items() if len(some) == 1]
+    removed = []
+    while loose:
+        v = loose.pop()
+        if not around[v]:
+            continue
+        (edge,) = around[v]
+        removed.append(edge)
+        for u in edge:
+            around[u].discard(edge)
+            if len(around[u]) == 1:
+                loose.append(u)
+    for edge in removed:
+        if edges[edge].purpose == FOLD and any(around[v] for v in edge):
+            raise InvalidMetric(f"the fold {_said(points[[*edge]])} ends inside of a sheet")
+    return {edge: line for edge, line in edges.items() if edge in around[edge[0]]}
+
+
+def _check_apart(points: Floats, faces: list[list[int]], outer: list[list[int]]) -> None:
+    """Refuse an outline inside of a face."""
+    for face in faces:
+        corners = points[face]
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        own = set(face)
+        for other in outer:
+            v = points[other[0]]
+            if own.isdisjoint(other) and (v > low).all() and (v < high).all() and is_inside(v, corners):
+                raise InvalidMetric(
+                    f"there is an outline inside of another, at {_at(v)}: sheets with holes cannot be glued, "
+                    "and frames are to be removed"
+                )
+
+
+def is_inside(point: Floats, corners: Floats) -> bool:
+    """Whether a point is inside of a polygon: a ray from it crosses the boundary an odd number of times."""
+    a, b = corners - point, np.roll(corners, -1, axis=0) - point
+    across = (a[:, 1] > 0) != (b[:, 1] > 0)
+    a, b = a[across], b[across]
+    return bool(((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0) == (b[:, 1] > a[:, 1])).sum() % 2)
+
+
+def _area(corners: Floats) -> float:
+    x, y = (corners - corners[0]).T
+    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2
+
+
+def _at(point: Floats) -> str:
+    return f"[{point[0]:.6g}, {point[1]:.6g}]"
+
+
+def _said(ends: Floats) -> str:
+    return f"from {_at(ends[0])} to {_at(ends[1])}"

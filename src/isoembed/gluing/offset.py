@@ -1,0 +1,84 @@
+"""Offset of simple polygons."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidParameter
+from isoembed.gluing.polygon import meeting_sides
+
+FLAT = 1e-9  # radians; sides that turn less are in line
+
+
+def offset(outline: Floats, distances: ArrayLike, name: str, limit: float = np.inf) -> Floats:
+    """Move the sides of a polygon outward, and let them meet again.
+
+    Where the result is simple and its sides have their directions, it winds once around every point that it
+    encloses, so that it is the boundary of what lies within the distance.
+
+    Parameters
+    ----------
+    outline : ndarray, shape (n, 2)
+        Counterclockwise and simple.
+    distances : float or array_like, shape (n,)
+        Of each side, negative inward.
+    name : str
+        What it is called in a message.
+    limit : float
+        A convex corner that would come to lie farther than so many distances from its place is cut off there,
+        across its bisector.
+
+    Returns
+    -------
+    ndarray, shape (m, 2)
+        Corners that are cut off have become two, and so have those between sides in line whose distances
+        differ.
+
+    Raises
+    ------
+    InvalidParameter
+        A side would vanish, or the outline would meet itself, as where a notch is closed.
+    """
+    return moved_sides(outline, distances, name, limit)[0]
+
+
+def moved_sides(
+    outline: Floats, distances: ArrayLike, name: str, limit: float = np.inf
+) -> tuple[Floats, Indices, Indices]:
+    """The polygon of `offset`, and which of its corners each side begins and ends at, shape (n,) each."""
+    n = len(outline)
+    steps = np.roll(outline, -1, axis=0) - outline
+    along = steps / np.hypot(*steps.T)[:, None]
+    out = np.column_stack([along[:, 1], -along[:, 0]])
+    moved = np.broadcast_to(np.asarray(distances, dtype=np.float64), n)
+    points: list[Floats] = []
+    begins, ends = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+    for k in range(n):
+        (d, e), (u, v), (a, b) = ((some[k - 1], some[k]) for some in (moved, out, along))
+        turn = float(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b))
+        if abs(turn) <= FLAT:
+            found = [d * u] if d == e else [d * u, e * v]
+        else:
+            corner = (e * a - d * b) / np.sin(turn)
+            found = [corner]
+            if turn > 0 and min(d, e) > 0 and np.hypot(*corner) > (far := limit * max(d, e)):
+                across = corner / np.hypot(*corner)
+                found = [d * u + (far - d * (u @ across)) / (a @ across) * a]
+                found += [e * v + (far - e * (v @ across)) / (b @ across) * b]
+        ends[k - 1] = len(points)
+        points += [outline[k] + shift for shift in found]
+        begins[k] = len(points) - 1
+    result = np.array(points)
+    kept = ((result[ends] - result[begins]) * along).sum(axis=1) > 0
+    if not kept.all():
+        k = int(np.argmin(kept))
+        raise InvalidParameter(f"side {k} of {name} vanishes: an offset of {moved[k]:.4g} mm is too much")
+    size = float(np.ptp(result, axis=0).max())
+    i, j = meeting_sides((result - result.min(axis=0)) / size)
+    if i >= 0:
+        side = [int(np.searchsorted(begins, m, side="right")) - 1 for m in (i, j)]
+        raise InvalidParameter(
+            f"an offset of {float(moved.max()):.4g} mm closes the notch of {name} between its sides "
+            f"{min(side)} and {max(side)}: it takes more sheets, a larger scale or a smaller offset"
+        )
+    return result, begins, ends

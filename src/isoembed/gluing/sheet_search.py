@@ -1,0 +1,136 @@
+"""Search for sheets without overlaps: which faces stay together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.errors import InvalidParameter
+from isoembed.gluing.edge_choice import forest
+from isoembed.gluing.faces import Faces
+from isoembed.gluing.loops import joined
+from isoembed.thresholds import threshold
+
+Objective = Literal["sheets", "length", "strips", "faces"]
+Sheets = tuple[Floats, Indices, Indices]
+"""As of `joined`."""
+
+
+@dataclass(frozen=True)
+class UnfoldingThresholds:
+    """Thresholds of the search for a net without overlaps."""
+
+    directions: int = threshold(50, "count", "Directions that are tried to unfold a surface into one sheet.")
+    exchanges: int = threshold(450, "count", "Attempts afterwards to get a better net from the best one.")
+    sharp: float = threshold(1e-3, "radians", "Edges that bend less are not cut where others can be.")
+    digits: int = threshold(3, "digits", "Coordinates with fewer are exact: their faces bend as they say.")
+    seed: int = threshold(0, "seed", "Of the directions and of the attempts.")
+
+
+UNFOLDING = UnfoldingThresholds()
+
+
+def found_sheets(faces: Faces, steps: Floats, chosen: tuple[Mask, Indices], objective: Objective) -> Sheets:
+    """The best sheets that are found.
+
+    Parameters
+    ----------
+    faces : Faces
+        Of the size of 1 at most.
+    steps : ndarray, shape (S, 3)
+        From the beginning of each side to its end, in space.
+    chosen : ndarray of bool, ndarray of int
+        As of `chosen_sides`.
+    objective : str
+
+    Raises
+    ------
+    InvalidParameter
+        Faces that are kept together overlap or are no strip, or there is no such objective.
+    """
+    if objective not in get_args(Objective):
+        raise InvalidParameter(f"objective is {objective!r}, not one of {', '.join(get_args(Objective))}")
+    is_cut, kept = chosen
+    is_cut, kept = chosen
+    _check_kept(faces, kept, len(steps), "join overlap")
+    if objective == "faces":
+        return joined(faces, kept, len(steps))
+    most = 2 if objective == "strips" else len(steps)
+    _check_kept(faces, kept, most, "join are no strip")
+    lengths = np.linalg.norm(steps, axis=1)
+    directions = steps / lengths[:, None]
+    rng = np.random.default_rng(UNFOLDING.seed)
+    free = ~is_cut
+    free[kept] = False
+
+    def start() -> Indices:
+        if objective == "length":
+            order = np.argsort(-lengths, kind="stable")
+            order = order[order < faces.twins[order]]
+        else:
+            order = _order(faces, directions, rng.normal(size=3))
+        return order[free[order]]
+
+    def tried(order: Indices) -> Sheets:
+        return joined(faces, np.concatenate([kept, order]), most)
+
+    def cost(found: Sheets) -> float:
+        return float(lengths[found[1] >= 0].sum()) if objective == "length" else len(np.unique(found[2]))
+
+    order = start()
+    best = tried(order)
+    least = cost(best)
+    # If nothing overlapped, faces would be joined to trees, along long sides where the cuts are to be short.
+    tree = forest(faces, np.concatenate([kept, order]))
+    bound = float(len(faces.first) - 1 - len(tree))
+    if objective == "length":
+        bound = float(lengths.sum() - 2 * lengths[tree].sum()) * (1 + 1e-12)
+    one_start = objective == "length"
+    for k in range(UNFOLDING.directions if one_start else 1, UNFOLDING.directions + UNFOLDING.exchanges):
+        if least <= bound:
+            break
+        exchange = k >= UNFOLDING.directions
+        if exchange:  # join two sheets first that did not come together, or faces that were cut apart
+            between = np.flatnonzero(best[2][order] != best[2][faces.twins[order]])
+            if not len(between):
+                between = np.flatnonzero(best[1][order] >= 0)
+            first = rng.choice(between)
+            changed = np.concatenate([[order[first]], np.delete(order, first)])
+        else:
+            changed = start()
+        found = tried(changed)
+        value = cost(found)
+        if value < least or (exchange and value == least):
+            least, best, order = value, found, changed
+    return best
+
+
+def _check_kept(faces: Faces, kept: Indices, most: int, why: str) -> None:
+    apart = joined(faces, kept, most)[1][kept] >= 0
+    if apart.any():
+        s = kept[np.argmax(apart)]
+        a, b = faces.corners[s], faces.corners[faces.twins[s]]
+        raise InvalidParameter(
+            f"the edge ({a}, {b}) cannot be kept: faces that it and others before it {why}"
+        )
+
+
+def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
+    """Sides, those first across which the faces should stay together."""
+    slopes = directions @ (up / np.linalg.norm(up))
+    sharp = np.abs(faces.angles) > UNFOLDING.sharp
+    faceted = np.bincount(faces.corners, sharp) > 0
+    # Of the sides that lead up from a vertex the steepest is cut, and no diagonal of a face.
+    climb = np.where(sharp | ~faceted[faces.corners], slopes, 0.0)
+    by_climb = np.lexsort([climb, faces.corners])
+    steepest = by_climb[np.append(np.diff(faces.corners[by_climb]) != 0, True)]
+    cut = np.zeros(len(slopes), dtype=np.bool_)
+    cut[steepest] = climb[steepest] > 0
+    cut |= cut[faces.twins]
+    along = np.where(sharp, np.abs(slopes), -1.0)
+    along[cut] = 1.0 + np.abs(slopes[cut])
+    order = np.argsort(along, kind="stable")
+    return order[order < faces.twins[order]]

@@ -1,0 +1,279 @@
+"""Nets from the lines of a drawing: sheets, folds, and sides matched by numbers, colors, folds or lengths."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
+from isoembed.gluing import Net, edge_gluings, glue
+from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance
+from isoembed.gluing.dashes import undashed
+from isoembed.gluing.drawn_lines import CUT, GLUE, READ, SEAM, Line, Lines, Number
+from isoembed.gluing.line_graph import LineGraph, Side, is_inside
+from isoembed.gluing.offset import offset
+from isoembed.io.crease_pattern import with_places
+from isoembed.io.files import FileError
+
+SNAP = 1e-5  # of the drawing: ends as near are one
+UNITS = 4.0  # of the last digit, by which lengths between rounded points may differ
+NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
+ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
+MOST_SIDES = 40  # of a sheet whose gluings are searched
+
+Pair = tuple[Side, Side]
+
+
+def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
+    """Glue what is drawn.
+
+    Outlines are cut, and lines between are folded.  Tabs, which have glue on them, are left away.  Sides are
+    glued that have the same number; then those of the same color, if it has no third; those that meet when
+    the sheet is folded by its angles; those of the same length, if it has no third; and the only convex way
+    that is left.
+
+    Parameters
+    ----------
+    drawing : Lines
+    name : str
+        Of the file, for messages.
+    tolerance : float, optional
+        Lengths that differ by no more are glued, mm; by default four units of the last digit,
+        or by how much the points of the solid were rounded, if the file says it.
+
+    Raises
+    ------
+    FileError
+        There are no outlines.
+    InvalidMetric, InvalidParameter
+        Lines do not make sheets, a side has no mate, or as `isoembed.glue`.
+    """
+    lines = [line for line in drawing.lines if line.purpose != READ]
+    glued = [line.points[:-1] for line in lines if line.purpose == GLUE and line.is_closed]
+    lines = [line for line in lines if line.purpose != GLUE]
+    seams = [replace(line, purpose=CUT) for line in lines if line.purpose == SEAM]
+    if seams:  # what is cut is wider, by the allowance
+        lines = seams + [line for line in lines if line.purpose not in (CUT, SEAM)]
+    if not lines:
+        raise FileError(f"{name} has no lines to cut")
+    every = np.concatenate([line.points for line in lines])
+    size = float(np.ptp(every, axis=0).max())
+    near = max(SNAP * size, 2 * drawing.unit, tolerance or 0.0)
+    lines = undashed(_without_kerf(_without_holes(lines), 0.0 if seams else drawing.kerf), near)
+    graph = LineGraph.of(lines, near)
+    if not graph.faces:
+        raise FileError(f"{name} has no closed outlines: its lines enclose nothing")
+    quiet = tolerance is None
+    if tolerance is None and (drawing.unit > 0 or drawing.error > 0):
+        tolerance = max(UNITS * drawing.unit, 2 * drawing.error)
+    tabs = _tabs(graph, glued, drawing.numbers)
+    kept = [f for f in range(len(graph.faces)) if f not in tabs]
+    place = {f: k for k, f in enumerate(kept)}
+    faces = [graph.faces[f] for f in kept]
+    twins = {
+        (place[f], k): (place[twin[0]], twin[1])
+        for (f, k), twin in graph.twins.items()
+        if f in place and twin[0] in place
+    }
+    own = {(place[f], k): line for (f, k), line in graph.lines.items() if f in place}
+    sheets = LineGraph(graph.points, faces, own, twins)
+    folded = _folded(sheets, near)
+    pairs = _mates(sheets, drawing.numbers, folded, near if tolerance is None else max(tolerance, near))
+    pairs += [(side, twin) for side, twin in twins.items() if side < twin]
+    with warnings.catch_warnings():
+        if quiet:  # the digits of the file explain by how much sides differ
+            warnings.simplefilter("ignore", MeshNote)
+        net = glue([graph.points[face] for face in faces], pairs, tolerance=tolerance)
+    return with_places(net, faces, folded)
+
+
+def _without_holes(lines: Sequence[Line]) -> list[Line]:
+    """The lines but for circles inside of others, which are holes for stitches."""
+    around = [line.points[:-1] for line in lines if line.is_closed and not line.is_circle]
+    return [
+        line
+        for line in lines
+        if not line.is_circle or not any(is_inside(line.points[0], corners) for corners in around)
+    ]
+
+
+def _without_kerf(lines: Sequence[Line], kerf: float) -> list[Line]:
+    """The outlines of what is left when a beam has followed the lines."""
+    if not kerf:
+        return list(lines)
+    found = []
+    for k, line in enumerate(lines):
+        if line.purpose == CUT and line.is_closed:
+            corners = offset(line.points[:-1], -kerf / 2, f"outline {k}")
+            line = replace(line, points=np.concatenate([corners, corners[:1]]))
+        found.append(line)
+    return found
+
+
+def _tabs(graph: LineGraph, glued: Sequence[Floats], numbers: Sequence[Number]) -> set[int]:
+    """The faces that are tabs: with glue on them, or, where no glue is drawn, at the end without a number."""
+    ends = [f for f in range(len(graph.faces)) if len(graph.folds(f)) == 1]
+    marks = [area.mean(axis=0) for area in glued] or [np.array([one.x, one.y]) for one in numbers]
+    if not marks:
+        return set()
+    marked = {f for f in ends if any(is_inside(mark, graph.points[graph.faces[f]]) for mark in marks)}
+    return marked if glued else set(ends) - marked
+
+
+def _folded(sheets: LineGraph, near: float) -> tuple[Floats, np.ndarray] | None:
+    """The faces folded up by the angles of the lines between them; None if the drawing does not tell all."""
+    angles = {}
+    for side in sheets.twins:
+        angle = sheets.lines[side].angle
+        if angle is None:
+            return None
+        f, k = side
+        a, b = sheets.faces[f][k], sheets.faces[f][(k + 1) % len(sheets.faces[f])]
+        angles[min(a, b), max(a, b)] = -float(np.radians(angle))
+    return fold_up(sheets.points, sheets.faces, angles, max(near, meeting_tolerance(sheets.points)))
+
+
+def _mates(
+    sheets: LineGraph, numbers: Sequence[Number], folded: tuple[Floats, np.ndarray] | None, tolerance: float
+) -> list[Pair]:
+    """The pairs of sides that are glued."""
+    left = [
+        (f, k) for f, face in enumerate(sheets.faces) for k in range(len(face)) if (f, k) not in sheets.twins
+    ]
+    pairs: list[Pair] = []
+
+    def match(key: Callable[[Side], Hashable | None]) -> None:
+        """Glue sides whose key exactly two have."""
+        nonlocal left
+        by_key: dict[Hashable, list[Side]] = {}
+        for side in left:
+            if (value := key(side)) is not None:
+                by_key.setdefault(value, []).append(side)
+        found = [(some[0], some[1]) for some in by_key.values() if len(some) == 2]
+        pairs.extend(found)
+        done = {side for pair in found for side in pair}
+        left = [side for side in left if side not in done]
+
+    match(_numbered(sheets, numbers, left, tolerance).get)
+    colors = {sheets.lines[side].color for side in left}
+    if len(colors) > 1:
+        match(lambda side: sheets.lines[side].color or None)
+    if left and folded is not None and not folded[1].any():
+        names = meeting_corners(*folded[:1], sheets.faces, folded[1], tolerance)
+        match(lambda side: tuple(sorted(names[v] for v in _corners(sheets, side))))
+    if left:
+        match(_by_length(sheets, left, tolerance).get)
+    if left:
+        pairs += _searched(sheets, pairs, left)
+    return pairs
+
+
+def _corners(sheets: LineGraph, side: Side) -> tuple[int, int]:
+    f, k = side
+    return sheets.faces[f][k], sheets.faces[f][(k + 1) % len(sheets.faces[f])]
+
+
+def _length(sheets: LineGraph, side: Side) -> float:
+    return float(np.hypot(*np.diff(sheets.ends(side), axis=0)[0]))
+
+
+def _numbered(
+    sheets: LineGraph, numbers: Sequence[Number], sides: Sequence[Side], tolerance: float
+) -> dict[Side, str]:
+    """What is written at each side: all that is written twice is assigned so that it is near."""
+    from scipy.optimize import linear_sum_assignment  # slow to import
+
+    written = [one for one in numbers if one.text.strip()]
+    if not written or not sides:
+        return {}
+    ends = np.array([sheets.ends(side) for side in sides])
+    step = ends[:, 1] - ends[:, 0]
+    length = np.hypot(*step.T)
+    places = np.array([[one.x, one.y] for one in written])
+    away = places[:, None] - ends[:, 0]
+    part = np.clip((away * step).sum(axis=2) / length**2, 0.0, 1.0)
+    apart = np.hypot(*np.moveaxis(away - part[..., None] * step, 2, 0))
+    inward = step[:, 0] * away[..., 1] - step[:, 1] * away[..., 0] > 0
+    heights = np.array([one.height for one in written])
+    close = (apart <= NEAR * heights[:, None]).any(axis=1)
+    cost = np.where(inward, apart, 2 * apart + heights[:, None])
+    angles = np.radians([one.angle for one in written])
+    if angles.any():  # numbers are written along their sides
+        turned = np.abs(np.sin(angles[:, None] - np.arctan2(step[:, 1], step[:, 0])))
+        cost += ALONG * heights[:, None] * turned
+    cost = cost[close]
+    rows, columns = linear_sum_assignment(cost)
+    texts = [one.text.strip() for one, near in zip(written, close, strict=True) if near]
+    found = {sides[c]: texts[r] for r, c in zip(rows.tolist(), columns.tolist(), strict=True)}
+    by_text: dict[str, list[Side]] = {}
+    for side, text in found.items():
+        by_text.setdefault(text, []).append(side)
+    for text, some in by_text.items():
+        lengths = [_length(sheets, side) for side in some]
+        if len(some) == 2 and abs(lengths[0] - lengths[1]) > 2 * tolerance:
+            raise InvalidMetric(
+                f"the sides with the number {text} are {lengths[0]:.6g} and {lengths[1]:.6g} mm long, "
+                f"{_where(sheets, some[0])} and {_where(sheets, some[1])}: give a tolerance of "
+                f"{abs(lengths[0] - lengths[1]):.2g}, or correct them"
+            )
+    return found
+
+
+def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> dict[Side, int]:
+    """The class of each side, of those that have one length."""
+    lengths = np.array([_length(sheets, side) for side in sides])
+    order = np.argsort(lengths, kind="stable")
+    classes = np.cumsum(np.diff(lengths[order], prepend=lengths[order[0]]) > tolerance)
+    return {sides[k]: int(c) for k, c in zip(order.tolist(), classes, strict=True)}
+
+
+def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side]) -> list[Pair]:
+    """The only convex gluing of one sheet in which sides are glued that are so already."""
+    outline = _outline(sheets)
+    if outline is None or len(outline) > MOST_SIDES:
+        raise _no_mate(sheets, left)
+    number = {side: k for k, side in enumerate(outline)}
+    known = {tuple(sorted((number[one], number[other]))) for one, other in pairs}
+    points = np.array([sheets.ends(side)[0] for side in outline])
+    found = [
+        some
+        for some in ([(i, k) for (_, i), (_, k) in sides] for sides in edge_gluings(points))
+        if known <= set(some)
+    ]
+    if len(found) != 1:
+        raise _no_mate(sheets, left, len(found))
+    return [(outline[i], outline[k]) for i, k in found[0] if (i, k) not in known]
+
+
+def _outline(sheets: LineGraph) -> list[Side] | None:
+    """The sides around one sheet, counterclockwise; None of several sheets."""
+    around: list[Side] = []
+    side = first = next(
+        (f, k) for f, face in enumerate(sheets.faces) for k in range(len(face)) if (f, k) not in sheets.twins
+    )
+    while not around or side != first:
+        around.append(side)
+        f, k = side
+        side = f, (k + 1) % len(sheets.faces[f])
+        while side in sheets.twins:
+            f, k = sheets.twins[side]
+            side = f, (k + 1) % len(sheets.faces[f])
+    count = sum(map(len, sheets.faces)) - len(sheets.twins)
+    return around if len(around) == count else None
+
+
+def _no_mate(sheets: LineGraph, left: Sequence[Side], ways: int = 0) -> InvalidParameter:
+    several = f": {ways} ways to glue it make a convex solid" if ways else ""
+    return InvalidParameter(
+        f"the side {_where(sheets, left[0])}, {_length(sheets, left[0]):.6g} mm long, has no mate that is "
+        f"certain{several}; write the same number at the two sides that are glued"
+    )
+
+
+def _where(sheets: LineGraph, side: Side) -> str:
+    (x, y), (u, v) = sheets.ends(side).tolist()
+    return f"from [{x:.6g}, {y:.6g}] to [{u:.6g}, {v:.6g}]"

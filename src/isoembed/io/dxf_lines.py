@@ -1,0 +1,137 @@
+"""Lines and numbers of DXF files, in millimeters, through ezdxf."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from isoembed.gluing.drawn_lines import LAYERS, NUMBERS, READ, Line, Lines, Number, last_unit
+from isoembed.io.files import FileError, first_line
+from isoembed.io.input_file import InputFile
+
+APPLICATION = "ISOEMBED"
+"""Of what is said of an entity besides: the angle of a fold."""
+PROPERTIES = ("kerf", "error")
+"""Of a drawing, mm: by whose half its outlines are offset; of the points of the solid."""
+FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
+CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
+MOST_NESTED = 10  # blocks
+
+
+def ezdxf_for(what: str) -> Any:
+    """The package ezdxf.
+
+    Raises
+    ------
+    FileError
+        It is not installed.
+    """
+    try:
+        import ezdxf
+    except ImportError:
+        raise FileError(f"{what} needs ezdxf: pip install 'isoembed[dxf]'") from None
+    return ezdxf
+
+
+def read_dxf_lines(file: InputFile) -> Lines:
+    """Read what a DXF file draws in its model space.
+
+    Names of layers tell what lines are for.  Curves are sampled; a drawing without a unit is in millimeters.
+
+    Raises
+    ------
+    FileError
+        It is no DXF file, or ezdxf is not installed.
+    """
+    ezdxf = ezdxf_for(f"reading {file}")
+    text = file.data.decode("utf-8", errors="surrogateescape")
+    try:
+        document = ezdxf.read(io.StringIO(text.replace("\r\n", "\n")))
+    except (ezdxf.DXFError, ValueError, KeyError, IndexError, AttributeError, TypeError) as error:  # damaged
+        raise FileError(f"{file} is not a readable DXF file: {first_line(error)}") from None
+    # Of a drawing without a unit, as old programs write them, ezdxf says 0.
+    unit = ezdxf.units.conversion_factor(document.units, ezdxf.units.MM) if document.units else 1.0
+    lines, numbers, values = [], [], [np.zeros(1)]
+    entities = [*_entities(document.modelspace(), 0, str(file))]
+    any_numbers = any(entity.dxf.layer.lower() == NUMBERS for entity in entities)
+    for entity in entities:
+        layer, kind = entity.dxf.layer.lower(), entity.dxftype()
+        if kind in ("TEXT", "MTEXT"):
+            if not any_numbers or layer == NUMBERS:
+                numbers.append(_number(entity, unit))
+            continue
+        path = ezdxf.path.make_path(entity)
+        if len(path) == 0:
+            continue
+        corners = np.array([vertex.vec2 for vertex in path.control_vertices()])
+        if not path.has_curves:  # whose controls are computed
+            values.append(corners.ravel())
+        size = float(np.ptp(corners, axis=0).max())
+        points = unit * np.array([vertex.vec2 for vertex in path.flattening(FLATNESS * size, segments=8)])
+        if not np.isfinite(points).all():
+            raise FileError(
+                f"{file}: a {kind} of the layer {entity.dxf.layer} has points that are not finite"
+            )
+        if path.is_closed and not (points[0] == points[-1]).all():
+            points[-1] = points[0]
+        purpose = LAYERS.get(layer, READ if layer == NUMBERS else "")
+        color = str(entity.dxf.get("true_color", entity.dxf.color))
+        lines.append(Line(points, purpose, color, _angle(entity), kind == "CIRCLE"))
+    properties = dict(document.header.custom_vars.properties)
+    said = [_millimeters(properties, name, str(file)) for name in PROPERTIES]
+    return Lines(tuple(lines), tuple(numbers), unit * last_unit(np.concatenate(values)), *said)
+
+
+def _millimeters(properties: dict[str, str], name: str, file: str) -> float:
+    """What the file says of itself."""
+    try:
+        value = float(properties.get(name, "0"))
+    except ValueError:
+        value = math.nan
+    if not 0 <= value < math.inf:
+        raise FileError(f"{file}: the {name} is {properties[name]!r}, not a length in mm")
+    return value
+
+
+def _entities(space: Any, depth: int, name: str) -> Iterator[Any]:
+    """Curves and texts, those of blocks where they are inserted."""
+    if depth > MOST_NESTED:
+        raise FileError(f"{name} has blocks nested more than {MOST_NESTED} deep")
+    for entity in space:
+        kind = entity.dxftype()
+        if kind == "INSERT":
+            yield from _entities(entity.virtual_entities(), depth + 1, name)
+        elif kind in CURVES or kind in ("TEXT", "MTEXT"):
+            yield entity
+
+
+def _number(entity: Any, unit: float) -> Number:
+    """What is written, at its middle."""
+    if entity.dxftype() == "MTEXT":
+        text, height, point = entity.plain_text().strip(), entity.dxf.char_height, entity.dxf.insert
+        column, row = (entity.dxf.attachment_point - 1) % 3, (entity.dxf.attachment_point - 1) // 3
+        shift = np.array([0.5 - column / 2, (row - 1) / 2])
+        angle = entity.get_rotation()
+    else:
+        text, height, angle = entity.plain_text().strip(), entity.dxf.height, entity.dxf.rotation
+        align, first, second = entity.get_placement()
+        name, point = align.name, first if second is None else (first + second) / 2
+        across = 0.5 if name.endswith("LEFT") else -0.5 if name.endswith("RIGHT") else 0.0
+        shift = np.array([across, 0.0 if "MIDDLE" in name else -0.5 if name.startswith("TOP") else 0.5])
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    size = np.array([0.78 * len(text) * height, height])  # a digit is narrower than high
+    x, y = unit * (np.array([point[0], point[1]]) + np.array([[c, -s], [s, c]]) @ (shift * size))
+    return Number(text, float(x), float(y), unit * float(height), float(angle))
+
+
+def _angle(entity: Any) -> float | None:
+    """The angle of a fold, in degrees."""
+    if not entity.has_xdata(APPLICATION):
+        return None
+    said = [tag.value for tag in entity.get_xdata(APPLICATION)]
+    return next((float(b) for a, b in pairwise(said) if a == "angle"), None)

@@ -1,0 +1,311 @@
+"""Lines and numbers of SVG files, in millimeters."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.gluing.drawn_lines import LAYERS, NUMBERS, READ, Line, Lines, Number, last_unit
+from isoembed.io.files import FileError
+from isoembed.io.input_file import InputFile
+from isoembed.io.svg_path import path_points
+
+MOST_BYTES = 50_000_000
+MOST_NESTED = 50  # elements, and uses of others by them
+PIXEL = 25.4 / 96  # mm
+UNITS = {
+    "": PIXEL,
+    "px": PIXEL,
+    "mm": 1.0,
+    "cm": 10.0,
+    "in": 25.4,
+    "pt": 25.4 / 72,
+    "pc": 25.4 / 6,
+    "q": 0.25,
+}
+UNDRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern", "metadata", "title", "desc", "style"}
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+HREF = "{http://www.w3.org/1999/xlink}href"
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+ANCHORS = {"start": 0.5, "middle": 0.0, "end": -0.5}
+WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in sizes of the font
+
+
+@dataclass(frozen=True)
+class _Style:
+    """What an element inherits."""
+
+    matrix: Floats  # (2, 3), to millimeters, y upward
+    purpose: str = ""
+    numbers: bool = False
+    color: str = ""
+    anchor: str = "start"
+    size: float = 16.0
+    shown: bool = True
+
+
+def read_svg_lines(file: InputFile) -> Lines:
+    """Read what an SVG file draws.
+
+    Curves are sampled, transformations, units and the view box applied.  Groups and layers, by their label or
+    id, tell what lines are for; ``data-angle`` of a line by how many degrees it is folded.
+
+    Raises
+    ------
+    FileError
+        It is no SVG file, it is too large or defines entities, or a path or a transformation in it is none.
+    """
+    if len(file.data) > MOST_BYTES:
+        raise FileError(f"{file} has {len(file.data)} bytes, more than {MOST_BYTES}: no net needs as many")
+    if "<!ENTITY" in file.text:  # which can make gigabytes of a few lines
+        raise FileError(f"{file} defines entities: save it as plain SVG")
+    try:
+        root = ElementTree.fromstring(file.data)
+    except ElementTree.ParseError as error:
+        raise FileError(f"{file} is not a readable SVG file: {error}") from None
+    if _name(root) != "svg":
+        raise FileError(f"{file} is not an SVG file: it holds {_name(root)!r}")
+    reader = _Reader(str(file), {e.get("id", ""): e for e in root.iter()})
+    try:
+        reader.walk(root, _Style(_view(root)), 0)
+        said = [reader.millimeters(root, key) for key in ("data-kerf", "data-error")]
+    except (ValueError, OverflowError) as error:
+        if isinstance(error, FileError):
+            raise
+        raise FileError(f"{file} is not a readable SVG file: {error}") from None
+    unit = last_unit(np.concatenate([np.zeros(1), *reader.values]))
+    scale = float(np.sqrt(abs(np.linalg.det(_view(root)[:, :2]))))
+    return Lines(
+        tuple(reader.lines),
+        tuple(reader.numbers),
+        unit * scale * math.sqrt(reader.steps),
+        *said,
+    )
+
+
+class _Reader:
+    def __init__(self, name: str, by_id: dict[str, Element]) -> None:
+        self.name, self.by_id = name, by_id
+        self.lines: list[Line] = []
+        self.numbers: list[Number] = []
+        self.values: list[Floats] = []
+        self.steps = 1  # whose rounding adds up, along a path of relative coordinates
+        self.any_numbers = any(_label(e) == NUMBERS for e in by_id.values())
+
+    def walk(self, element: Element, style: _Style, depth: int) -> None:
+        """Read an element and those in it."""
+        name = _name(element)
+        if name in UNDRAWN:
+            return
+        if depth > MOST_NESTED:
+            raise FileError(f"{self.name} has elements nested more than {MOST_NESTED} deep")
+        style = self._styled(element, style)
+        if not style.shown:
+            return
+        if name == "text":
+            self._text(element, style)
+            return
+        if name == "use":
+            href = element.get("href") or element.get(HREF) or ""
+            other = self.by_id.get(href.removeprefix("#"))
+            if other is not None:
+                shift = np.array([_length(element, "x"), _length(element, "y")])
+                within = replace(style, matrix=_times(style.matrix, np.column_stack([np.eye(2), shift])))
+                if _name(other) == "symbol":
+                    for child in other:
+                        self.walk(child, within, depth + 1)
+                else:
+                    self.walk(other, within, depth + 1)
+            return
+        for points, closed in self._shapes(element, name):
+            placed = points @ style.matrix[:, :2].T + style.matrix[:, 2]
+            if closed and not (placed[0] == placed[-1]).all():
+                placed = np.concatenate([placed, placed[:1]])
+            if not np.isfinite(placed).all():
+                raise FileError(f"{self.name}: {_said(element)} has points that are not finite")
+            angle = element.get("data-angle")
+            degrees = None if angle is None else _plain(angle, "data-angle")
+            self.lines.append(
+                Line(placed, style.purpose, style.color, degrees, name in ("circle", "ellipse"))
+            )
+        for child in element:
+            if isinstance(child.tag, str):
+                self.walk(child, style, depth + 1)
+
+    def millimeters(self, root: Element, key: str) -> float:
+        """What the file says of itself."""
+        value = _plain(root.get(key, "0"), key)
+        if not 0 <= value < math.inf:
+            raise FileError(f"{self.name}: {key} is {value:g}, not a length in mm")
+        return value
+
+    def _styled(self, element: Element, style: _Style) -> _Style:
+        said = dict(re.findall(r"([\w-]+)\s*:\s*([^;]+)", element.get("style", "")))
+        said = {key: value.strip() for key, value in said.items()}
+
+        def of(key: str) -> str | None:
+            return said.get(key, element.get(key))
+
+        matrix = _times(style.matrix, _transform(element.get("transform", ""), self.name))
+        label = _label(element)
+        size = re.match(NUMBER, of("font-size") or "")
+        return _Style(
+            matrix,
+            LAYERS.get(label, READ if label == NUMBERS else style.purpose),
+            style.numbers or label == NUMBERS,
+            {"none": ""}.get(of("stroke") or style.color, of("stroke") or style.color),
+            of("text-anchor") or style.anchor,
+            float(size[0]) if size else style.size,
+            style.shown and of("display") != "none" and of("visibility") not in ("hidden", "collapse"),
+        )
+
+    def _shapes(self, element: Element, name: str) -> Iterator[tuple[Floats, bool]]:
+        """Points and whether they are closed, in the coordinates of the element."""
+
+        def number(key: str) -> float:
+            value = _length(element, key)
+            self.values.append(np.array([value]))
+            return value
+
+        if name == "path":
+            sampled, exact, steps = path_points(element.get("d", ""))
+            self.values.append(exact)
+            self.steps = max(self.steps, steps)
+            yield from ((points, closed) for points, closed in sampled if len(points) > 1)
+        elif name in ("polygon", "polyline"):
+            values = [float(x) for x in re.findall(NUMBER, element.get("points", ""))]
+            points = np.reshape(values[: len(values) // 2 * 2], (-1, 2))
+            self.values.append(points.ravel())
+            if len(points) > 1:
+                yield points, name == "polygon"
+        elif name == "line":
+            yield np.array([[number("x1"), number("y1")], [number("x2"), number("y2")]]), False
+        elif name == "rect":
+            x, y, width, height = (number(key) for key in ("x", "y", "width", "height"))
+            if width > 0 and height > 0:
+                yield np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height]]), True
+        elif name in ("circle", "ellipse"):
+            a, b = ("r", "r") if name == "circle" else ("rx", "ry")
+            x, y, u, v = (number(key) for key in ("cx", "cy", a, b))
+            if u > 0 and v > 0:
+                turns = np.linspace(0, 2 * np.pi, 128, endpoint=False)
+                yield np.column_stack([x + u * np.cos(turns), y + v * np.sin(turns)]), True
+
+    def _text(self, element: Element, style: _Style) -> None:
+        """A number, by the middle of its first line."""
+        text = "".join(element.itertext()).strip()
+        if not text or (self.any_numbers and not style.numbers):
+            return
+        inner = next((e for e in element.iter() if e.get("x") is not None), element)
+        if inner is not element:
+            style = self._styled(inner, style)
+        size = style.size
+        across = ANCHORS.get(style.anchor, 0.5) * WIDTH * size * len(text)
+        down = _first(element.get("dy")) - HEIGHT / 2 * size
+        at = np.array([_first(inner.get("x")) + across, _first(inner.get("y")) + down])
+        x, y = style.matrix[:, :2] @ at + style.matrix[:, 2]
+        scale = float(np.sqrt(abs(np.linalg.det(style.matrix[:, :2]))))
+        u, v = style.matrix[:, 0]
+        angle = math.degrees(math.atan2(v, u))
+        self.numbers.append(Number(text, float(x), float(y), HEIGHT * scale * size, angle))
+
+
+def _name(element: Element) -> str:
+    return str(element.tag).rpartition("}")[2]
+
+
+def _label(element: Element) -> str:
+    """The name of a layer or group by which one knows it, in lower case."""
+    names = [element.get(key, "").strip().lower() for key in (LABEL, "id", "class")]
+    return next((name for name in names if name in LAYERS or name == NUMBERS), "")
+
+
+def _said(element: Element) -> str:
+    return f"{_name(element)} {element.get('id', '')}".strip()
+
+
+def _plain(text: str, name: str) -> float:
+    if not re.fullmatch(NUMBER, text.strip()):
+        raise ValueError(f"{name} is {text[:40]!r}, not a number")
+    return float(text)
+
+
+def _first(text: str | None) -> float:
+    found = re.match(NUMBER, (text or "").strip())
+    return float(found[0]) if found else 0.0
+
+
+def _length(element: Element, key: str) -> float:
+    """A length in user units."""
+    text = element.get(key, "0").strip()
+    found = re.fullmatch(rf"({NUMBER})\s*([a-zA-Z]*)", text)
+    if not found or found[2].lower() not in UNITS:
+        raise ValueError(f"{key} of {_said(element)} is {text[:40]!r}, not a length")
+    return float(found[1]) * (UNITS[found[2].lower()] / PIXEL if found[2] else 1.0)
+
+
+def _view(root: Element) -> Floats:
+    """From the coordinates of the drawing to millimeters, y upward."""
+    box = [float(x) for x in re.findall(NUMBER, root.get("viewBox", ""))]
+    sizes = [
+        re.fullmatch(rf"\s*({NUMBER})\s*([a-zA-Z]*)\s*", root.get(key, "")) for key in ("width", "height")
+    ]
+    known = [float(s[1]) * UNITS[s[2].lower()] if s and s[2].lower() in UNITS else None for s in sizes]
+    if len(box) != 4 or not (box[2] > 0 and box[3] > 0):
+        return np.array([[PIXEL, 0.0, 0.0], [0.0, -PIXEL, 0.0]])
+    width, height = known
+    across = PIXEL if width is None else width / box[2]
+    up = across if height is None else height / box[3]
+    across = up if width is None and height is not None else across
+    if root.get("preserveAspectRatio", "").strip() != "none":
+        across = up = min(across, up)
+    return np.array([[across, 0.0, -across * box[0]], [0.0, -up, up * box[1]]])
+
+
+def _transform(text: str, name: str) -> Floats:
+    """The matrix (2, 3) of a list of transformations."""
+    matrix = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    if not text.strip():
+        return matrix
+    calls = re.findall(r"(\w+)\s*\(([^)]*)\)", text)
+    for kind, inside in calls:
+        given = [float(x) for x in re.findall(NUMBER, inside)]
+        one = _matrix(kind, given)
+        if one is None:
+            raise FileError(f"{name} has the transformation {text[:60]!r}, which is none")
+        matrix = _times(matrix, one)
+    if not calls:
+        raise FileError(f"{name} has the transformation {text[:60]!r}, which is none")
+    return matrix
+
+
+def _matrix(kind: str, given: list[float]) -> Floats | None:
+    count = len(given)
+    if kind == "matrix" and count == 6:
+        return np.reshape(given, (3, 2)).T
+    if kind == "translate" and count in (1, 2):
+        return np.array([[1.0, 0.0, given[0]], [0.0, 1.0, given[1] if count == 2 else 0.0]])
+    if kind == "scale" and count in (1, 2):
+        return np.array([[given[0], 0.0, 0.0], [0.0, given[-1], 0.0]])
+    if kind == "rotate" and count in (1, 3):
+        c, s = math.cos(math.radians(given[0])), math.sin(math.radians(given[0]))
+        x, y = given[1:] if count == 3 else (0.0, 0.0)
+        return np.array([[c, -s, x - c * x + s * y], [s, c, y - s * x - c * y]])
+    if kind in ("skewX", "skewY") and count == 1:
+        t = math.tan(math.radians(given[0]))
+        return np.array(
+            [[1.0, t if kind == "skewX" else 0.0, 0.0], [t if kind == "skewY" else 0.0, 1.0, 0.0]]
+        )
+    return None
+
+
+def _times(first: Floats, second: Floats) -> Floats:
+    """The matrix of the second transformation, followed by the first."""
+    return np.column_stack([first[:, :2] @ second[:, :2], first[:, :2] @ second[:, 2] + first[:, 2]])

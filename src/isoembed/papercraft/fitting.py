@@ -1,0 +1,59 @@
+"""Rotation of a plane figure that fits best into a rectangle."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+
+from isoembed.arrays import Floats
+
+
+def best_turn(points: Floats, room: Floats, *, oblique: bool = False) -> tuple[Floats, float]:
+    """How to turn a figure so that it fits into a rectangle at the largest scale.
+
+    That scale is the least of the ratios of width and height of the rectangle to those of the figure.
+    Between two directions in which a side of the hull is upright or level, neither ratio has a maximum, so
+    that the best direction is one of these, or one in which the two ratios are equal.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+    room : ndarray, shape (2,)
+        Width and height; one of them may be infinite.
+    oblique : bool, optional
+        Whether also those are tried in which no side of the hull is upright or level.
+
+    Returns
+    -------
+    turn : ndarray, shape (2, 2)
+        The figure is put at ``points @ turn``.
+    scale : float
+        The largest.
+    """
+    from scipy.spatial import ConvexHull  # slow to import
+
+    size = np.ptp(points, axis=0).max()
+    hull = points[ConvexHull((points - points[0]) / size).vertices] / size
+    sides = np.roll(hull, -1, axis=0) - hull
+    angles = np.arctan2(sides[:, 1], sides[:, 0])
+    angles = np.concatenate([angles, angles + np.pi / 2])
+    if oblique:
+        angles = np.concatenate([angles, _balanced(hull, angles, room)])
+    turns = np.array([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]]).transpose(2, 0, 1)
+    scales = (room / np.ptp(hull @ turns, axis=1)).min(axis=1)
+    best = int(np.argmax(scales.round(9)))
+    return turns[best], float((room / np.ptp(points @ turns[best], axis=0)).min())
+
+
+def _balanced(hull: Floats, flush: Floats, room: Floats) -> Floats:
+    """Directions in which both ratios are equal, one between any two neighboring ones of sides."""
+    ends = np.unique(flush % np.pi)
+    middles = (ends + np.append(ends[1:], ends[0] + np.pi)) / 2
+    along = np.column_stack([np.cos(middles), np.sin(middles)])
+    across = np.column_stack([-np.sin(middles), np.cos(middles)])
+    wide, high = (
+        hull[np.argmax(hull @ to.T, axis=0)] - hull[np.argmin(hull @ to.T, axis=0)] for to in (along, across)
+    )
+    share = room[0] / room[1]  # wide . (cos, sin) = share high . (-sin, cos)
+    return cast(Floats, np.arctan2(share * high[:, 1] - wide[:, 0], wide[:, 1] + share * high[:, 0]))

@@ -1,0 +1,89 @@
+"""What is around the sheets on each page: ruler, legend, page number, corner marks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.papercraft.labels import WIDTH, Label
+from isoembed.papercraft.paper import MARGIN
+
+if TYPE_CHECKING:
+    from isoembed.papercraft.placing import Layout
+
+NOTE, LEGIBLE = 3.0, 1.4  # mm, the size of what is written at the foot
+RULER, TICK = 50, 10  # mm
+MARK, OFF = 6.0, 5.0  # mm, the length of a corner mark, and how far it is from the edges of the page
+LEGEND = {
+    "cut": (92.0, "cut"),
+    "mountain": (114.0, "fold away from you"),
+    "valley": (158.0, "fold toward you"),
+}
+"""By kind of line, where a sample of it begins, in mm from the left, and what it says."""
+SAMPLE = 10.0  # mm
+END = 196.0  # mm from the left, that of the legend
+
+
+def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple[str, Floats]], list[Label]]:
+    """What is at the foot of each page and in its corners.
+
+    Parameters
+    ----------
+    layout : Layout
+    kinds : sequence of str
+        Of lines, those that the legend explains.
+
+    Returns
+    -------
+    list of ndarray, shape (2, 2)
+        Lines of the ruler and of the corner marks.
+    list of (str, ndarray of shape (2, 2))
+        Samples of the kinds of lines.
+    list of Label
+    """
+    lines, legend, notes = [], [], []
+    # On narrow pages the legend moves together, until it is no longer legible.
+    narrow = min(1.0, (layout.width - 2 * MARGIN - RULER) / (END - MARGIN - RULER))
+    for k in range(layout.pages):
+        low = -(k + 1) * layout.height
+        lines += _marks(layout.width, layout.height, low)
+        of = f", page {k + 1} of {layout.pages}" if layout.pages > 1 else ""
+        said = (
+            f"outside of the solid{of}; {layout.scale:.4g} mm a unit; print at 100 %: "
+            f"the ruler is {RULER} mm long"
+        )
+        size = min(NOTE, (layout.width - 2 * MARGIN) / (WIDTH * len(said)))
+        notes.append(Label(said, layout.width / 2, low + 1.6 * NOTE, 0.0, size))
+        y, end = low + 3.2 * NOTE, MARGIN + RULER
+        ticks = np.arange(MARGIN, end + 1, TICK)
+        lines += [_line(MARGIN, y, end, y), *(_line(x, y, x, y + 0.6 * NOTE) for x in ticks)]
+        notes.append(_after(f"{RULER} mm", end, y, NOTE))
+        if narrow * NOTE < LEGIBLE:
+            continue
+        for kind in kinds:
+            x, said = LEGEND[kind]
+            x = end + narrow * (x - end)
+            legend.append((kind, _line(x, y, x + narrow * SAMPLE, y)))
+            notes.append(_after(said, x + narrow * SAMPLE, y, narrow * NOTE))
+    return lines, legend, notes
+
+
+def _marks(width: float, height: float, low: float) -> list[Floats]:
+    """An angle in each corner of a page, by which pages, and machines that cut them, are aligned."""
+    found = []
+    for x, right in ((OFF, 1), (width - OFF, -1)):
+        for y, up in ((low + OFF, 1), (low + height - OFF, -1)):
+            found += [_line(x, y, x + right * MARK, y), _line(x, y, x, y + up * MARK)]
+    return found
+
+
+def _line(x: float, y: float, to_x: float, to_y: float) -> Floats:
+    return np.array([[x, y], [to_x, to_y]])
+
+
+def _after(text: str, x: float, y: float, size: float) -> Label:
+    """Words that begin a little to the right of a point."""
+    return Label(text, x + (len(text) / 2 + 1) * WIDTH * size, y, 0.0, size)

@@ -1,0 +1,87 @@
+"""Paper sizes: named formats, custom pages and rolls."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+
+FORMATS = {
+    **{"A0": (841.0, 1189.0), "A1": (594.0, 841.0), "A2": (420.0, 594.0)},
+    **{"A3": (297.0, 420.0), "A4": (210.0, 297.0), "A5": (148.0, 210.0)},
+    **{"letter": (215.9, 279.4), "legal": (215.9, 355.6), "tabloid": (279.4, 431.8)},
+}
+"""Widths and heights in mm."""
+
+MARGIN = 14.0  # mm, around the sheets; tabs stand out into it
+FOOT = 10.0  # mm, below them and their tabs, for the ruler and the legend
+LEAST = 80.0  # mm, the width of a page with a ruler
+NUMBER = r"(\d+(?:\.\d+)?)"
+
+
+@dataclass(frozen=True)
+class Paper:
+    """A size of paper.
+
+    Attributes
+    ----------
+    name : str
+    width, height : float
+        In mm.  Of a roll, which is cut off where it is needed, the height is infinite.
+    beyond : float
+        How much farther than tabs seam allowances stand out of the sheets, mm.
+    """
+
+    name: str
+    width: float
+    height: float
+    beyond: float = 0.0
+
+    @classmethod
+    def of(cls, name: str) -> Paper:
+        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"`` in mm.
+
+        Raises
+        ------
+        InvalidParameter
+            There is no such paper, or it is too small for a ruler.
+        """
+        if name in FORMATS:
+            return cls(name, *FORMATS[name])
+        if page := re.fullmatch(f"{NUMBER}x{NUMBER}", str(name)):
+            found = cls(name, float(page[1]), float(page[2]))
+        elif roll := re.fullmatch(f"roll:{NUMBER}", str(name)):
+            found = cls(name, float(roll[1]), np.inf)
+        else:
+            raise InvalidParameter(
+                f"paper is {name!r}, not one of {', '.join(FORMATS)}, nor WIDTHxHEIGHT or roll:WIDTH in mm"
+            )
+        if min(found.width, found.height) < LEAST:
+            raise InvalidParameter(
+                f"paper is {name!r}: less than {LEAST:g} mm has no room for margins and ruler"
+            )
+        return found
+
+    @property
+    def margin(self) -> float:
+        """Around the sheets, mm."""
+        return MARGIN + self.beyond
+
+    @property
+    def is_roll(self) -> bool:
+        """Whether it is as long as needed."""
+        return self.height == np.inf
+
+    @property
+    def turned(self) -> Paper:
+        """The other of portrait and landscape; a roll is what it is."""
+        return self if self.is_roll else replace(self, width=self.height, height=self.width)
+
+    @property
+    def room(self) -> Floats:
+        """Width and height of what is inside the margins and above the foot, mm."""
+        return np.array([self.width, self.height - FOOT]) - 2 * self.margin

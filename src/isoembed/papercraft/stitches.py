@@ -1,0 +1,60 @@
+"""Holes for stitches, equally many on both sides of a seam."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from isoembed.arrays import Floats, Mask
+from isoembed.gluing.line_graph import is_inside
+from isoembed.papercraft.material import Material
+
+Side = tuple[int, int]
+
+
+def stitches(
+    outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]], material: Material
+) -> list[Floats]:
+    """The middles of the holes of each sheet, shape (n, 2).
+
+    A side of length l has floor(l / spacing) equal parts, or one, with a hole in the middle of each.  Of
+    holes inside of their side, those less than 1.5 spacings from another side are left out on both sides of
+    the seam, so that holes of different sides are at least half a spacing apart.
+
+    Parameters
+    ----------
+    outlines : sequence of ndarray, shape (n, 2)
+        Counterclockwise, mm.
+    sides : sequence of pairs
+        Which sides ``((p, k), (q, m))`` are joined.
+    material : Material
+    """
+    found: list[list[Floats]] = [[] for _ in outlines]
+    inset = 0.0 if material.allowance else material.spacing
+    for pair in sides:
+        ends = [outlines[p][[k, (k + 1) % len(outlines[p])]] for p, k in pair]
+        length = float(np.hypot(*(ends[0][1] - ends[0][0])))
+        count = max(1, int(length / material.spacing))
+        parts = (np.arange(count) + 0.5) / count
+        places: list[Floats] = []
+        fit = np.ones(count, dtype=np.bool_)
+        for (p, k), (start, end) in zip(pair, ends, strict=True):
+            along = (end - start) / np.hypot(*(end - start))
+            inward = np.array([-along[1], along[0]])
+            here = start + parts[:, None] * (end - start) + inset * inward
+            clear = _clear(outlines[p], k, here, 1.5 * inset) if inset else np.ones(count, dtype=np.bool_)
+            fit &= clear if len(places) == 0 else clear[::-1]  # the other side runs the other way
+            places.append(here)
+        for (p, _), here, kept in zip(pair, places, (fit, fit[::-1]), strict=True):
+            found[p].append(here[kept])
+    return [np.concatenate([np.empty((0, 2)), *some]) for some in found]
+
+
+def _clear(outline: Floats, side: int, points: Floats, distance: float) -> Mask:
+    """Which points beside a side are on the sheet, and as far as this from all other sides."""
+    starts, ends = np.delete(outline, side, axis=0), np.delete(np.roll(outline, -1, axis=0), side, axis=0)
+    step = ends - starts
+    away = points[:, None] - starts
+    part = np.clip((away * step).sum(axis=2) / (step**2).sum(axis=1), 0.0, 1.0)
+    apart = np.hypot(*np.moveaxis(away - part[..., None] * step, 2, 0))
+    inside = [is_inside(point, outline) for point in points]
+    return np.asarray((apart >= distance).all(axis=1) & inside)

@@ -1,0 +1,288 @@
+"""Nets of thick sheets: bend allowance and setback of folds, room for the edges of faces that meet.
+
+A fold by the angle A of a sheet of thickness T, with the radius R on its inside, keeps its length at K T from
+there, so that the bend takes the length BA = A (R + K T) of the flat sheet.  Its tangent lines are the
+setback SB from the edge of the solid: (R + T) tan(A/2) where the faces of the solid are the outer surface of
+the bend, R tan(A/2) where they are the inner one.  So each face is shorter by SB - BA/2 than in the solid,
+up to the middle of the bend (Boljanovic, Sheet Metal Forming Processes and Die Design, 2004).
+
+Two faces that were cut apart are shorter by T tan(A/2) where they would be inside of one another otherwise:
+with square edges, they touch along the edges of their inner surfaces.
+
+Where the faces around a corner do not end in one point, a round relief is cut out there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+from isoembed.errors import InvalidParameter
+from isoembed.gluing.offset import moved_sides
+from isoembed.gluing.polygon import meeting_sides
+from isoembed.papercraft.material import Material
+
+if TYPE_CHECKING:
+    from isoembed.gluing.unfolding import Unfolding
+
+Corner = tuple[int, int]
+"""A face of a sheet and a corner of that face, at which the side of the same number begins."""
+SAME = 1e-9  # of a sheet: corners of faces as near are one
+RELIEF = 1.1  # of the distance of the farthest of the corners
+STEP = np.pi / 6  # of the polygon of a relief
+
+
+def shortening(angle: float, material: Material, is_fold: bool) -> float:
+    """By how much a face is shorter than that of the solid at a side, in the unit of the material.
+
+    Parameters
+    ----------
+    angle : float
+        The exterior dihedral angle there, radians, positive where the solid is convex.
+    material : Material
+    is_fold : bool
+        Whether the sheet is folded there, or cut.
+    """
+    bend = abs(angle)
+    half = np.tan(bend / 2)
+    is_outer = (angle > 0) == (material.surface == "outside")  # the faces of the solid, of the bend
+    if not is_fold:
+        return float(material.thickness * half) if is_outer else 0.0
+    setback = (material.radius + material.thickness * is_outer) * half
+    return float(setback - bend * (material.radius + material.k_factor * material.thickness) / 2)
+
+
+def thickened(unfolding: Unfolding, material: Material) -> Unfolding:
+    """The net from which a thick sheet is folded to a solid.
+
+    Each face is shortened at its sides, and the faces of a sheet are moved together so that shortened sides
+    meet in the middle of a bend, which is the fold.
+
+    Parameters
+    ----------
+    unfolding : Unfolding
+    material : Material
+        In the unit of the sheets.
+
+    Returns
+    -------
+    Unfolding
+        Without `faces`: the outline has steps along folds where sides were shortened differently, and sides
+        that were cut apart need no longer be equal.
+
+    Raises
+    ------
+    InvalidParameter
+        The unfolding does not know its faces and vertices, or a face vanishes.
+    """
+    if unfolding.vertices is None or not unfolding.faces:
+        raise InvalidParameter(
+            "the net does not know the faces and vertices of the solid: it cannot be thick"
+        )
+    places: dict[Corner, Corner] = {}
+    normals = _normals(unfolding)
+    owner = {
+        (p, int(a)): (p, f)
+        for p, faces in enumerate(unfolding.faces)
+        for f, face in enumerate(faces)
+        for a, b in zip(face, np.roll(face, -1), strict=True)
+        if (a + 1) % len(unfolding.sheets[p]) == b
+    }
+    mates = {side: owner[mate] for pair in unfolding.sides for side, mate in (pair, pair[::-1])}
+    sheets: list[Floats] = []
+    corners, folds, angles = [], [], []
+    for p, (sheet, faces) in enumerate(zip(unfolding.sheets, unfolding.faces, strict=True)):
+        shape = _Sheet(sheet, faces)
+        bends = {}
+        for (f, k), (a, b) in shape.ends.items():
+            twin = shape.twins.get((f, k))
+            other = mates[p, a] if twin is None else (p, twin[0])
+            vertices = unfolding.vertices[unfolding.corners[p][[a, b]]]
+            bends[f, k] = _bend(normals[p, f], normals[other], vertices)
+        moved = shape.shortened(
+            {at: -shortening(bend, material, at in shape.twins) for at, bend in bends.items()},
+            unfolding.numbers[p],
+        )
+        outline, begins, creases = moved
+        i, _ = meeting_sides((outline - outline.min(axis=0)) / float(np.ptp(outline, axis=0).max()))
+        if i >= 0:
+            raise InvalidParameter(
+                f"sheet {p} overlaps itself when it is {material.thickness:.4g} thick, in its unit, as faces "
+                "are moved together at folds: it takes more sheets, a larger scale or a thinner sheet"
+            )
+        number = len(sheets)
+        places |= {(p, a): (number, k) for a, k in begins.items()}
+        sheets.append(outline)
+        corners.append(np.zeros(len(outline), dtype=np.int64))
+        folds.append(np.array([line for _, line in creases]).reshape(-1, 2, 2))
+        angles.append(np.array([bends[at] for at, _ in creases]))
+    sides = tuple((places[one], places[other]) for one, other in unfolding.sides)
+    return replace(
+        unfolding,
+        sheets=tuple(sheets),
+        corners=tuple(corners),
+        sides=sides,
+        folds=tuple(folds),
+        angles=tuple(angles),
+        faces=(),
+        numbers=(),
+        vertices=None,
+    )
+
+
+class _Sheet:
+    """The faces of a sheet, and the sides between them."""
+
+    def __init__(self, sheet: Floats, faces: tuple[Indices, ...]) -> None:
+        self.faces = [sheet[face] for face in faces]
+        self.size = float(np.ptp(sheet, axis=0).max())
+        self.ends = {
+            (f, k): (int(a), int(b))
+            for f, face in enumerate(faces)
+            for k, (a, b) in enumerate(zip(face, np.roll(face, -1), strict=True))
+        }
+        place = {ends: at for at, ends in self.ends.items()}
+        self.twins = {at: place[b, a] for at, (a, b) in self.ends.items() if (b, a) in place}
+
+    def shortened(
+        self, distances: dict[Corner, float], numbers: Indices
+    ) -> tuple[Floats, dict[int, int], list[tuple[Corner, Floats]]]:
+        """The outline, the corner of it at which each side of the sheet begins, and the folds."""
+        made = [
+            moved_sides(face, [distances[f, k] for k in range(len(face))], f"face {numbers[f]}")
+            for f, face in enumerate(self.faces)
+        ]
+        shifts = self._shifts(distances)
+        rings = [points + shift for (points, _, _), shift in zip(made, shifts, strict=True)]
+
+        def side(at: Corner) -> Floats:
+            f, k = at
+            _, first, last = made[f]
+            return np.asarray(rings[f][[first[k], last[k]]])
+
+        outline: list[Floats] = []
+        begins: dict[int, int] = {}
+        reliefs: dict[Corner, tuple[Floats, float]] = {}
+        at = next(at for at in self.ends if at not in self.twins)
+        while self.ends[at][0] not in begins:
+            begins[self.ends[at][0]] = len(outline)
+            before, around, crossed = at, [side(at)[1]], []
+            at = self._next(at)
+            while at in self.twins:
+                crossed.append(at)
+                around.append(side(at)[0])
+                at = self.twins[at]
+                around.append(side(at)[1])
+                at = self._next(at)
+            around.append(side(at)[0])
+            middle = np.mean(around, axis=0)
+            radius = RELIEF * float(np.hypot(*(around - middle).T).max())
+            if radius <= SAME * self.size:
+                outline.append(middle)
+            else:
+                reliefs |= dict.fromkeys(crossed, (middle, radius))
+                turn = self._angle(crossed, before)
+                outline += _relief(side(before)[::-1], side(at), middle, radius, turn)
+        # A side begins where the relief before it ends.
+        corners = [*begins]
+        begins = {corner: (begins[corner] - 1) % len(outline) for corner in corners}
+        creases = []
+        for one, other in self.twins.items():
+            if one < other:
+                line, opposite = side(one), side(other)[::-1]
+                size = float(np.hypot(*(line[1] - line[0])))
+                along = (line[1] - line[0]) / size
+                low, high = (float((point - line[0]) @ along) for point in opposite)
+                low, high = max(0.0, low), min(size, high)
+                for twin, sign in ((one, 1), (other, -1)):
+                    if twin in reliefs:
+                        middle, radius = reliefs[twin]
+                        reached = float((middle - line[0]) @ along) + sign * radius
+                        low, high = (max(low, reached), high) if sign > 0 else (low, min(high, reached))
+                if low >= high:
+                    f, g = (numbers[some[0]] for some in (one, other))
+                    raise InvalidParameter(f"faces {f} and {g} are too thick to have a fold in common")
+                creases.append((one, line[0] + np.array([[low], [high]]) * along))
+        return np.array(outline), begins, creases
+
+    def _angle(self, crossed: list[Corner], before: Corner) -> float:
+        """The angle of the sheet at the corner at which a side ends, with folds that begin there."""
+        total = 0.0
+        for f, k in [before, *(self.twins[at] for at in crossed)]:
+            face = self.faces[f]
+            here = face[(k + 1) % len(face)]
+            (a, b), (c, d) = face[(k + 2) % len(face)] - here, face[k] - here
+            total += float(np.arctan2(a * d - b * c, a * c + b * d) % (2 * np.pi))
+        return total
+
+    def _next(self, at: Corner) -> Corner:
+        f, k = at
+        return f, (k + 1) % len(self.faces[f])
+
+    def _shifts(self, distances: dict[Corner, float]) -> list[Floats]:
+        """How far each face is moved toward the first, across the folds between them."""
+        shifts: dict[int, Floats] = {0: np.zeros(2)}
+        waiting = [0]
+        while waiting:
+            f = waiting.pop()
+            face = self.faces[f]
+            for k in range(len(face)):
+                g = self.twins.get((f, k), (f, k))[0]
+                if g not in shifts:
+                    x, y = face[(k + 1) % len(face)] - face[k]
+                    out = np.array([y, -x]) / np.hypot(x, y)
+                    both = distances[f, k] + distances[self.twins[f, k]]
+                    shifts[g] = shifts[f] + both * out
+                    waiting.append(g)
+        return [shifts[f] for f in range(len(self.faces))]
+
+
+def _relief(before: Floats, after: Floats, middle: Floats, radius: float, angle: float) -> list[Floats]:
+    """Points around a corner, from a side that ends there to one that begins there.
+
+    Parameters
+    ----------
+    before, after : ndarray, shape (2, 2)
+        Their ends, that at the corner first.
+    middle, radius
+        Of the relief.
+    angle : float
+        Of the sheet at the corner.
+    """
+    ends = []
+    for near, far in (before, after):
+        step = (far - near) / np.hypot(*(far - near))
+        along = (middle - near) @ step
+        off = np.abs((middle - near) @ [-step[1], step[0]])
+        ends.append(near + (along + np.sqrt(max(0.0, radius**2 - off**2))) * step)
+    (x, y), (u, v) = ends[0] - middle, ends[1] - middle
+    # Clockwise through the sheet: by about its angle, not by a turn more or less.
+    sweep = np.arctan2(x * v - y * u, x * u + y * v)
+    sweep += 2 * np.pi * np.rint((-angle - sweep) / (2 * np.pi))
+    n = max(1, int(np.ceil(abs(sweep) / STEP)))
+    turns = np.arctan2(y, x) + sweep * np.arange(1, n) / n
+    arc = middle + radius * np.column_stack([np.cos(turns), np.sin(turns)])
+    return [ends[0], *arc, ends[1]]
+
+
+def _normals(unfolding: Unfolding) -> dict[Corner, Floats]:
+    """The normal of each face of each sheet, by Newell's formula."""
+    assert unfolding.vertices is not None
+    found = {}
+    size = float(np.ptp(unfolding.vertices, axis=0).max())
+    for p, faces in enumerate(unfolding.faces):
+        for f, face in enumerate(faces):
+            points = unfolding.vertices[unfolding.corners[p][face]] / size
+            points = points - points[0]
+            normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+            found[p, f] = normal / np.linalg.norm(normal)
+    return found
+
+
+def _bend(normal: Floats, other: Floats, ends: Floats) -> float:
+    """The exterior dihedral angle at a side with these ends, from its face to that with the other normal."""
+    along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    return float(np.arctan2(np.cross(normal, other) @ along, normal @ other))

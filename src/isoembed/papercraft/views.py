@@ -1,0 +1,132 @@
+"""Line drawing of a solid from two sides, with the numbers of its faces and without hidden lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.intrinsic.ears import triangulated
+from isoembed.papercraft.labels import Label
+from isoembed.papercraft.numbers import face_numbers
+
+if TYPE_CHECKING:
+    from isoembed.gluing.unfolding import Unfolding
+
+TOWARD = np.array([0.48, -0.72, 0.5])  # the first view is seen from there, the second from the opposite side
+SAMPLES = 24  # of an edge, to see where it is hidden
+CLOSE = 1e-6  # of the size of the solid; nothing hides what is as near
+CHUNK = 1 << 22
+LEGIBLE = 1.0  # mm, of a number
+
+
+def views(unfolding: Unfolding, low: Floats, high: Floats) -> tuple[list[Floats], list[Label]]:
+    """Visible edges and face numbers of the solid, seen from two opposite sides, one above the other.
+
+    Parameters
+    ----------
+    unfolding : Unfolding
+        With the `vertices` of the solid.
+    low, high : ndarray, shape (2,)
+        Corners of the rectangle that both views fill, mm.
+    """
+    assert unfolding.vertices is not None
+    vertices = unfolding.vertices - unfolding.vertices.mean(axis=0)
+    vertices = vertices / np.abs(vertices).max()
+    faces = [
+        (number, sheet[face], corners[face])
+        for sheet, corners, some, numbers in zip(
+            unfolding.sheets, unfolding.corners, unfolding.faces, unfolding.numbers, strict=True
+        )
+        for number, face in zip(numbers.tolist(), some, strict=True)
+    ]
+    triangles = np.concatenate([_triangles(points, corners) for _, points, corners in faces])
+    cameras = [_camera(side * TOWARD) for side in (1, -1)]
+    flat = [vertices @ camera for camera in cameras]
+    half = np.array([high[0] - low[0], 0.48 * (high[1] - low[1])])
+    scale = min(float((half / np.ptp(seen[:, :2], axis=0)).min()) for seen in flat)
+    lines, labels = [], []
+    for k, seen in enumerate(flat):
+        middle = (seen[:, :2].max(axis=0) + seen[:, :2].min(axis=0)) / 2
+        center = np.array([(low[0] + high[0]) / 2, high[1] - half[1] / 2 if k == 0 else low[1] + half[1] / 2])
+        seen = np.column_stack([(seen[:, :2] - middle) * scale + center, seen[:, 2] * scale])
+        front = [
+            (number, corners) for number, _, corners in faces if _area(seen[corners, :2]) > CLOSE * scale**2
+        ]
+        before = seen[triangles]
+        before = before[[_area(corners[:, :2]) > 0 for corners in before]]
+        edges = {
+            tuple(sorted(pair))
+            for _, face in front
+            for pair in zip(face.tolist(), np.roll(face, 1).tolist(), strict=True)
+        }
+        lines += _visible(seen[np.array(sorted(edges))], before, CLOSE * scale)
+        numbers = face_numbers([seen[face, :2] for _, face in front], [number for number, _ in front])
+        places = np.array(
+            [[one.x, one.y, _depth(seen[face], one)] for one, (_, face) in zip(numbers, front, strict=True)]
+        )
+        hidden = _hidden(places, before, CLOSE * scale)
+        labels += [
+            one
+            for one, behind in zip(numbers, hidden.tolist(), strict=True)
+            if one.size >= LEGIBLE and not behind
+        ]
+    return lines, labels
+
+
+def _camera(toward: Floats) -> Floats:
+    """Columns to the right, upward and toward whoever looks."""
+    toward = toward / np.linalg.norm(toward)
+    right = np.cross([0.0, 0.0, 1.0], toward)
+    right /= np.linalg.norm(right)
+    return np.column_stack([right, np.cross(toward, right), toward])
+
+
+def _triangles(points: Floats, corners: Indices) -> Indices:
+    """Triangles of a face, by vertices of the solid."""
+    found = triangulated((points - points.min(axis=0)) / np.ptp(points, axis=0).max())
+    return corners[found if found is not None else [[0, k, k + 1] for k in range(1, len(corners) - 1)]]
+
+
+def _area(points: Floats) -> float:
+    x, y = points.T
+    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2)
+
+
+def _depth(face: Floats, label: Label) -> float:
+    """How near the plane of a face is at the middle of a label."""
+    plane = np.linalg.lstsq(
+        np.column_stack([face[:, :2] - face[0, :2], np.ones(len(face))]), face[:, 2], rcond=None
+    )[0]
+    return float(plane @ [label.x - face[0, 0], label.y - face[0, 1], 1.0])
+
+
+def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:
+    """The parts of edges, (n, 2, 3), in front of all triangles."""
+    steps = np.linspace(0.0, 1.0, SAMPLES + 1)
+    middles = (steps[1:] + steps[:-1]) / 2
+    points = edges[:, :1] + middles[:, None] * (edges[:, 1:] - edges[:, :1])
+    shown = ~_hidden(points.reshape(-1, 3), triangles, close).reshape(points.shape[:2])
+    found = []
+    for edge, seen in zip(edges[:, :, :2], shown, strict=True):
+        changes = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
+        found += [edge[0] + steps[ends, None] * (edge[1] - edge[0]) for ends in changes.reshape(-1, 2)]
+    return found
+
+
+def _hidden(points: Floats, triangles: Floats, close: float) -> Mask:
+    """Which of the points, (n, 3), are behind a triangle, (m, 3, 3), counterclockwise."""
+    hidden = np.zeros(len(points), dtype=np.bool_)
+    step = max(1, CHUNK // max(len(triangles), 1))
+    sides = np.roll(triangles, -1, axis=1) - triangles
+    normal = np.cross(sides[:, 0], sides[:, 1])
+    for k in range(0, len(points), step):
+        some = points[k : k + step]
+        inside = np.ones((len(some), len(triangles)), dtype=np.bool_)
+        for c in range(3):
+            x, y = (some[:, None, axis] - triangles[:, c, axis] for axis in (0, 1))
+            inside &= sides[:, c, 0] * y - sides[:, c, 1] * x > 0
+        to = some[:, None] - triangles[:, 0]
+        hidden[k : k + step] = (inside & ((to * normal).sum(axis=2) < -close * normal[:, 2])).any(axis=1)
+    return hidden

@@ -1,0 +1,260 @@
+"""Nets from drawings: the solid comes back from the lines of the file, ours or anybody's."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
+
+import isoembed
+import solids
+import zoo
+from isoembed import Embedding, InvalidMetric, InvalidParameter, PolyhedralMetric
+from isoembed.gallery import Ergosphere, triangulate
+from isoembed.gluing import unfold
+from isoembed.io import FileError
+from isoembed.io.input_file import InputFile
+from isoembed.io.net import read_net
+from isoembed.io.svg_lines import read_svg_lines
+from isoembed.io.svg_path import path_points
+
+DIGIT = 1e-4  # mm, in files
+
+
+def net_of(vertices, faces):
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    return unfold(Embedding(metric, vertices, method="given", tolerance=1e-10))
+
+
+def uniform(name):
+    vertices = solids.uniform(name)
+    return vertices, solids.triangles(solids.polygons(vertices))
+
+
+SOLIDS = {
+    "cube": zoo.cube(),
+    "icosahedron": zoo.icosahedron(),
+    "truncated cube": uniform("truncated cube"),
+    "snub cube": uniform("snub cube"),
+    "hull": zoo.random_hull(25, 4),
+    "with dents": triangulate(Ergosphere(), 40),
+}
+
+
+@pytest.mark.parametrize("ending", [".svg", ".dxf"])
+@pytest.mark.parametrize("name", SOLIDS)
+def test_the_solid_comes_back_from_the_file(tmp_path, name, ending):
+    if ending == ".dxf":
+        pytest.importorskip("ezdxf")
+    vertices, faces = SOLIDS[name]
+    path = tmp_path / f"net{ending}"
+    scale = 40.0 / np.ptp(vertices)
+    net_of(vertices, faces).save(path, scale=scale)
+    solid = isoembed.embed(isoembed.glue(path))
+    found, right = np.sort(pdist(solid.vertices)), np.sort(pdist(vertices * scale))
+    assert len(found) == len(right)
+    assert np.abs(found - right).max() < 10 * DIGIT  # errors of the digits of several faces in a row
+    assert solid.volume > 0
+
+
+def square(x, y, size=10.0):
+    return f'<rect x="{x}" y="{y}" width="{size}" height="{size}"/>'
+
+
+def svg(body, head='width="200mm" height="100mm" viewBox="0 0 200 100"'):
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{body}</svg>'
+
+
+def read(tmp_path, text, **how):
+    (tmp_path / "net.svg").write_text(text)
+    return read_net(tmp_path / "net.svg", **how)
+
+
+CROSS = "".join(square(x, y) for x, y in ((0, 10), (10, 10), (20, 10), (30, 10), (10, 0), (10, 20)))
+"""The squares of a cube, side by side, every line between them twice."""
+
+
+def volume(net):
+    return isoembed.embed(net).volume
+
+
+NUMBERED = CROSS + "".join(
+    f'<text x="{x}" y="{y}" font-size="2" text-anchor="middle">{text}</text>'
+    for text, *places in (
+        ("a", (9, 5.5), (5, 12.5)), ("b", (15, 2), (35, 12.5)), ("c", (21, 5.5), (25, 12.5)),
+        ("d", (9, 25.5), (5, 19.5)), ("e", (15, 29.5), (35, 19.5)), ("f", (21, 25.5), (25, 19.5)),
+        ("g", (1.5, 15.5), (38.5, 15.5)),
+    )
+    for x, y in places
+)  # fmt: skip
+
+
+def test_a_drawing_with_numbers(tmp_path):
+    net = read(tmp_path, svg(NUMBERED))
+    assert (net.n_vertices, volume(net)) == (8, pytest.approx(1000))
+
+
+@pytest.mark.parametrize(
+    ("head", "transform", "size"),
+    [
+        ('width="400mm" height="200mm" viewBox="0 0 200 100"', "", 20.0),
+        ('width="20cm" height="10cm" viewBox="0 0 200 100"', 'transform="rotate(30) translate(3,4)"', 10.0),
+        ("", "", 10 * 25.4 / 96),
+        ('width="2in" viewBox="0 0 96 96"', 'transform="matrix(2 0 0 2 5 5)"', 2 * 10 * 25.4 / 48),
+        ('width="96" height="96" viewBox="0 0 96 96"', 'transform="scale(-1, 1)"', 10 * 25.4 / 96),
+    ],
+)
+def test_units_and_transformations(tmp_path, head, transform, size):
+    # Turned and turned over the net of a cube is one as well.
+    net = read(tmp_path, svg(f"<g {transform}>{NUMBERED}</g>", head))
+    assert volume(net) == pytest.approx(size**3, rel=1e-6)
+
+
+def test_a_cross_without_numbers_folds_to_several_solids(tmp_path):
+    with pytest.raises(
+        InvalidParameter, match=r"has no mate that is certain: \d+ ways to glue it make a conv"
+    ):
+        read(tmp_path, svg(CROSS))
+
+
+def test_a_cross_with_the_angles_of_its_folds(tmp_path):
+    ends = (10, 10, 10, 20), (20, 10, 20, 20), (30, 10, 30, 20), (10, 10, 20, 10), (10, 20, 20, 20)
+    folds = "".join(f'<line x1="{a}" y1="{b}" x2="{c}" y2="{d}" data-angle="90"/>' for a, b, c, d in ends)
+    outline = "M10 0h10v10h20v10h-20v10h-10v-10h-10v-10h10z"
+    net = read(tmp_path, svg(f'<g id="fold">{folds}</g><g id="cut"><path d="{outline}"/></g>'))
+    assert volume(net) == pytest.approx(1000)
+
+
+def test_lengths_that_two_sides_have(tmp_path):
+    # A tetrahedron with three pairs of sides of different lengths, in one triangle.
+    corners = np.array([[0, 0], [80, 0], [30.0, 70]])
+    middles = (corners + np.roll(corners, -1, axis=0)) / 2
+    (a, b, c), (d, e, f) = corners.tolist(), middles.tolist()
+    lines = "".join(
+        f'<polygon points="{" ".join(f"{x},{y}" for x, y in some)}"/>'
+        for some in ((a, d, f), (d, b, e), (f, e, c), (d, e, f))
+    )
+    net = read(tmp_path, svg(lines))
+    assert net.n_vertices == 4
+    assert isoembed.embed(net).area == pytest.approx(80 * 70 / 2)
+
+
+def test_colors_that_two_sides_have(tmp_path):
+    lines = '<polygon points="0,0 20,0 20,20" stroke="none"/>'  # hidden below the colors
+    sides = [(0, 0, 10, 0), (10, 0, 20, 0), (20, 0, 15, 8.660254), (15, 8.660254, 10, 17.320508),
+             (10, 17.320508, 5, 8.660254), (5, 8.660254, 0, 0)]  # fmt: skip
+    lines = "".join(
+        f'<line x1="{a}" y1="{b}" x2="{c}" y2="{d}" style="stroke:{color}"/>'
+        for (a, b, c, d), color in zip(sides, ("red", "red", "blue", "blue", "green", "green"), strict=True)
+    )
+    net = read(tmp_path, svg(lines))
+    assert volume(net) == pytest.approx(10**3 * math.sqrt(2) / 12, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("body", "sentence"),
+    [
+        ("", "has no lines"),
+        ('<path d="M0 0L10 0"/>', "has no closed outlines"),
+        ('<path d="M0 0L10 10L10 0L0 10z"/>', r"lines from \[.*\] to \[.*\] and from \[.*\] to \[.*\] cross"),
+        (square(0, 0, 50) + square(10, 10), "there is an outline inside of another"),
+        ('<path d="M0 0L10"/>', "the command L of a path lacks numbers"),
+        ('<path d="0 0"/>', "does not begin with M"),
+        ('<path d="M0 0 # 1"/>', "a path has '# 1'"),
+        ('<g transform="turn(3)"/>', r"has the transformation 'turn\(3\)', which is none"),
+        ('<rect width="5 apples"/>', "width of rect is '5 apples', not a length"),
+        ('<path d="M0 0L1 1" data-angle="right"/>', "data-angle is 'right', not a number"),
+        ('<circle r="5"/><g id="fold"><line x1="0" y1="5" x2="0" y2="0"/></g>', "ends inside of a sheet"),
+    ],
+)
+def test_refusals(tmp_path, body, sentence):
+    with pytest.raises((FileError, InvalidMetric), match=sentence):
+        read(tmp_path, svg(body))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("<svg", "is not a readable SVG file"),
+        ("<html/>", "is not an SVG file: it holds 'html'"),
+        ('<!DOCTYPE s [<!ENTITY a "b">]><svg/>', "defines entities"),
+        ("<svg>" + "<g>" * 60 + "</g>" * 60 + "</svg>", "nested more than 50 deep"),
+        ('<svg><g id="a"><use href="#a"/></g></svg>', "nested more than 50 deep"),
+    ],
+)
+def test_files_that_are_refused(tmp_path, text, sentence):
+    with pytest.raises(FileError, match=sentence):
+        read(tmp_path, text)
+
+
+def test_sides_of_different_lengths_with_one_number_are_named(tmp_path):
+    longer = NUMBERED.replace(square(30, 10), '<path d="M30 10h10.5v10h-10.5z"/>')
+    with pytest.raises(InvalidMetric, match=r"number [be] are 1\d(\.5)? and 1\d(\.5)? mm long, from"):
+        read(tmp_path, svg(longer))
+
+
+# Paths
+
+
+@pytest.mark.parametrize(
+    ("d", "points"),
+    [
+        ("M1 2L3 4", [[1, 2], [3, 4]]),
+        ("m1,2 3,4 5-6", [[1, 2], [4, 6], [9, 0]]),
+        ("M1 2H5V7h-1v-.5", [[1, 2], [5, 2], [5, 7], [4, 7], [4, 6.5]]),
+        ("M0 0.5.5.25", [[0, 0.5], [0.5, 0.25]]),
+        ("M1e1-2E-1L0,0", [[10, -0.2], [0, 0]]),
+    ],
+)
+def test_straight_paths(d, points):
+    ((found, closed),) = path_points(d)[0]
+    assert found.tolist() == points and not closed
+
+
+def test_parts_of_a_path():
+    parts = path_points("M0 0L1 0L1 1zl5 5M9 9L8 8")[0]
+    assert [closed for _, closed in parts] == [True, False, False]
+    assert parts[1][0].tolist() == [[0, 0], [5, 5]]
+
+
+@pytest.mark.parametrize("flags", ["0 1", "0 0", "1 1", "1 0"])
+def test_arcs_lie_on_their_ellipse(flags):
+    ((points, _),) = path_points(f"M3 1A5 2 30 {flags} 1 4")[0]
+    c, s = math.cos(math.radians(30)), math.sin(math.radians(30))
+    turned = points @ np.array([[c, -s], [s, c]]) / [5, 2]  # on a circle of radius 1
+    x, y = turned.T
+    rows = np.column_stack([2 * x, 2 * y, np.ones(len(x))])
+    (u, v, _), *_ = np.linalg.lstsq(rows, x**2 + y**2, rcond=None)
+    assert np.hypot(x - u, y - v) == pytest.approx(np.ones(len(x)), abs=1e-9)
+    angle = np.unwrap(np.arctan2(y - v, x - u))
+    assert (abs(angle[-1] - angle[0]) > math.pi) == (flags[0] == "1")
+    assert (angle[-1] > angle[0]) == (flags[-1] == "1")
+    assert points[[0, -1]] == pytest.approx(np.array([[3, 1], [1, 4]]))
+
+
+def test_flags_may_stand_together():
+    assert (
+        path_points("M3 1A5 2 30 011 4")[0][0][0].tolist()
+        == path_points("M3 1A5 2 30 0 1 1 4")[0][0][0].tolist()
+    )
+
+
+def test_curves_are_near_their_chords():
+    ((points, _),) = path_points("M0 0C0 55.228 44.772 100 100 100S200 55.228 200 0")[0]
+    middles = (points[1:] + points[:-1]) / 2
+    radius = np.hypot(*(middles - [100, 0]).T)  # a half circle, as nearly as cubics are
+    assert np.abs(radius - 100).max() < 0.04
+    ((quadratic, _),) = path_points("M0 0Q1 2 2 0T4 0")[0]
+    x = quadratic[:, 0]
+    assert quadratic[:, 1] == pytest.approx(np.where(x <= 2, x * (2 - x), -(x - 2) * (4 - x)))
+
+
+def test_layers_of_inkscape_are_known_by_their_labels(tmp_path):
+    ns = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+    (tmp_path / "a.svg").write_text(
+        f'<svg {ns}><g id="layer1" inkscape:label="Engrave"><path d="M0 0L1 1"/></g>'
+        '<g id="layer2" inkscape:label="Cut" style="display:none"><path d="M0 0L1 1"/></g></svg>'
+    )
+    with InputFile(tmp_path / "a.svg") as file:
+        lines = read_svg_lines(file)
+    assert [line.purpose for line in lines.lines] == ["read"]
