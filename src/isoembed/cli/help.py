@@ -25,6 +25,7 @@ GROUPS = {
         *("method", "which", "best_fit", "repair", "effort", "tolerance", "parameter", "find", "guess"),
         *("vertices", "size", "grading", "distance", "motions", "surfaces"),
     ),
+    "struts": ("hub_radius", "stock"),
     "report": ("axis", "wang_yau", "multipoles", "stability", "bound"),
     "output": (
         *("output", "report", "metric", "picture", "color", "html", "animate", "film", "band", "paper"),
@@ -50,6 +51,7 @@ COMMAND_GROUPS: Mapping[str, Mapping[str, str]] = {
     "paper": {
         "glue": "build a solid from a paper net: polygons whose sides are glued together",
         "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
+        "struts": "list the struts and hubs of a dome or a frame: types, lengths, angles, cuts",
         "unfold": "make a paper net of a solid, to print, cut, fold and glue",
     },
     "relativity": {
