@@ -56,9 +56,7 @@ class Precision:
         return replace(self, length_error=self.length_error * factor)
 
     @classmethod
-    def of(
-        cls, points: Floats, mean_length: float, fewest: int = PRECISION.fewest
-    ) -> Precision | None:
+    def of(cls, points: Floats, mean_length: float, fewest: int = PRECISION.fewest) -> Precision | None:
         """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or exact.
 
         Parameters
