@@ -189,16 +189,15 @@ def drawn(body, size, path, kinds):
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     unfolding = unfold(Embedding(metric, vertices, method="given", tolerance=1e-10))
     scale = wanted = size / float(pdist(vertices).max())
-    for attempt in range(3):
+    for attempt in range(2):
         try:
             for kind in kinds:
                 unfolding.save(path.with_suffix(f".{kind}"), paper="A4", scale=scale)
         except InvalidParameter as refusal:
-            said = [float(word) for word in re.findall(r"([\d.]+(?:e[-+]\d+)?) mm", str(refusal))]
-            fits = max((value for value in said if value < 0.9999 * scale), default=0.0)
-            if not fits or attempt == 2:
+            fits = re.search(r"up to scale=([\d.]+(?:e[-+]\d+)?)", str(refusal))
+            if fits is None or attempt:
                 raise
-            scale = SMALLER * fits
+            scale = SMALLER * float(fits[1])
         else:
             break
     return scale / wanted, scale
@@ -272,7 +271,7 @@ def main():
     parser.add_argument("--sizes", nargs="+", type=float, default=[100.0, 250.0], metavar="MM")
     parser.add_argument("--hulls", type=int, default=200, metavar="N")
     parser.add_argument("--bodies", type=int, default=30, metavar="N", help="stars, and bodies with dimples")
-    parser.add_argument("--files", nargs="+", choices=("svg", "dxf"), default=["svg", "dxf"], metavar="KIND")
+    parser.add_argument("--files", nargs="*", choices=("svg", "dxf"), default=["svg", "dxf"], metavar="KIND")
     parser.add_argument("--each", action="store_true", help="print a line for each body")
     parser.add_argument("--json", type=Path, metavar="FILE")
     options = parser.parse_args()
