@@ -274,7 +274,7 @@ def picture(curve: Floats, polyhedra: Sequence[dict[str, float]], peak: Horizon)
     """The mass against the spin, and meridians in Poincare's ball."""
     figure = plots.blank(3.9)
     left, right = figure.subplots(1, 2)
-    plots.dress(left, "spin j = J / m^2", "mass / m", "Kijowski-Liu-Yau mass of the horizon")
+    plots.dress(left, "spin $j = J / m^2$", "mass / m", "Kijowski-Liu-Yau mass of the horizon")
     left.plot(curve[:, 0], curve[:, 1], color=plots.BLUE, label="surface of revolution")
     spins = [one["spin"] for one in polyhedra]
     left.plot(
@@ -289,7 +289,7 @@ def picture(curve: Floats, polyhedra: Sequence[dict[str, float]], peak: Horizon)
     left.axvline(LIMIT, color=plots.STONE, linewidth=0.8)
     plots.note(left, "R$^3$ ends", (LIMIT, 2.0), (-50, 0))
     plots.legend(left, loc="lower left")
-    _inset(left.inset_axes((0.16, 0.42, 0.42, 0.3)), curve, peak)
+    _inset(left.inset_axes((0.12, 0.28, 0.4, 0.27)), curve, peak)
     plots.dress(right, "distance from the axis / m", "along the axis / m", "meridians, Poincare's ball")
     for spin, color in zip(DRAWN, plots.SERIES, strict=False):
         rho, z = meridian(Horizon(spin))
