@@ -7,6 +7,7 @@ S.-T. Yau, arXiv:1708.07532; B. Zhao, S.-T. Yau and L. Andersson, arXiv:2407.005
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from isoembed import InvalidParameter, certify, embed
-from isoembed.relativity import KerrNewmanSphere, KerrSchild, StarSurface, embed_surface, smarr_limit, wang_yau
+from isoembed.relativity import (
+    KerrNewmanSphere,
+    KerrSchild,
+    StarSurface,
+    embed_surface,
+    smarr_limit,
+    wang_yau,
+)
 from isoembed.smooth import triangulate_metric
 from reproduction import plots
 from reproduction.arrays import Floats
@@ -44,7 +52,9 @@ def study(*, spins: int, vertices: int, radii: Sequence[float]) -> Section:
     radii : sequence of float
         Rising, at which energies of the extreme hole are computed.
     """
-    outside = [_outside(spin, r) for spin in np.linspace(0, 1, spins) for r in (ERGOSPHERE, 2.5, 3.0, 5.0, 10.0)]
+    outside = [
+        _outside(spin, r) for spin in np.linspace(0, 1, spins) for r in (ERGOSPHERE, 2.5, 3.0, 5.0, 10.0)
+    ]
     least = min(outside, key=lambda one: one["curvature"])
     solids = [_solid(spin, vertices) for spin in (0.5, 1.0)]
     energies = [_energies(r) for r in radii]
@@ -75,7 +85,7 @@ def study(*, spins: int, vertices: int, radii: Sequence[float]) -> Section:
             "K at the poles, closed form",
         ),
     ]
-    falling = all(a["brown_york"] > b["brown_york"] > 1 for a, b in zip(energies, energies[1:], strict=False))
+    falling = all(a["brown_york"] > b["brown_york"] > 1 for a, b in pairwise(energies))
     return Section.of(
         "constant-radius",
         figures={"constant-radius": picture(energies)},
@@ -237,7 +247,9 @@ def picture(energies: Sequence[dict[str, float]]) -> Figure:
     plots.legend(left, loc="lower right")
     plots.dress(right, "r / m", "E / m", "extreme hole")
     r = [one["r"] for one in energies]
-    right.semilogx(r, [one["brown_york"] for one in energies], color=plots.BLUE, marker="o", label="Brown-York")
+    right.semilogx(
+        r, [one["brown_york"] for one in energies], color=plots.BLUE, marker="o", label="Brown-York"
+    )
     right.semilogx(
         r,
         [one["wang_yau"] for one in energies],

@@ -1,10 +1,9 @@
 """Flexible polyhedra followed along their flexes, and how many realizations a triangulation has.
 
-K. Kim and C. D. Santangelo, arXiv:2505.07696; R. Bricard (1897); K. Steffen (1978); R. Connelly, I. Sabitov and
-A. Walz (1997); R. Alexander (1985).
+K. Kim and C. D. Santangelo, arXiv:2505.07696; R. Bricard (1897); K. Steffen (1978); R. Alexander (1985);
+R. Connelly, I. Sabitov and A. Walz (1997).
 """
 
-# ruff: noqa: N806 (J as the field writes it)
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -16,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.spatial import ConvexHull
 
-from isoembed import Aim, PolyhedralMetric, Triangulation, certify, embed, realizations
+from isoembed import Aim, Embedding, PolyhedralMetric, Triangulation, certify, embed, realizations
 from isoembed.surface.alignment import aligned
 from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.intersection import self_intersections
@@ -166,7 +165,7 @@ def study(*, steps: int, stacked: int, starts: int) -> Section:
 
 
 def followed(name: str, faces: Sequence[tuple[int, int, int]], start: Floats, steps: int) -> Flex:
-    """Follow the flex of a polyhedron from a position: a step along the null vector of J, then Newton's steps."""
+    """Follow the flex of a polyhedron: steps along the null vector of J, and Newton's back to the lengths."""
     t = Triangulation(faces)
     lengths, path = edge_lengths(t.edges, start), [start]
     system, step = LengthSystem(t), STEP * float(lengths.mean())
@@ -238,7 +237,9 @@ def _at_distances(centers: Sequence[Floats], radii: Sequence[float], side: int) 
     e_y = e_y / j
     x = (a * a - b * b + d * d) / (2 * d)
     y = (a * a - c * c + i * i + j * j - 2 * i * x) / (2 * j)
-    return np.asarray(p + x * e_x + y * e_y + side * sqrt(max(0.0, a * a - x * x - y * y)) * np.cross(e_x, e_y))
+    return np.asarray(
+        p + x * e_x + y * e_y + side * sqrt(max(0.0, a * a - x * x - y * y)) * np.cross(e_x, e_y)
+    )
 
 
 def embedded_range() -> float:
@@ -283,11 +284,16 @@ def away_from_closed_form(path: Floats) -> float:
     return worst
 
 
+def nearest(metric: PolyhedralMetric, vertices: Floats) -> Embedding:
+    """The realization nearest to a surface among those that are found."""
+    return embed(metric, method=Aim(which=tuple((x, y, z) for x, y, z in vertices.tolist())))
+
+
 def found_again() -> dict[str, Any]:
     """The flexible surface by `embed`, from a position rounded to one digit."""
     metric = PolyhedralMetric(STEFFEN, edge_lengths(Triangulation(STEFFEN).edges, steffen(pi)))
     rough = steffen(pi + 0.1).round(0)
-    found = embed(metric, method=Aim(which=rough))
+    found = nearest(metric, rough)
     return {"volume": found.volume, "residual": found.residual, "said": certify(found).reason.split(":")[0]}
 
 
@@ -298,7 +304,7 @@ def rigid_realization() -> dict[str, Any]:
     rough = found.vertices + 0.5 * np.random.default_rng(2).standard_normal(found.vertices.shape)
     return {
         "volume": found.volume,
-        "again": embed(metric, method=Aim(which=rough)).volume,
+        "again": nearest(metric, rough).volume,
         "certified": certify(found).certified,
     }
 
@@ -349,9 +355,9 @@ def _octahedron(seed: int, starts: int) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     x = BASE[[0, 2, 3, 1, 4, 5]] + 0.1 * rng.standard_normal((6, 3))
     metric = PolyhedralMetric.from_mesh(x, OCTAHEDRON)
-    found: list[Any] = []
+    found: list[Embedding] = []
     for _ in range(starts):
-        near = embed(metric, method=Aim(which=rng.standard_normal(x.shape)))
+        near = nearest(metric, rng.standard_normal(x.shape))
         for one in (near, *near.others):
             if one.converged and all(one.distance(known) > 1e-6 for known in found):
                 found.append(one)
@@ -360,16 +366,19 @@ def _octahedron(seed: int, starts: int) -> dict[str, Any]:
 
 def picture() -> Figure:
     """Steffen's polyhedron at the ends and in the middle of its way, and what changes."""
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
     half = np.radians(embedded_range() / 2)
     figure = plots.blank(5.6)
-    upper, lower = figure.subfigures(2, 1, height_ratios=(3, 2))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
+    upper, lower = parts
     for k, t in enumerate((pi - half, pi, pi + half)):
         axes: Any = upper.add_subplot(1, 3, k + 1, projection="3d")
         x = steffen(float(t))
         colors = [plots.SERIES[c] for c in (5, 5, 5, 5, 4, 4, 2, 2, 2, 2, 4, 4, 3, 3)]
-        solid = Poly3DCollection(x[STEFFEN], facecolors=colors, edgecolors=plots.INK, linewidths=0.7, alpha=0.8)
+        solid = Poly3DCollection(
+            x[STEFFEN], facecolors=colors, edgecolors=plots.INK, linewidths=0.7, alpha=0.8
+        )
         axes.add_collection3d(solid)
         middle = x.mean(axis=0)
         for set_limits, m in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, strict=True):
@@ -387,4 +396,3 @@ def _changes(axes: Any) -> None:
     turned = np.degrees(np.array([dihedral_angles(t, steffen(float(s))) for s in angles]))
     axes.plot(np.degrees(angles - pi), turned - turned[len(angles) // 2], color=plots.BLUE, linewidth=0.8)
     plots.dress(axes, "angle of the edge 0-6 in degrees", "degrees", "changes of the 21 dihedral angles")
-

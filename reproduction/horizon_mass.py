@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from isoembed import InvalidMetric, Space, embed
-from isoembed.relativity import KerrNewmanHorizon, embed_surface, smarr_limit
-from isoembed.smooth import AxisymmetricEmbedding, triangulate_metric
+from isoembed.relativity import KerrNewmanHorizon, smarr_limit
+from isoembed.smooth import AxisymmetricEmbedding, embed_smooth, triangulate_metric
 from isoembed.space.models import to_model
 from isoembed.surface.smooth_integrals import SmoothIntegrals
 from reproduction import plots
@@ -65,7 +65,7 @@ class Horizon:
 
     @property
     def mass(self) -> float:
-        """int 2 H dA / 8 pi: on a horizon the mean curvature vector has no length."""
+        """Integral of 2 H dA / 8 pi: on a horizon the mean curvature vector has no length."""
         return self.profile.integrated_mean_curvature / (4 * pi)
 
     @property
@@ -78,14 +78,12 @@ class Horizon:
     @cache  # noqa: B019 (a handful of them)
     def by_harmonics(self) -> float:
         """The mass by the spectral embedding, which knows of no symmetry."""
-        energy = embed_surface(self.surface.data(), space=self.space).energies.liu_yau
-        assert energy is not None
-        return energy.value
+        return embed_smooth(self.surface, space=self.space).integrated_mean_curvature / (4 * pi)
 
     def by_lengths(self, vertices: int) -> tuple[float, float]:
-        """The mass of the convex polyhedron with geodesic lengths: as it is, and corrected."""
+        """The mass of the polyhedron with geodesic lengths: as it is, and corrected for bulges."""
         mesh = triangulate_metric(self.surface, vertices, space=self.space)
-        found = embed(mesh.metric, method="alexandrov")
+        found = embed(mesh.metric)
         behind = SmoothIntegrals(
             found.surface.triangulation, found.vertices, "geodesic", self.space
         ).integrated_mean_curvature
@@ -112,7 +110,7 @@ def study(*, spins: Sequence[float], charged: int, vertices: int) -> Section:
             GREATEST_AT,
             peak.spin,
             1e-7,
-            _peak_by_harmonics(peak.spin),
+            peak_by_harmonics(peak.spin),
             "parabola through three masses by harmonics",
         ),
         Published("greatest mass", "", peak.mass, 1e-9, peak.by_harmonics(), "harmonics"),
@@ -162,7 +160,7 @@ def greatest() -> Horizon:
     return Horizon(float(found.x))
 
 
-def _peak_by_harmonics(spin: float, step: float = 2e-5) -> float:
+def peak_by_harmonics(spin: float, step: float = 2e-5) -> float:
     """The spin at which the parabola through three masses by harmonics is highest."""
     low, middle, high = (Horizon(spin + shift).by_harmonics() for shift in (-step, 0.0, step))
     return spin + step * 0.5 * (low - high) / (low - 2 * middle + high)

@@ -112,13 +112,14 @@ def _along(t: float) -> dict[str, Any]:
     A = linear_map(t)
     found = embed_smooth(PulledBack(lambda u: np.tile(A, (len(u), 1, 1))))
     u = fibonacci_directions(2000)
-    exact = Ellipsoid(tuple(float(a) for a in (1 - t) * AXES + t))
+    a, b, c = ((1 - t) * AXES + t).tolist()
     away = aligned(found.points(u), u @ A.T) - u @ A.T
     return {
         "t": t,
         "degree": found.harmonics.degree,
         "error": float(np.linalg.norm(away, axis=1).max()),
-        "mean_curvature_error": found.integrated_mean_curvature - exact.integrated_mean_curvature,
+        "mean_curvature_error": found.integrated_mean_curvature
+        - Ellipsoid((a, b, c)).integrated_mean_curvature,
     }
 
 
@@ -159,7 +160,7 @@ def _identity(p: Floats) -> Floats:
 
 
 def _revolution(vertices: int) -> dict[str, Any]:
-    """Example 6.2 by a polyhedron with as many unknowns, and by harmonics; errors in the norms of the paper."""
+    """Example 6.2 by a polyhedron with as many unknowns, and by harmonics; errors in the paper's norms."""
     metric, sphere = PulledBack(_differential), PulledBack(_identity)
     mesh = triangulate_metric(sphere, vertices)
     found = embed(mesh.measured(metric))
@@ -167,9 +168,7 @@ def _revolution(vertices: int) -> dict[str, Any]:
     L2, defect = errors_of_elements(
         mesh.directions, mesh.faces, aligned(found.vertices, exact), profile_of_revolution, _differential
     )
-    _, initial = errors_of_elements(
-        mesh.directions, mesh.faces, mesh.directions, lambda p: p, _identity
-    )
+    _, initial = errors_of_elements(mesh.directions, mesh.faces, mesh.directions, lambda p: p, _identity)
     _, interpolated = errors_of_elements(
         mesh.directions, mesh.faces, exact, profile_of_revolution, _differential
     )
@@ -290,7 +289,7 @@ class RicciFlow:
         return greatest - least
 
     def embedded_by_harmonics(self, share: float) -> float:
-        """int H dA of the spectral embedding, which is given the tensor at unit vectors only."""
+        """Integral of H dA of the spectral embedding, which is given the tensor at unit vectors only."""
         w = self.w(share)
 
         class Conformal:
