@@ -19,6 +19,8 @@ from sections import check_section
 )
 def test_masses(spin, mass):
     assert horizon_mass.Horizon(spin).mass == pytest.approx(mass, abs=1e-10)
+    if spin >= horizon_mass.LIMIT:
+        assert horizon_mass.mass_by_quadrature(spin) == pytest.approx(mass, abs=1e-10)
 
 
 def test_the_greatest_mass():
@@ -45,7 +47,6 @@ def test_the_cone_of_the_strut_is_refused_by_its_angle():
 def test_the_section(monkeypatch):
     # Harmonics take long, and have tests of their own (relativity/energies/test_embedded_in_space.py).
     monkeypatch.setattr(horizon_mass.Horizon, "by_harmonics", lambda self: self.mass)
-    monkeypatch.setattr(horizon_mass, "peak_by_harmonics", lambda spin: spin)
     section = horizon_mass.study(spins=(0.95,), charged=2, vertices=200)
     check_section(section)
     assert all(one["agrees"] is not False for one in section.numbers["published"])
