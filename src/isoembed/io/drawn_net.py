@@ -19,7 +19,7 @@ from isoembed.gluing.offset import offset
 from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 
-SNAP = 1e-5  # of the drawing: ends as near are one
+SNAP = 1e-6  # of the drawing: ends as near are one, if no tolerance is given and the digits tell no more
 UNITS = 4.0  # of the last digit, by which lengths between rounded points may differ
 NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
 ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
