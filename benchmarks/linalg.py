@@ -2,7 +2,8 @@
 
 Matrices: J J^T on the edges; a Laplacian on the vertices, less a little, which makes it indefinite; and J^T J
 with a penalty, on the coordinates. Each is ordered by our dissection, analyzed, factored and solved, by dense
-fronts and by SuperLU; and by PARDISO where pypardiso is installed, which orders and analyzes every time.
+fronts; by SuperLU in the same order, and in the order it takes by itself; and by CHOLMOD and PARDISO where
+scikit-sparse and pypardiso are installed, which order and analyze every time.
 
 Seconds of the processor are the best of three, the ratio is to the fronts' factorization, a solve is without
 refinement, and memory is what the factors are foreseen to take. At last come exponents of all of them.
@@ -14,9 +15,9 @@ from importlib.util import find_spec
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import splu
 from scipy.spatial import ConvexHull
 
-import isoembed.linalg.factor as factor_module
 from isoembed.linalg import analyze, dissect
 
 
@@ -73,14 +74,32 @@ def best(function, *arguments):
     return min(seconds), result
 
 
-def ours(matrix, order, definite, small):
-    """Seconds to analyze, factor and solve, and bytes that the factors take; by fronts or by SuperLU."""
-    factor_module.SUPERLU_ENTRIES = small
+def ours(matrix, order, definite):
+    """Seconds to analyze, factor and solve by fronts, and bytes that the factors take."""
     b = np.random.default_rng(0).normal(size=order.size)
     analyzing, solver = best(lambda: analyze(matrix, order, definite=definite))
     factoring, factor = best(solver.factor, matrix.data)
     solving, _ = best(factor.solve, b, 0)
     return analyzing, factoring, solving, solver.needs
+
+
+def superlu(matrix, spec):
+    """The same by SuperLU, which analyzes every time, with an order of SciPy's."""
+    b = np.random.default_rng(0).normal(size=matrix.shape[0])
+    options = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    factoring, factor = best(lambda: splu(matrix, permc_spec=spec, **options))
+    solving, _ = best(factor.solve, b)
+    return 0.0, factoring, solving, 12 * factor.nnz
+
+
+def cholmod(matrix):
+    """The same by CHOLMOD's L D L^T, in an order of its own; the memory is not known."""
+    from sksparse.cholmod import cholesky
+
+    b = np.random.default_rng(0).normal(size=matrix.shape[0])
+    factoring, factor = best(lambda: cholesky(matrix, mode="auto"))
+    solving, _ = best(factor, b)
+    return 0.0, factoring, solving, 0
 
 
 def pardiso(matrix):
@@ -111,7 +130,14 @@ def report(n):
     }
     found = {}
     for name, (matrix, order, definite) in matrices.items():
-        rows = {"fronts": ours(matrix, order, definite, 0), "SuperLU": ours(matrix, order, definite, 10**12)}
+        ordered = sp.csc_matrix(matrix[order][:, order])
+        rows = {
+            "fronts": ours(matrix, order, definite),
+            "SuperLU": superlu(ordered, "NATURAL"),
+            "MMD": superlu(sp.csc_matrix(matrix), "MMD_AT_PLUS_A"),
+        }
+        if definite and find_spec("sksparse"):
+            rows["CHOLMOD"] = cholmod(sp.csc_matrix(matrix))
         if find_spec("pypardiso"):
             rows["PARDISO"] = pardiso(matrix)
         for who, (*seconds, size) in rows.items():

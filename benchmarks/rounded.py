@@ -44,6 +44,7 @@ from rounded_truth import farthest, integrals, least_squares_surface
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 import solids
+from domes import dome
 from johnson_solids import johnson
 
 SIZE = 150.0  # the largest distance from the center
@@ -70,20 +71,6 @@ def rock(n, roughness, seed):
     points = u * (150.0, 120.0, 100.0)
     noise = np.random.default_rng([seed, n]).standard_normal(points.shape)
     return hull(points + roughness * noise, points)
-
-
-def dome(frequency):
-    """A geodesic sphere: every triangle of an icosahedron cut into frequency^2."""
-    corners = solids.uniform("icosahedron")
-    points = [
-        (i * corners[a] + j * corners[b] + (frequency - i - j) * corners[c]) / frequency
-        for a, b, c in solids.triangles(solids.polygons(corners))
-        for i in range(frequency + 1)
-        for j in range(frequency + 1 - i)
-    ]
-    points = np.unique(np.round(points, 9), axis=0)
-    points = points / np.linalg.norm(points, axis=1)[:, None]
-    return hull(points, points)
 
 
 def solid(points):

@@ -1,4 +1,4 @@
-"""Make every figure and number of the paper again, in one report.
+"""Make every figure and number of the paper again, and numbers of other papers, in one report.
 
     python -m reproduction --output FOLDER [--quick]
 
@@ -18,7 +18,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Make the report; return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m reproduction", description="Reproduce the paper.")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="made if missing")
-    parser.add_argument("--quick", action="store_true", help="small meshes: half a minute instead of six")
+    parser.add_argument("--quick", action="store_true", help="small meshes: two minutes instead of ten")
     options = parser.parse_args(arguments)
 
     def tell(line: str) -> None:

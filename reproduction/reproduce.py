@@ -13,14 +13,19 @@ from isoembed import NotEmbedded, __version__
 from isoembed.io import FileError, check_output, report_writer, write_atomically
 from reproduction import (
     accuracy,
+    constant_radius,
     embedding_tree,
     ergosphere,
+    flexible,
+    head_on,
+    horizon_mass,
     inverted_vertex,
     mean_curvature,
     regularized_continuation,
     scaling,
     three_steps,
     triptychs,
+    weyl_path,
 )
 from reproduction.baselines import study as baselines
 from reproduction.report import TYPES, Made, page, rendered
@@ -106,6 +111,41 @@ STUDIES = (
         baselines.study,
         full={"vertices": 800, "degree": 16, "steps": 4, "seeds": 5},
         quick={"vertices": 200, "degree": 8, "steps": 4, "seeds": 2},
+    ),
+    Study(
+        "horizon-mass",
+        horizon_mass.study,
+        full={"spins": (0.3, 0.6, 0.8, 0.9, 0.95, 0.99, 1.0), "charged": 8, "vertices": 4000},
+        quick={"spins": (0.5, 0.95), "charged": 3, "vertices": 400},
+    ),
+    Study(
+        "constant-radius",
+        constant_radius.study,
+        full={"spins": 21, "vertices": 2000, "radii": (1.7, 2.2, 3.0, 5.0, 10.0, 30.0, 100.0)},
+        quick={"spins": 5, "vertices": 300, "radii": (2.0, 5.0)},
+    ),
+    Study(
+        "weyl-path",
+        weyl_path.study,
+        full={"sizes": (0.7, 0.5, 0.35, 0.25, 0.18, 0.12), "vertices": 1407},
+        quick={"sizes": (0.7, 0.5), "vertices": 1407},
+    ),
+    Study(
+        "head-on",
+        head_on.study,
+        full={
+            "separate": (6.0, 4.0, 3.0, 2.0, 1.5, 1.0),
+            "common": (0.766, 0.76, 0.74, 0.7, 0.65, 0.6, 0.5, 0.4),
+            "inner": True,
+            "expansions": (0.6, 0.5, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4),
+        },
+        quick={"separate": (2.0, 1.0), "common": (0.7, 0.5), "inner": False, "expansions": (0.1, 1e-3)},
+    ),
+    Study(
+        "flexible",
+        flexible.study,
+        full={"steps": 60, "stacked": 5, "starts": 60},
+        quick={"steps": 20, "stacked": 2, "starts": 5},
     ),
 )
 """In the order of the report."""

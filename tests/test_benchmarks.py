@@ -24,6 +24,7 @@ SMALLEST = {
     "horizon_sequence": "--count 2 --only kerr",
     "house": f"{ROOT / 'src' / 'isoembed'}",
     "linalg": "3000",
+    "makers": "--only Platonic --sizes 100 --files svg",
     "mergers": "--only kerr",
     "million": "--sizes 500 --only sizes",
     "peers": "--sizes 100 --seeds 1",

@@ -5,6 +5,7 @@ from . import plot as plot
 from . import progress as progress
 from . import relativity as relativity
 from . import smooth as smooth
+from . import struts as struts
 from .aim.adaptive import Aim as Aim
 from .aim.paper import Paper as Paper
 from .aim.realizations import Realizations as Realizations

@@ -9,7 +9,7 @@ from isoembed.linalg import SingularMatrix, analyze, factor
 
 
 def test_factors_are_double_where_single_precision_loses_the_matrix(monkeypatch):
-    monkeypatch.setattr(factor, "SUPERLU_ENTRIES", 0)
+    monkeypatch.setattr(factor, "SINGLE_ENTRIES", 0)
     # The pivot leaves nothing of the 3 beside its multiples in single precision.
     matrix = csc_array(block_diag([np.array([[1e-9, 1.0], [1.0, 3.0]])] * 10))
     matrix.sort_indices()

@@ -6,7 +6,6 @@ import sys
 import numpy as np
 import pytest
 
-import isoembed.linalg.factor as factor_module
 import isoembed.linalg.memory as memory
 from grids import grid
 from isoembed.linalg import OutOfMemory, analyze
@@ -14,7 +13,6 @@ from isoembed.linalg.memory import UNKNOWN, available_memory, readable, require_
 from places import SUPPORT
 
 MB = 1_000_000
-SMALL = (0, 10**9)  # by fronts, and by SuperLU
 
 
 @pytest.fixture
@@ -82,8 +80,6 @@ import numpy as np
 from isoembed.linalg import OutOfMemory, analyze
 from isoembed.linalg.memory import (available_memory)
 import scipy.sparse as sp
-import isoembed.linalg.factor as factor
-factor.SUPERLU_ENTRIES = 0
 dense = sp.csc_matrix(np.ones((30, 30)))
 analyze(dense, np.arange(30)).factor((np.eye(30) + 1).ravel())  # libraries are loaded
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
@@ -106,10 +102,8 @@ except OutOfMemory as error:
     assert sentence.endswith(" MB are free")
 
 
-@pytest.mark.parametrize("small", SMALL)
-def test_what_does_not_fit_is_refused_when_analyzed_and_when_factored(monkeypatch, small):
+def test_what_does_not_fit_is_refused_when_analyzed_and_when_factored(monkeypatch):
     matrix, order = grid(30)
-    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", small)
     monkeypatch.setattr(memory, "UNASKED", 0)
     solver = analyze(matrix, order)
     monkeypatch.setattr(memory, "available_memory", lambda: 39_000)
@@ -123,10 +117,8 @@ def test_what_does_not_fit_is_refused_when_analyzed_and_when_factored(monkeypatc
     assert matrix @ solver.factor(matrix.data).solve(b) == pytest.approx(b)
 
 
-@pytest.mark.parametrize("small", SMALL)
-def test_a_loop_that_replaces_its_factors_is_not_refused(monkeypatch, small):
+def test_a_loop_that_replaces_its_factors_is_not_refused(monkeypatch):
     matrix, order = grid(30)
-    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", small)
     solver = analyze(matrix, order)
     needs = solver.needs
     solver.factor(matrix.data)  # let go at once
@@ -145,15 +137,12 @@ def test_small_factors_ask_nobody(monkeypatch):
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads Linux's record of the peak")
 @pytest.mark.parametrize("definite", [True, False])
-@pytest.mark.parametrize("small", SMALL)
-def test_the_estimates_are_of_what_is_taken(small, definite):
+def test_the_estimates_are_of_what_is_taken(definite):
     code = f"""
 import sys
 sys.path.insert(0, {str(SUPPORT)!r})
 from grids import grid
 from isoembed.linalg import analyze
-import isoembed.linalg.factor as factor
-factor.SUPERLU_ENTRIES = {small}
 def status(key):
     with open("/proc/self/status") as lines:
         return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(key))

@@ -6,15 +6,10 @@ import scipy.sparse as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-import isoembed.linalg.factor as factor_module
 from grids import grid
-from isoembed.linalg import analyze
+from isoembed.linalg import analyze, factor
+from isoembed.linalg.superlu import symmetric_lu
 from patterns import random_pattern
-
-
-@pytest.fixture(autouse=True)
-def always_multifrontal(monkeypatch):
-    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", 0)
 
 
 def random_matrix(n, density, definite, rng):
@@ -30,16 +25,17 @@ def test_random_sparse_matrices(n, density, definite, seed):
     rng = np.random.default_rng(seed)
     matrix, order, b = random_matrix(n, density, definite, rng), rng.permutation(n), rng.normal(size=(n, 3))
     csc = sp.csc_array(matrix)
-    factor = analyze(csc, order, definite=definite).factor(csc.data)
+    factors = analyze(csc, order, definite=definite).factor(csc.data)
     exact = np.linalg.solve(matrix, b)
     for sweeps in (0, 2):
-        np.testing.assert_allclose(factor.solve(b, sweeps), exact, atol=1e-13)
-        np.testing.assert_allclose(factor.solve(b[:, 1], sweeps), exact[:, 1], atol=1e-13)
-    assert factor.negative_pivots == int((np.linalg.eigvalsh(matrix) < 0).sum())
+        np.testing.assert_allclose(factors.solve(b, sweeps), exact, atol=1e-13)
+        np.testing.assert_allclose(factors.solve(b[:, 1], sweeps), exact[:, 1], atol=1e-13)
+    assert factors.negative_pivots == int((np.linalg.eigvalsh(matrix) < 0).sum())
 
 
 @pytest.mark.parametrize("shift", [0.0, 1.2])
-def test_factors_in_single_precision_precondition(shift):
+def test_factors_in_single_precision_precondition(monkeypatch, shift):
+    monkeypatch.setattr(factor, "SINGLE_ENTRIES", 0)
     matrix, order = shifted(40, shift)
     b = np.random.default_rng(0).normal(size=(1600, 2))
     solver = analyze(matrix, order, definite=not shift)
@@ -56,14 +52,14 @@ def shifted(side, shift):
 
 
 @pytest.mark.parametrize("shift", [0.0, 1.2])
-def test_superlu_gives_the_same(monkeypatch, shift):
+def test_superlu_gives_the_same(shift):
     matrix, order = shifted(50, shift)
     b = np.random.default_rng(0).normal(size=(2500, 2))
     ours = analyze(matrix, order, definite=not shift).factor(matrix.data)
-    monkeypatch.setattr(factor_module, "SUPERLU_ENTRIES", 2**20)
-    theirs = analyze(matrix, order, definite=not shift).factor(matrix.data)
-    assert ours.negative_pivots == theirs.negative_pivots
-    x = theirs.solve(b)
+    theirs = symmetric_lu(matrix[order][:, order].tocsc())
+    assert ours.negative_pivots == int((theirs.U.diagonal() < 0).sum())
+    x = np.empty_like(b)
+    x[order] = theirs.solve(b[order])
     np.testing.assert_allclose(ours.solve(b), x, rtol=0, atol=1e-9 * np.abs(x).max())
 
 

@@ -6,7 +6,7 @@ import pytest
 import isoembed.linalg.memory as memory
 import isoembed.surface.two_level as two_level
 import zoo
-from isoembed.linalg import OutOfMemory, dissect, factor
+from isoembed.linalg import OutOfMemory, dissect
 from isoembed.linalg.factor import Solver
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
@@ -110,7 +110,6 @@ def test_damping_makes_it_easier(damping, most):
 
 def test_bodies_are_small_and_the_coarse_factors_take_little(monkeypatch):
     problem = Problem(4)
-    monkeypatch.setattr(factor, "SUPERLU_ENTRIES", 0)
     system = LengthSystem(problem.triangulation)
     solvers = []
 

@@ -137,15 +137,22 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
 
 
 def _realized(target: Embedding, log: Log) -> Embedding | None:
-    """The realization that Newton's method leads to from a surface."""
-    from isoembed.aim.anneal import anneal
+    """The realization that damped Newton steps lead to from a surface, be it flexible (J is singular)."""
+    from isoembed.aim.anneal import anneal_damped
     from isoembed.surface.rigidity import LengthSystem
 
     metric = target.metric
     with log.stage("nearest") as recorder:
         system = LengthSystem(metric.triangulation)
-        end = anneal(system, target.vertices, metric.lengths, recorder, max_iterations=30).vertices
-    found = Embedding(metric, end, method=target.method, tolerance=target.tolerance)
+        end = anneal_damped(
+            system,
+            target.vertices,
+            metric.lengths,
+            recorder,
+            residual_tolerance=1e-13,  # mean edge lengths
+            max_iterations=60,
+        )
+    found = Embedding(metric, end.vertices, method=target.method, tolerance=target.tolerance)
     return found if found.converged else None
 
 

@@ -51,8 +51,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         metavar="INPUT",
         help=f"a metric (.npz or .json with faces, edges, lengths), or a mesh ({' '.join(MESH_ENDINGS)}) "
-        "whose lengths are taken and whose coordinates are thrown away; - reads JSON from standard input; of "
-        "several, the --output is a folder",
+        "whose lengths are taken and whose coordinates are thrown away, or a strut table (.csv); - reads "
+        "JSON from standard input; of several, the --output is a folder",
     )
     parser.add_argument(
         "--method",

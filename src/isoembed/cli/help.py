@@ -26,6 +26,7 @@ GROUPS = {
         *("vertices", "size", "grading", "distance", "motions", "surfaces"),
         *("objective", "cut_edges", "keep_edges"),
     ),
+    "struts": ("hub_radius", "stock"),
     "report": ("axis", "wang_yau", "multipoles", "stability", "bound"),
     "output": (
         *("output", "report", "metric", "picture", "color", "html", "animate", "film", "band", "paper"),
@@ -55,6 +56,7 @@ COMMAND_GROUPS: Mapping[str, Mapping[str, str]] = {
     "paper": {
         "glue": "build a solid from a paper net: polygons whose sides are glued together",
         "nets": "solve classic nets: the Latin cross, tetramonohedra, pita forms, D-forms, ...",
+        "struts": "list the struts and hubs of a dome or a frame: types, lengths, angles, cuts",
         "unfold": "make a paper net of a solid, to print, cut, fold and glue",
     },
     "relativity": {

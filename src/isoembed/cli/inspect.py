@@ -19,7 +19,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "input",
         metavar="INPUT",
-        help=f"a metric (.npz .json), a mesh ({' '.join(MESH_ENDINGS)}), or - for JSON on standard input",
+        help=f"a metric (.npz .json), a mesh ({' '.join(MESH_ENDINGS)}), a strut table (.csv), or - for "
+        "JSON on standard input",
     )
     add_merge_option(parser)
     add_json_option(parser)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from isoembed.io import fold, gltf, json, npz, obj, off, ply, stl, vtk, vtp, vtu
+from isoembed.io import fold, gltf, json, npz, obj, off, ply, stl, strut_table, vtk, vtp, vtu
 from isoembed.io.files import FileError, Tables, Writer, check_ending, check_target, ending
 from isoembed.io.format import Format, loaded
 
@@ -32,7 +32,7 @@ def _writer(known: Format, tables: Tables) -> Callable[[Path], None]:
 
 OWN = (
     *(module.FORMAT for module in (npz, json, ply, obj, stl, off, fold, vtk, vtu, vtp)),
-    *(gltf.GLB, gltf.GLTF),
+    *(gltf.GLB, gltf.GLTF, strut_table.FORMAT),
 )
 FORMATS = {known.ending: known for known in OWN}
 ADDED = {
@@ -43,7 +43,8 @@ ADDED = {
 FORMATS |= {name: _added(point) for name, point in ADDED.items()}
 
 METRIC_ENDINGS = tuple(name for name, known in FORMATS.items() if known.holds_metrics)
-MESH_ENDINGS = tuple(name for name in FORMATS if name not in METRIC_ENDINGS)
+TABLE_ENDINGS = (strut_table.FORMAT.ending,)
+MESH_ENDINGS = tuple(name for name in FORMATS if name not in (*METRIC_ENDINGS, *TABLE_ENDINGS))
 SURFACE_ENDINGS = tuple(name for name, known in FORMATS.items() if known.write is not None)
 
 

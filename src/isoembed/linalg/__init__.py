@@ -2,8 +2,7 @@
 
 `dissect` orders a surface mesh by nested dissection, `analyze` prepares a pattern once, and its `factor` and
 `solve` do the numbers, with iterative refinement and the same errors, `SingularMatrix` and `OutOfMemory`.
-Large symmetric matrices are factored as L D L^T by dense fronts, small ones and those that are not symmetric
-by scipy's SuperLU.
+Symmetric matrices are factored as L D L^T by dense fronts, those that are not symmetric by scipy's SuperLU.
 
 Looked at in November 2026 and not taken:
 
@@ -25,7 +24,7 @@ from isoembed.linalg.factor import (
     factor_general,
 )
 from isoembed.linalg.memory import OutOfMemory
-from isoembed.linalg.symbolic import SingularMatrix
+from isoembed.linalg.singular import SingularMatrix
 
 __all__ = [
     "Dissection",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,14 +11,22 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg.elimination import first_asymmetry, first_gap, inverse, permuted, symbolic_analysis
 from isoembed.linalg.memory import require_memory
-from isoembed.linalg.multifrontal import Fronts
-from isoembed.linalg.superlu import Columns, checked_lu
+from isoembed.linalg.multifrontal import FrontalFactors, Fronts
+from isoembed.linalg.singular import SingularMatrix
+from isoembed.linalg.superlu import checked_lu
 from isoembed.linalg.supernodes import find_supernodes
-from isoembed.linalg.symbolic import Numeric, SingularMatrix, Solves, Symbolic
 from isoembed.linalg.symmetric import SymmetricMatrix
 
-# entries of L: up to here SuperLU takes .1 s, and to compile the elimination of fronts 4 s
-SUPERLU_ENTRIES = 2**20
+SINGLE_ENTRIES = 2**20
+"""Entries of L from which on single precision is worth it: smaller factors stay in the cache."""
+
+
+class Solves(Protocol):
+    """The factors of one matrix in elimination order."""
+
+    def solve(self, b: Floats) -> Floats:
+        """Solve for b (n,) or (n, k)."""
+        ...
 
 
 def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, *, definite: bool = True) -> Solver:
@@ -74,13 +82,8 @@ class Solver:
         self._indptr, self._indices, self._source = permuted(
             self.pattern.indptr, self.pattern.indices, self._order, True
         )
-        count = int(elimination.counts.sum())
-        self._symbolic: Symbolic
-        if count <= SUPERLU_ENTRIES:
-            self._symbolic = Columns(self._indptr, self._indices, definite, count)
-        else:
-            nodes = find_supernodes(self.pattern.indptr, self.pattern.indices, elimination)
-            self._symbolic = Fronts(self._indptr, self._indices, definite, nodes)
+        nodes = find_supernodes(self.pattern.indptr, self.pattern.indices, elimination)
+        self._fronts = Fronts(self._indptr, self._indices, definite, nodes)
         self._require_memory()
 
     def factor(self, data: ArrayLike, *, single: bool = False) -> SymmetricFactor:
@@ -122,7 +125,8 @@ class Solver:
                     f"the matrix is not positive definite: diagonal entry {k} is {least:.3g}"
                 )
         self._require_memory()
-        numeric = self._symbolic.factor(matrix.data, single=single)
+        single = single and self._fronts.nodes.entries > SINGLE_ENTRIES
+        numeric = self._fronts.factor(matrix.data, single=single)
         scale = np.sqrt(diagonal) if self.definite else matrix.sizes()
         b, x = _refuse_growth(numeric, scale, scale)
         if not self.definite:
@@ -132,7 +136,7 @@ class Solver:
     @property
     def needs(self) -> int:
         """Bytes of memory that the next factors will take, from the pattern alone."""
-        return self._symbolic.needs
+        return self._fronts.needs
 
     def _require_memory(self) -> None:
         require_memory(self.needs, f"the factors of a matrix of {self._order.size} unknowns")
@@ -190,14 +194,14 @@ class Factor:
 class SymmetricFactor(Factor):
     """The factors of one symmetric matrix, L D L^T with diagonal D."""
 
-    def __init__(self, matrix: SymmetricMatrix, numeric: Numeric, order: Indices) -> None:
+    def __init__(self, matrix: SymmetricMatrix, numeric: FrontalFactors, order: Indices) -> None:
         super().__init__(matrix, numeric, order)
-        self._numeric: Numeric = numeric
+        self._negative_pivots = numeric.negative_pivots
 
-    @cached_property
+    @property
     def negative_pivots(self) -> int:
-        """Number of negative entries of D, which is that of negative eigenvalues; SuperLU counts slowly."""
-        return self._numeric.negative_pivots
+        """Number of negative entries of D, which is that of negative eigenvalues."""
+        return self._negative_pivots
 
 
 def factor_general(matrix: sp.sparray | sp.spmatrix) -> Factor:

@@ -12,16 +12,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats, Singles
+from isoembed.arrays import Floats, Indices32, Singles
 from isoembed.linalg.fronts import eliminate, substitute
+from isoembed.linalg.singular import SingularMatrix
 from isoembed.linalg.supernodes import Supernodes
-from isoembed.linalg.symbolic import Symbolic
 
 
-@dataclass(eq=False)
-class Fronts(Symbolic):
-    """A pattern in elimination order, and its supernodes."""
+@dataclass(frozen=True, eq=False)
+class Fronts:
+    """A symmetric pattern in elimination order, and its supernodes.
 
+    Attributes
+    ----------
+    indptr, indices : ndarray of int32
+        The lower triangle in compressed columns with sorted rows.
+    definite : bool
+        Whether the matrices must be positive definite.
+    nodes : Supernodes
+    """
+
+    indptr: Indices32
+    indices: Indices32
+    definite: bool
     nodes: Supernodes
 
     @property
@@ -30,19 +42,26 @@ class Fronts(Symbolic):
         return 8 * (self.nodes.entries + self.nodes.room)
 
     def factor(self, data: Floats, *, single: bool = False) -> "FrontalFactors":
-        """Factorize the matrix with these entries; raises SingularMatrix.
+        """Factorize the matrix with these entries, and keep the factors in single precision if asked to.
 
         Without exchanges elimination in single precision is stable for definite matrices only: of others the
         factors are rounded in the end.
+
+        Raises
+        ------
+        SingularMatrix
+            A pivot is zero, or negative where the matrices must be definite.
         """
         count = self.nodes.entries
         L: Floats | Singles = np.empty(count, dtype=np.float32) if single else np.empty(count)
         stack = np.empty(self.nodes.room, dtype=L.dtype if self.definite else np.float64)
         least = 0.0 if self.definite else -np.inf
         negative = eliminate(self.nodes, self.indptr, self.indices, data, L, stack, least)
-        if negative < 0:
-            raise self.refusal()
-        return FrontalFactors(self.nodes, L, negative)
+        if negative >= 0:
+            return FrontalFactors(self.nodes, L, negative)
+        if self.definite:
+            raise SingularMatrix("the matrix is not positive definite")
+        raise SingularMatrix("the matrix has no factors L D L^T in this order")
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,3 +21,5 @@ from .picture import picture_writer as picture_writer
 from .picture import write_picture as write_picture
 from .placed import Scale as Scale
 from .placed import placed_figure as placed_figure
+from .struts import strut_figure as strut_figure
+from .struts import write_struts_picture as write_struts_picture

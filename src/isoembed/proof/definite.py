@@ -30,7 +30,7 @@ import scipy.sparse as sp
 
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg.superlu import has_row_exchanges, symmetric_lu
-from isoembed.linalg.symbolic import SingularMatrix
+from isoembed.linalg.singular import SingularMatrix
 from isoembed.proof.rounding import GUARD, UNDERFLOW, U
 
 if TYPE_CHECKING:

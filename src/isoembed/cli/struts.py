@@ -1,0 +1,104 @@
+"""``isoembed struts``: the strut table of a dome or a frame."""
+
+import argparse
+import math
+from pathlib import Path
+
+from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
+from isoembed.cli.outputs import Outputs, check_answer, print_written, written
+from isoembed.cli.screen import print_aside, print_json, print_out
+from isoembed.cli.status import OK
+from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface
+from isoembed.plot.endings import PICTURE_ENDINGS
+from isoembed.struts import STRUT_ENDINGS, strut_table
+from isoembed.struts.saving import struts_writer
+
+EXAMPLES = (
+    "isoembed struts dome.obj -o struts.csv --picture struts.png",
+    "isoembed struts dome.obj --hub-radius 20 --stock 6000",
+)
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``isoembed struts``."""
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}), closed or with a "
+        "boundary",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=_length,
+        metavar="LENGTH",
+        help="by which lengths of one type may differ, in the unit of the file (default: a millionth of the "
+        "mean length, or what rounded coordinates explain)",
+    )
+    parser.add_argument(
+        "--hub-radius",
+        type=_length,
+        default=0.0,
+        metavar="LENGTH",
+        help="by which struts are shorter at each end",
+    )
+    parser.add_argument(
+        "--stock",
+        type=_length,
+        metavar="LENGTH",
+        help="length of the bars from which struts are cut: add a list of cuts",
+    )
+    add_merge_option(parser)
+    add_output_option(
+        parser,
+        f"where to write the table: {' '.join(STRUT_ENDINGS)} (default: print the types); 'isoembed embed' "
+        "reads a .csv",
+    )
+    parser.add_argument(
+        "--picture",
+        type=Path,
+        metavar="FILE",
+        help=f"a picture with struts colored by type: {' '.join(PICTURE_ENDINGS)}",
+    )
+    add_json_option(parser, "print the table as one JSON object instead of text")
+    add_quiet_option(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Tabulate the struts; return the exit status."""
+    outputs = Outputs.of(options, output=STRUT_ENDINGS, picture=PICTURE_ENDINGS)
+    outputs.keep_apart()
+    for path in outputs.values():
+        check_answer(path, (*STRUT_ENDINGS, *PICTURE_ENDINGS), options.file)
+    if options.picture:
+        from isoembed.plot.picture import check_drawable
+
+        check_drawable()
+    surface = read_surface(options.file, merge=options.merge)
+    table = strut_table(
+        surface, tolerance=options.tolerance, hub_radius=options.hub_radius, stock=options.stock
+    )
+    writers = {"output": lambda path: struts_writer(path, table)}
+    if options.picture:
+        from isoembed.plot.struts import struts_picture_writer
+
+        writers["picture"] = lambda path: struts_picture_writer(path, surface, table)
+    files = outputs.write(**writers)
+    if options.json:
+        print_json(table.report)
+    elif options.output:
+        print_aside(f"{table.summary}\n{written(options, *files)}")
+    else:
+        print_out(str(table))
+        print_written(options, *files)
+    return OK
+
+
+def _length(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is not a length from 0 on")
+    return value

@@ -1,0 +1,128 @@
+"""Pictures of frames: struts colored by type, with a legend of their numbers and lengths."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.embedding.embedding import Embedding
+from isoembed.io.files import Writer, write_atomically
+from isoembed.io.registry import check_output
+from isoembed.plot.endings import PICTURE_ENDINGS
+from isoembed.plot.lines import Shapes, among_faces
+from isoembed.plot.picture import INK, PAPER, WIDTH, check_drawable, figure_writer
+from isoembed.plot.view import View
+from isoembed.struts.table import StrutTable
+from isoembed.surface.segments import Segments
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLORS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#000000", "#b8a800")
+"""Colors that most people tell apart (Okabe and Ito 2008), for up to eight types."""
+FACES = np.array([0.82, 0.82, 0.8])
+STRUT, DENSE = 2.6, 24.0  # points: the width of a strut, and what many share
+NUMBERED = 100  # hubs, of which each has its number in the picture
+SHARE = 0.74  # of the width; the rest is for the legend
+ROW, FOOT = 0.24, 0.25  # inches, of a line of the legend and around the picture
+
+
+def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
+    """Draw a frame, with its struts colored by type, and the numbers of its hubs if they are at most 100.
+
+    Parameters
+    ----------
+    surface : Embedding
+    table : StrutTable
+        Of this surface.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    FileError
+        matplotlib is not installed.
+    """
+    check_drawable()
+    from matplotlib import colormaps
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
+    from matplotlib.lines import Line2D
+
+    from isoembed.plot.windowless import WindowlessFigure
+
+    n, t, x = len(table.struts), surface.triangulation, surface.vertices
+    colors = np.array(
+        [to_rgb(name) for name in COLORS[:n]]
+        if n <= len(COLORS)
+        else [colormaps["turbo"](share)[:3] for share in np.linspace(0.05, 0.95, n)]
+    )
+    view = View.of(x, surface.faces)
+    shaded = view.shade(np.broadcast_to(FACES, (len(view.faces), 3)))
+    faces = Shapes(list(view.polygons), shaded, shaded, np.full(len(shaded), 0.3))
+    beside = t.edge_flanks[t.edge_indices(table.edges)] // 3
+    width = float(np.clip(DENSE / np.sqrt(len(table.edges)), 0.5, STRUT))
+    lines = [
+        (Segments(x[table.edges[table.types == k]], beside[table.types == k]), colors[k], width)
+        for k in range(n)
+    ]
+    shapes = among_faces(view, faces, lines)
+    low, high = view.extent
+    across = SHARE * WIDTH
+    height = max(across * (high[1] - low[1]) / (high[0] - low[0]), ROW * (n + 2)) + 2 * FOOT
+    picture = WindowlessFigure(WIDTH, height, facecolor=PAPER)
+    axes = picture.add_axes((0.01, FOOT / height, SHARE, 1 - 2 * FOOT / height))
+    axes.add_collection(
+        PolyCollection(
+            shapes.polygons,
+            facecolors=shapes.fills,
+            edgecolors=shapes.rims,
+            linewidths=shapes.widths,
+            joinstyle="round",
+            clip_on=False,
+        )
+    )
+    if len(np.unique(table.edges)) <= NUMBERED:
+        in_sight = np.unique(t.faces[view.faces[~view.inside]])
+        for v in in_sight[table.hub_types[in_sight] >= 0].tolist():
+            right, up = view.put(x[v])
+            axes.text(
+                right, up, str(v), size=7, color=INK, ha="center", va="center",
+                bbox={"boxstyle": "round,pad=0.15", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8},
+            )  # fmt: skip
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal")
+    axes.axis("off")
+    picture.legend(
+        [Line2D([], [], color=color, linewidth=STRUT) for color in colors],
+        [f"{one.name}  {one.count} x {one.length:.6g}" for one in table.struts],
+        loc="center left",
+        bbox_to_anchor=(SHARE + 0.01, 0.5),
+        frameon=False,
+        labelcolor=INK,
+        fontsize=9 if n <= 20 else 5,
+    )
+    return picture
+
+
+def struts_picture_writer(path: str | os.PathLike[str], surface: Embedding, table: StrutTable) -> Writer:
+    """Return what writes the picture of a frame in the format of this ending; see `write_atomically`."""
+    return figure_writer(path, strut_figure(surface, table))
+
+
+def write_struts_picture(path: str | os.PathLike[str], surface: Embedding, table: StrutTable) -> None:
+    """Write the picture of a frame as ``.png``, ``.svg`` or ``.pdf``, as `strut_figure` draws it.
+
+    Raises
+    ------
+    FileError
+        The ending is not known, the file cannot be written, or matplotlib is not installed.
+    """
+    check_output(path, PICTURE_ENDINGS)
+    write_atomically({Path(path): struts_picture_writer(path, surface, table)})

@@ -1,0 +1,102 @@
+"""Frame of a surface: struts along its bends and its boundary, in their order around hubs and faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.mesh.triangulation import Triangulation
+from isoembed.surface.curvature import FLAT_ANGLE
+from isoembed.surface.measures import face_normals
+from isoembed.surface.surface import Surface
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Struts and hubs of a surface in R^3.
+
+    Attributes
+    ----------
+    triangulation : Triangulation
+    vertices : ndarray, shape (V, 3)
+    is_strut : ndarray of bool, shape (E,)
+        Whether an edge is on the boundary, or between two triangles that are not in one plane.
+    """
+
+    triangulation: Triangulation
+    vertices: Floats
+    is_strut: Mask
+
+    @classmethod
+    def of(cls, surface: Surface) -> Frame:
+        """The frame of a surface, in its normalized unit."""
+        bent = np.abs(surface.dihedral_angles) > FLAT_ANGLE + surface.bend_errors
+        return cls(surface.triangulation, surface._normalized, surface.triangulation.boundary_edges | bent)
+
+    def hubs(self) -> list[Indices]:
+        """The struts at each vertex, counterclockwise, seen from outside; at some vertices there are none.
+
+        At a vertex on a boundary the first and the last one are along it.
+        """
+        t = self.triangulation
+        edge_of, across = t.face_edges.ravel(), t.sides_across.tolist()
+        leaving = np.empty(t.n_vertices, dtype=np.int64)
+        leaving[t.faces.ravel()] = np.arange(t.faces.size)
+        rim = np.flatnonzero(t.sides_across < 0)
+        leaving[t.faces.ravel()[rim]] = rim  # which has all others counterclockwise of it
+        found = []
+        for first in leaving.tolist():
+            edges, h = [], first
+            while True:
+                edges.append(edge_of[h])
+                entering = _before(h)
+                h = across[entering]
+                if h < 0:
+                    edges.append(edge_of[entering])
+                if h < 0 or h == first:
+                    break
+            around = np.array(edges)
+            found.append(around[self.is_strut[around]])
+        return found
+
+    def outlines(self) -> list[Indices]:
+        """The struts along each outline of a face: triangles in one plane are one face."""
+        t = self.triangulation
+        edge_of, across = t.face_edges.ravel(), t.sides_across.tolist()
+        left = self.is_strut[edge_of]
+        is_side = left.copy()
+        found = []
+        for h in np.flatnonzero(is_side).tolist():
+            outline = []
+            while left[h]:
+                left[h] = False
+                outline.append(edge_of[h])
+                h = _after(h)
+                while not is_side[h]:
+                    h = _after(across[h])
+            if outline:
+                found.append(np.array(outline))
+        return found
+
+    def normals(self) -> Floats:
+        """Unit normals at the vertices, (V, 3): those of the triangles, weighted by their angles there."""
+        faces, x = self.triangulation.faces, self.vertices
+        outward = face_normals(faces, x)
+        outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+        normals = np.zeros_like(x)
+        for k in range(3):
+            here, to, other = (x[faces[:, (k + j) % 3]] for j in range(3))
+            a, b = to - here, other - here
+            angles = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1))
+            np.add.at(normals, faces[:, k], angles[:, None] * outward)
+        return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def _after(h: int) -> int:
+    return h - 2 if h % 3 == 2 else h + 1
+
+
+def _before(h: int) -> int:
+    return h + 2 if h % 3 == 0 else h - 1

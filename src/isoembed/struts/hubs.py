@@ -1,0 +1,122 @@
+"""Hubs of a frame: angles between struts in the tangent plane and against it, and types of hubs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices, Mask
+from isoembed.struts.frame import Frame
+from isoembed.struts.types import first_reading, letters, readings
+
+SAME_ANGLE = 0.1  # degrees: hubs are made no nearer
+
+
+@dataclass(frozen=True)
+class HubType:
+    """Hubs at which the same struts meet at the same angles, or at mirrored ones.
+
+    Attributes
+    ----------
+    name : str
+        The number of struts; with a letter where there are several types with so many.
+    count : int
+    struts : tuple of str
+        The types of the struts in their order around the hub; at a boundary from one end to the other.
+    angles : tuple of float
+        Between each strut and the next one, projected to the tangent plane, degrees.
+    bends : tuple of float
+        Of each strut against the tangent plane, degrees: positive where it leans inward, below that plane.
+    is_on_boundary : bool
+    """
+
+    name: str
+    count: int
+    struts: tuple[str, ...]
+    angles: tuple[float, ...]
+    bends: tuple[float, ...]
+    is_on_boundary: bool
+
+
+def hub_angles(
+    frame: Frame, edges: Indices, around: Sequence[Indices], center: Floats | None
+) -> tuple[Floats, list[Floats]]:
+    """Bends (n, 2) of struts at both ends, and at each hub the angles from each strut to the next, degrees.
+
+    Parameters
+    ----------
+    frame : Frame
+    edges : ndarray of int, shape (n, 2)
+        The ends of the struts.
+    around : sequence of ndarray of int
+        The struts at each vertex, counterclockwise.
+    center : ndarray, shape (3,), optional
+        Of the sphere on which the hubs lie, if they do.
+    """
+    x, normals = frame.vertices, frame.normals()
+    if center is not None:
+        radial = (x - center) / np.linalg.norm(x - center, axis=1, keepdims=True)
+        outward = np.sign((radial * normals).sum())  # of a surface with boundary, the sides are a convention
+        normals = radial * (outward or 1.0)
+    bends = np.empty((len(edges), 2))
+    between = []
+    for v, struts in enumerate(around):
+        ends = edges[struts]
+        at_end = (ends[:, 1] == v).astype(np.int64)
+        arms = x[ends.sum(axis=1) - v] - x[v]
+        arms /= np.linalg.norm(arms, axis=1, keepdims=True)
+        up = arms @ normals[v]
+        bends[struts, at_end] = -np.degrees(np.arcsin(np.clip(up, -1.0, 1.0)))
+        flat = arms - up[:, None] * normals[v]
+        after = np.roll(flat, -1, axis=0)
+        turned = np.degrees(np.arctan2(np.cross(flat, after) @ normals[v], (flat * after).sum(axis=1)))
+        between.append(turned % 360.0)
+    return bends, between
+
+
+def hub_types(
+    around: Sequence[Indices],
+    edges: Indices,
+    types: Indices,
+    bends: Floats,
+    angles: Sequence[Floats],
+    on_boundary: Mask,
+) -> tuple[Indices, tuple[HubType, ...]]:
+    """The type of each vertex, -1 where no strut ends, and the types by their numbers of struts."""
+    kinds: list[HubType] = []
+    members: list[list[int]] = []
+    alike: dict[tuple[bool, tuple[int, ...]], list[int]] = {}
+    for v, struts in enumerate(around):
+        if not struts.size:
+            continue
+        closed = not on_boundary[v]
+        here, bent = types[struts], bends[struts, (edges[struts, 1] == v).astype(np.int64)]
+        key = closed, first_reading(here, closed)
+        ways = [
+            (angles[v][gaps], bent[order])
+            for order, gaps in readings(len(struts), closed)
+            if tuple(here[order].tolist()) == key[1]
+        ]
+        same = alike.setdefault(key, [])
+        found = next((k for k in same if any(_is_like(kinds[k], *way) for way in ways)), len(kinds))
+        if found == len(kinds):
+            turns, leans = (tuple(some.tolist()) for some in ways[0])
+            kinds.append(HubType("", 0, tuple(map(letters, key[1])), turns, leans, not closed))
+            members.append([])
+            same.append(found)
+        members[found].append(v)
+    order = sorted(range(len(kinds)), key=lambda k: (len(kinds[k].struts), kinds[k].is_on_boundary, k))
+    valences = [len(kinds[k].struts) for k in order]
+    found_types, hubs = np.full(len(around), -1), []
+    for place, (k, n) in enumerate(zip(order, valences, strict=True)):
+        found_types[members[k]] = place
+        letter = letters(place - valences.index(n)).lower() if valences.count(n) > 1 else ""
+        hubs.append(replace(kinds[k], name=f"{n}{letter}", count=len(members[k])))
+    return found_types, tuple(hubs)
+
+
+def _is_like(kind: HubType, angles: Floats, bends: Floats) -> bool:
+    off = np.concatenate([angles - kind.angles, bends - kind.bends])
+    return bool(np.abs(off).max(initial=0.0) <= SAME_ANGLE)

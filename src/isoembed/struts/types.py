@@ -1,0 +1,46 @@
+"""Types of parts: lengths within a tolerance, and sequences around hubs and faces."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
+
+
+def length_types(lengths: Floats, tolerance: float) -> Indices:
+    """The type of each length, shape (E,), from 0 for the shortest: the fewest that the tolerance allows.
+
+    Lengths of one type differ by no more than the tolerance.
+    """
+    types = np.empty(len(lengths), dtype=np.int64)
+    shortest, found = -np.inf, -1
+    for e in np.argsort(lengths, kind="stable").tolist():
+        if lengths[e] - shortest > tolerance:
+            shortest, found = lengths[e], found + 1
+        types[e] = found
+    return types
+
+
+def letters(number: int) -> str:
+    """A, B, ..., Z, AA, AB, ... for 0, 1, ..., as columns of a spreadsheet are called."""
+    name = ""
+    while number >= 0:
+        name = chr(ord("A") + number % 26) + name
+        number = number // 26 - 1
+    return name
+
+
+def readings(n: int, closed: bool) -> Iterator[tuple[Indices, Indices]]:
+    """The ways to read n things around a circle, or along a line, in both directions.
+
+    Each is the things in their order, and the gaps behind them, gap k being between things k and k + 1.
+    """
+    there, gaps = np.arange(n), np.arange(n if closed else n - 1)
+    for k in range(n if closed else 1):
+        yield np.roll(there, -k), np.roll(gaps, -k)
+        yield np.roll(there, -k)[::-1], np.roll(gaps[::-1], k - 1 if closed else 0)
+
+
+def first_reading(values: Indices, closed: bool = True) -> tuple[int, ...]:
+    """The lexicographically first reading of a sequence: the same of all that are alike."""
+    return min((tuple(values[order].tolist()) for order, _ in readings(len(values), closed)), default=())

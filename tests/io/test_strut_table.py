@@ -1,0 +1,146 @@
+"""Strut tables as metrics: lengths by type or by strut, digits, and what is wrong with them."""
+
+import numpy as np
+import pytest
+
+import zoo
+from domes import dome
+from isoembed import InvalidMetric, embed
+from isoembed.io import FileError, read_metric
+from isoembed.io.surface import surface_of
+from isoembed.struts import strut_table
+from isoembed.surface.alignment import aligned
+
+OCTAHEDRON = [(0, 1), (0, 2), (0, 3), (0, 4), (5, 1), (5, 2), (5, 3), (5, 4), (1, 2), (2, 3), (3, 4), (4, 1)]
+
+
+def written(tmp_path, text):
+    path = tmp_path / "struts.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def rows(edges, *more):
+    return "".join(",".join(map(str, (*ends, *more))) + "\n" for ends in edges)
+
+
+def typed(table, decimals):
+    """As a builder types it: lengths by type, and the type of each strut."""
+    legend = "".join(f"{one.name},{one.length:.{decimals}f}\n" for one in table.struts)
+    struts = "".join(
+        f"{a},{b},{table.struts[k].name}\n" for (a, b), k in zip(table.edges, table.types, strict=True)
+    )
+    return f"type,length\n{legend}\nfrom,to,type\n{struts}"
+
+
+def surface(vertices, faces):
+    return surface_of({"vertices": vertices, "faces": faces}, "test")
+
+
+def farthest(found, true):
+    """The farthest vertex, of the surface or of its mirror image."""
+    images = (found.vertices, found.vertices * [1, 1, -1])
+    return min(np.linalg.norm(aligned(image, true) - true, axis=1).max() for image in images)
+
+
+@pytest.mark.parametrize("shape", [dome(3), dome(4, -0.01), dome(3, -0.21), zoo.random_hull(30, 2)])
+def test_a_table_that_was_written_is_read(shape, tmp_path):
+    vertices, faces = shape
+    own = surface(vertices, faces)
+    strut_table(own).save(tmp_path / "a.csv")
+    metric = read_metric(tmp_path / "a.csv", any_surface=True)
+    np.testing.assert_array_equal(metric.edges, own.edges)
+    np.testing.assert_allclose(metric.lengths, own.lengths, rtol=1e-11)
+    assert {frozenset(face) for face in metric.faces.tolist()} == {frozenset(face) for face in faces.tolist()}
+    assert metric.length_errors is None
+
+
+@pytest.mark.parametrize(
+    ("frequency", "decimals", "most"), [(2, 5, 2e-5), (3, 4, 2e-4), (4, 3, 2e-3), (8, 5, 2e-5), (6, 2, 2e-2)]
+)
+def test_closed_domes_by_the_digits_of_builders(frequency, decimals, most, tmp_path):
+    vertices, faces = dome(frequency)
+    path = written(tmp_path, typed(strut_table(surface(vertices, faces)), decimals))
+    found = embed(path)
+    assert found.status == "converged"
+    np.testing.assert_allclose(found.length_errors, 10.0**-decimals / 12**0.5)
+    assert farthest(found, vertices) < most
+
+
+@pytest.mark.parametrize(("frequency", "decimals", "most"), [(2, 5, 2e-5), (4, 4, 1e-3), (6, 5, 1e-4)])
+def test_half_domes_by_the_digits_of_builders(frequency, decimals, most, tmp_path):
+    vertices, faces = dome(frequency, -0.01)
+    path = written(tmp_path, typed(strut_table(surface(vertices, faces)), decimals))
+    found = embed(path, boundary="plane")
+    assert found.converged and farthest(found, vertices) < most
+
+
+def test_names_and_numbers_from_one(tmp_path):
+    named = [("NEWSTB"[a], "NEWSTB"[b]) for a, b in OCTAHEDRON]
+    for edges in (OCTAHEDRON, [(a + 1, b + 1) for a, b in OCTAHEDRON], named):
+        metric = read_metric(written(tmp_path, "from,to,length\n" + rows(edges, 2)))
+        assert (metric.triangulation.n_faces, metric.length_errors) == (8, None)
+        assert (metric.lengths == 2.0).all()
+
+
+def test_spreadsheets_with_decimal_commas(tmp_path):
+    text = "\ufeffFrom;To;Length\n" + rows(OCTAHEDRON[:8], "1,25").replace(",", ";").replace("1;25", "1,25")
+    text += rows(OCTAHEDRON[8:], "1,50").replace(",", ";").replace("1;50", "1,50")
+    metric = read_metric(written(tmp_path, text))
+    assert sorted(set(metric.lengths.tolist())) == [1.25, 1.5]
+    np.testing.assert_allclose(metric.length_errors, 0.01 / 12**0.5)
+
+
+def test_chord_factors_are_lengths(tmp_path):
+    text = "# an octahedron\ntype,chord factor,color\nA,1.41421,red\n\nfrom,to,type\n" + rows(OCTAHEDRON, "A")
+    assert read_metric(written(tmp_path, text)).lengths[0] == 1.41421
+
+
+@pytest.mark.parametrize(
+    ("lengths", "error"),
+    [
+        (("3", "4"), None),  # a design
+        (("547", "618"), 1 / 12**0.5),
+        ((".55", ".6"), 0.01 / 12**0.5),
+        (("1.0", "1.0"), None),  # one length
+        (("0.5465330581", "0.6180339887"), None),  # ten digits
+        (("5.4653e-1", "6.1803e-1"), None),
+    ],
+)
+def test_errors_by_the_digits(lengths, error, tmp_path):
+    text = "from,to,length\n" + rows(OCTAHEDRON[:8], lengths[0]) + rows(OCTAHEDRON[8:], lengths[1])
+    found = read_metric(written(tmp_path, text)).length_errors
+    if error is None:
+        assert found is None
+    else:
+        np.testing.assert_allclose(found, error)
+
+
+def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
+    bipyramid = [(0, 1), (1, 2), (2, 0), *((a, b) for a in (3, 4) for b in (0, 1, 2))]
+    metric = read_metric(written(tmp_path, "from,to,length\n" + rows(bipyramid, 1)))
+    assert metric.triangulation.n_faces == 6
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "words"),
+    [
+        ("", FileError, "is no strut table: it has no rows below a line with 'from', 'to'"),
+        ("a,b\n1,2\n", FileError, "is no strut table"),
+        ("from,to,length\n0,1,x\n", FileError, "line 2: the length is 'x', not a positive finite number"),
+        ("from,to,length\n0,1,-1\n", FileError, "line 2: the length is '-1', not a positive finite number"),
+        ("from,to,type\n0,1,A\n", FileError, "line 2: the strut has no length, and its type 'A' has none"),
+        ("type,length\nA,0\n\nfrom,to,type\n0,1,A\n", FileError, "line 2: the length is '0'"),
+        ("from,to,length\n0,0,1\n", FileError, "line 2: a strut is from '0' to '0'"),
+        ("from,to,length\n0,1,1\n1,0,1\n", FileError, "line 3: the hubs 1 and 0 are joined in line 2, too"),
+        ("from,to,length\n0,1,1\n1,2,1\n", InvalidMetric, "between the hubs 0 and 1 is in no triangle"),
+        (
+            "from,to,length\n" + rows([(a, b) for b in range(5) for a in range(b)], 1),
+            InvalidMetric,
+            "between the hubs 0 and 1 is in 3 triangles: give the faces",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_table(text, error, words, tmp_path):
+    with pytest.raises(error, match=words):
+        read_metric(written(tmp_path, text), any_surface=True)
