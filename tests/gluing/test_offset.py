@@ -63,12 +63,12 @@ def test_each_side_by_its_own_distance():
 @pytest.mark.parametrize(
     ("outline", "d", "sentence"),
     [
-        (NOTCHED, 0.51, r"side 4 of it vanishes: an offset of 0\.51 mm is too much"),
-        (SQUARE, -0.6, r"side 0 of it vanishes: an offset of -0\.6 mm is too much"),
+        (NOTCHED, 0.51, r"side 4 of it vanishes: an offset of 0\.51 is too much"),
+        (SQUARE, -0.6, r"side 0 of it vanishes: an offset of -0\.6 is too much"),
         (
             HOLLOW,
             0.3,
-            r"an offset of 0\.3 mm closes the notch of it between its sides \d+ and \d+",
+            r"an offset of 0\.3 closes the notch of it between its sides \d+ and \d+",
         ),
     ],
 )  # fmt: skip

@@ -140,7 +140,7 @@ def test_the_solid_comes_back(tmp_path, material, ending):
         ({"thickness": math.nan}, "thickness is nan, not a number from 0 on"),
         ({"thickness": "3"}, "thickness is '3', not a number from 0 on"),
         ({"k_factor": 1.5}, "k_factor is 1.5, not from 0 to 1"),
-        ({"allowance": 5.0}, "an allowance of 5 mm is for joints='stitches' or 'none', not for tabs"),
+        ({"allowance": 5.0}, "an allowance of 5 mm is for joints='stitches' or joints='none'"),
         ({"kerf": 1.0}, "kerf is 1 mm, as wide as a hole of 1 mm"),
     ],
 )
