@@ -55,7 +55,7 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
     ----------
     sheet : ndarray, shape (n, 2)
     faces : sequence of ndarray of int
-        The corners around each; each fits by itself.
+        The corners around each part that is not cut, as of `parts`; each fits by itself.
     room : ndarray, shape (2,)
         Width and height in the unit of the sheet.
     """
@@ -172,6 +172,31 @@ def _flat(cuts: tuple[Any, ...]) -> Iterator[Fold]:
             yield some
         else:
             stack += some
+
+
+def parts(unfolding: Unfolding, p: int) -> list[tuple[str, Indices]]:
+    """What is not cut of a sheet: faces, and faces that `kept` folds join.
+
+    Returns
+    -------
+    list of (str, ndarray of int)
+        A name by the number of the first face, and the corners of the sheet around.
+    """
+    corners, faces, numbers = unfolding.corners[p].tolist(), unfolding.faces[p], unfolding.numbers[p]
+    if not unfolding.kept:
+        return [(f"face {number}", face) for number, face in zip(numbers.tolist(), faces, strict=True)]
+    loose = {
+        fold
+        for fold in _tree(faces)[2]
+        if fold is not None and (corners[fold[0]], corners[fold[1]]) not in unfolding.kept
+    }
+    return [
+        (
+            f"face {numbers[first]}{' with those that it is kept with' if others else ''}",
+            np.array(_outline([faces[f] for f in (first, *others)])),
+        )
+        for first, *others in _components(faces, loose)
+    ]
 
 
 def cut_along(unfolding: Unfolding, cuts: Sequence[Sequence[Fold]]) -> Unfolding:

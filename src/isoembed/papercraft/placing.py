@@ -11,7 +11,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.papercraft.fitting import best_turn
-from isoembed.papercraft.islands import cut_along, partition
+from isoembed.papercraft.islands import cut_along, partition, parts
 from isoembed.papercraft.packing import packed
 from isoembed.papercraft.paper import FOOT, FORMATS, Paper
 
@@ -129,20 +129,19 @@ def _extent(unfolding: Unfolding) -> float:
     return float(np.ptp(unfolding.vertices, axis=0).max())
 
 
-def _parts(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
-    """What is not cut: the faces, by name, or sheets whose faces are not known."""
+def _uncut(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
+    """What is not cut: faces, by name, or sheets whose faces are not known."""
     for p, sheet in enumerate(unfolding.sheets):
         if not unfolding.faces:
             yield f"sheet {p}", sheet
         else:
-            for number, face in zip(unfolding.numbers[p].tolist(), unfolding.faces[p], strict=True):
-                yield f"face {number}", sheet[face]
+            yield from ((name, sheet[corners]) for name, corners in parts(unfolding, p))
 
 
 def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
     """The largest scale at which all faces fit on a page as it lies, and the first that fits up to it."""
     found, worst = np.inf, ""
-    for name, part in _parts(unfolding):
+    for name, part in _uncut(unfolding):
         if page.room.min() >= found * np.hypot(*np.ptp(part, axis=0)):
             continue  # however it is turned
         largest = best_turn(part, page.room, oblique=True)[1]
@@ -173,7 +172,7 @@ def _in_islands(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
     cuts = [
         []
         if best_turn(sheet, page.room, oblique=True)[1] * (1 + SLACK) >= scale
-        else partition(sheet, unfolding.faces[p], page.room / scale)
+        else partition(sheet, [corners for _, corners in parts(unfolding, p)], page.room / scale)
         for p, sheet in enumerate(unfolding.sheets)
     ]
     return _on_pages(cut_along(unfolding, cuts) if any(cuts) else unfolding, page, scale)
