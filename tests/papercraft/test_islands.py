@@ -14,9 +14,9 @@ import zoo
 from exact import is_simple
 from gluing_polygons import shoelace
 from isoembed import Embedding, PolyhedralMetric
-from isoembed.gluing import unfold
+from isoembed.gluing import Unfolding, unfold
 from isoembed.metric.curvature import deficits
-from isoembed.papercraft import fewest_pages
+from isoembed.papercraft import Material, fewest_pages
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.fitting import best_turn
 from isoembed.papercraft.islands import partition
@@ -263,6 +263,19 @@ def test_fewest_pages():
     assert layout.pages < min(other.pages for other in others)
     with pytest.raises(isoembed.InvalidParameter, match="give a scale or a size"):
         fewest_pages(surface)
+
+
+def test_allowances_of_needles_are_apart():
+    needle = np.array([[0.0, 0.0], [40.0, 0.0], [41.0, 0.5]])
+    drawing = drawn(
+        Unfolding((needle,) * 24, (np.arange(3),) * 24, (), (np.empty((0, 2, 2)),) * 24, (np.empty(0),) * 24),
+        scale=1.0,
+        material=Material(joints="none", allowance=6.0),
+    )
+    for one, other in combinations(drawing.cuts, 2):
+        gaps = np.maximum(one.min(axis=0) - other.max(axis=0), other.min(axis=0) - one.max(axis=0))
+        assert gaps.max() > 0
+    assert min(cut[:, 0].min() for cut in drawing.cuts) > 5
 
 
 def test_faces_of_sheets_are_those_of_the_solid():

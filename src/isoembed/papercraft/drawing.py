@@ -225,7 +225,10 @@ def drawn(
 
 def _beyond(material: Material) -> float:
     """How much farther than a tab what is cut may be from the outline of a sheet."""
-    return max(0.0, ALLOWANCE_LIMIT * material.allowance + material.kerf - DEPTH)
+    farthest = (
+        np.hypot(ALLOWANCE_LIMIT, 1.0) * material.allowance
+    )  # the ends of what cuts off a needle's corner
+    return max(0.0, float(farthest) + material.kerf - DEPTH)
 
 
 def _widened(outline: Floats, material: Material, name: str) -> Floats:
