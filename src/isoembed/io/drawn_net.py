@@ -13,13 +13,13 @@ from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.gluing import Net, edge_gluings, glue
 from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance
 from isoembed.gluing.dashes import undashed
-from isoembed.gluing.drawn_lines import CUT, GLUE, READ, SEAM, Line, Lines, Number
+from isoembed.gluing.drawn_lines import CUT, FOLD, GLUE, READ, SEAM, Line, Lines, Number
 from isoembed.gluing.line_graph import LineGraph, Side, is_inside
 from isoembed.gluing.offset import offset
 from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 
-SNAP = 1e-5  # of the drawing: ends as near are one
+SNAP = 1e-6  # of the drawing: ends as near are one, if no tolerance is given and the digits tell no more
 UNITS = 4.0  # of the last digit, by which lengths between rounded points may differ
 NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
 ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
@@ -64,6 +64,8 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     size = float(np.ptp(every, axis=0).max())
     near = max(SNAP * size, 2 * drawing.unit, tolerance or 0.0)
     lines = undashed(_without_kerf(_without_holes(lines), 0.0 if seams else drawing.kerf), near)
+    if not any(line.purpose == FOLD for line in lines):  # layers do not tell what is cut and what folded
+        lines = [replace(line, purpose="") for line in lines]
     graph = LineGraph.of(lines, near)
     if not graph.faces:
         raise FileError(f"{name} has no closed outlines: its lines enclose nothing")
@@ -131,10 +133,17 @@ def _folded(sheets: LineGraph, near: float) -> tuple[Floats, np.ndarray] | None:
         angle = sheets.lines[side].angle
         if angle is None:
             return None
-        f, k = side
-        a, b = sheets.faces[f][k], sheets.faces[f][(k + 1) % len(sheets.faces[f])]
-        angles[min(a, b), max(a, b)] = -float(np.radians(angle))
+        a, b = sorted(_corners(sheets, side))
+        angles[a, b] = -float(np.radians(angle))
+    if len(angles) != _shared(sheets):  # a slit
+        return None
     return fold_up(sheets.points, sheets.faces, angles, max(near, meeting_tolerance(sheets.points)))
+
+
+def _shared(sheets: LineGraph) -> int:
+    """Number of edges with a face on both sides."""
+    sides = [(f, k) for f, face in enumerate(sheets.faces) for k in range(len(face))]
+    return len(sides) - len({tuple(sorted(_corners(sheets, side))) for side in sides})
 
 
 def _mates(
