@@ -66,16 +66,14 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
     open_ = [[_Partition(0, 0.0, support, ())] for support in reach]
     for child in reversed(order[1:]):
         parent, below, fold, length = parents[child], open_[child], folds[child], lengths[child]
-        fewest = min(one.islands for one in below)
+        shortest = {one.islands: one for one in sorted(below, key=lambda one: -one.length)}
         found = [
             _Partition(
                 one.islands + closed.islands + 1, one.length + closed.length + length, one.support,
                 (one.cuts, closed.cuts, fold),
             )
             for one in open_[parent]
-            for islands in (fewest, fewest + 1)
-            if (some := [other for other in below if other.islands == islands])
-            for closed in [min(some, key=lambda other: other.length)]
+            for closed in shortest.values()
         ]  # fmt: skip
         supports = np.maximum(
             np.array([one.support for one in open_[parent]])[:, None],
@@ -126,12 +124,10 @@ def _directions(sheet: Floats, faces: Sequence[Indices]) -> Floats:
 
 
 def _reach(points: Floats, directions: Floats) -> Floats:
+    """How far points reach in each direction and in those a right angle further, shape (4, D)."""
     angles = directions + np.pi / 2 * np.arange(4)[:, None]
-    return (
-        (points @ np.array([np.cos(angles).ravel(), np.sin(angles).ravel()]))
-        .max(axis=0)
-        .reshape(angles.shape)
-    )
+    x, y = points[:, :, None, None].transpose(1, 0, 2, 3)
+    return np.asarray((x * np.cos(angles) + y * np.sin(angles)).max(axis=0))
 
 
 def _needed(supports: Floats, room: Floats) -> Floats:

@@ -155,7 +155,8 @@ def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, val
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
     most = value * largest / wanted
     digits = 10.0 ** (np.floor(np.log10(most)) - 3)
-    papers = [Paper.of(other) for other in sorted(FORMATS, key=lambda other: np.prod(FORMATS[other]))]
+    by_area = sorted(FORMATS, key=lambda other: np.prod(FORMATS[other]))
+    papers = [replace(Paper.of(other), beyond=page.beyond) for other in by_area]
     enough = (
         f"paper='{paper.name}' has room for it"
         for paper in papers
