@@ -57,6 +57,16 @@ def test_the_solid_comes_back_from_the_file(tmp_path, name, ending):
     assert solid.volume > 0
 
 
+@pytest.mark.parametrize("decimals", [3, 5])
+def test_solids_with_rounded_coordinates_come_back_with_their_faces(tmp_path, decimals):
+    vertices, faces = uniform("dodecahedron")
+    net_of(vertices.round(decimals), faces).save(tmp_path / "net.svg", scale=20)
+    solid = isoembed.embed(isoembed.glue(tmp_path / "net.svg"))
+    assert solid.triangulation.n_vertices == 20
+    apart = np.sort(pdist(solid.vertices)) - np.sort(pdist(vertices * 20))
+    assert np.abs(apart).max() < 20 * 10.0**-decimals * 3
+
+
 def square(x, y, size=10.0):
     return f'<rect x="{x}" y="{y}" width="{size}" height="{size}"/>'
 

@@ -42,8 +42,8 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     name : str
         Of the file, for messages.
     tolerance : float, optional
-        Lengths that differ by no more are glued, mm; by default four units of the last digit,
-        or by how much the points of the solid were rounded, if the file says it.
+        Lengths that differ by no more are glued, mm; by default four units of the last digit, or by how much
+        the points of the solid were rounded, if the file says it.
 
     Raises
     ------
@@ -72,25 +72,15 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     quiet = tolerance is None
     if tolerance is None and (drawing.unit > 0 or drawing.error > 0):
         tolerance = max(UNITS * drawing.unit, 2 * drawing.error)
-    tabs = _tabs(graph, glued, drawing.numbers)
-    kept = [f for f in range(len(graph.faces)) if f not in tabs]
-    place = {f: k for k, f in enumerate(kept)}
-    faces = [graph.faces[f] for f in kept]
-    twins = {
-        (place[f], k): (place[twin[0]], twin[1])
-        for (f, k), twin in graph.twins.items()
-        if f in place and twin[0] in place
-    }
-    own = {(place[f], k): line for (f, k), line in graph.lines.items() if f in place}
-    sheets = LineGraph(graph.points, faces, own, twins)
+    sheets = graph.without(_tabs(graph, glued, drawing.numbers))
     folded = _folded(sheets, near)
     pairs = _mates(sheets, drawing.numbers, folded, near if tolerance is None else max(tolerance, near))
-    pairs += [(side, twin) for side, twin in twins.items() if side < twin]
+    pairs += [(side, twin) for side, twin in sheets.twins.items() if side < twin]
     with warnings.catch_warnings():
         if quiet:  # the digits of the file explain by how much sides differ
             warnings.simplefilter("ignore", MeshNote)
-        net = glue([graph.points[face] for face in faces], pairs, tolerance=tolerance)
-    return with_places(net, faces, folded)
+        net = glue([sheets.points[face] for face in sheets.faces], pairs, tolerance=tolerance)
+    return with_places(net, sheets.faces, folded)
 
 
 def _without_holes(lines: Sequence[Line]) -> list[Line]:

@@ -207,7 +207,7 @@ def drawn(
         low = -layout.pages * layout.height + FOOT + MARGIN
         high = (1 - layout.pages) * layout.height - MARGIN
         pictured, seen = views(
-            unfolding, unfolding.vertices, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high])
+            unfolding, vertices, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high])
         )
         named += seen
     has_valleys = any(fold.kind == "valley" for fold in creases)
