@@ -10,7 +10,7 @@ from isoembed.io.dxf_lines import ezdxf_for
 from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.io.registry import check_output
-from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.drawing import Drawing, drawn
 from isoembed.papercraft.dxf import write_dxf
 from isoembed.papercraft.material import Material
 from isoembed.papercraft.pdf import write_pdf
@@ -25,7 +25,11 @@ SHEET_ENDINGS = (".svg", ".pdf", ".dxf")
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
     """Return what writes a net in the format of this ending; see `write_atomically` and `write_sheets`."""
-    pages = drawn(unfolding, **drawing)
+    return drawing_writer(path, drawn(unfolding, **drawing))
+
+
+def drawing_writer(path: str | os.PathLike[str], pages: Drawing) -> Writer:
+    """Return what writes a drawing in the format of this ending."""
     if ending(path) == ".pdf":
         check_drawable()
         return lambda temporary: write_pdf(temporary, pages)
