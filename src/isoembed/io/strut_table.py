@@ -38,8 +38,8 @@ def read(file: InputFile) -> Tables:
     other columns and tables are left aside.  Hubs are numbers or names.  Every three hubs that are joined are
     a triangle, unless they cut the frame in two.
 
-    Where the surface is closed, the errors of the lengths are those of their last digit, the same in all,
-    unless there is one length only, or they have so few or so many digits that they are exact.
+    The errors of the lengths are those of their last digit, the same in all, unless there is one length only,
+    or they have so few or so many digits that they are exact.
 
     Raises
     ------
@@ -71,9 +71,8 @@ def read(file: InputFile) -> Tables:
         lengths.append(_number(written, f"{file}, line {line}"))
     texts = [_written(row) or legend[row.cells["type"]][1] for row in struts]
     edges = _edges(struts, file)
-    faces, closed = _triangles(edges)
-    tables = {"faces": faces, "edges": edges, "lengths": np.array(lengths)}
-    error = _error(texts, tables["lengths"]) if closed else 0.0
+    tables = {"faces": _triangles(edges), "edges": edges, "lengths": np.array(lengths)}
+    error = _error(texts, tables["lengths"])
     return {**tables, "length_errors": np.array(error)} if error else tables
 
 
@@ -137,8 +136,8 @@ def _edges(struts: list[_Row], file: InputFile) -> Indices:
     return edges
 
 
-def _triangles(edges: Indices) -> tuple[Indices, bool]:
-    """The triangles of a frame, turned alike, and whether each strut is in two of them."""
+def _triangles(edges: Indices) -> Indices:
+    """The triangles of a frame, turned alike."""
     beside: dict[int, set[int]] = {}
     for a, b in edges.tolist():
         beside.setdefault(a, set()).add(b)
@@ -164,7 +163,7 @@ def _triangles(edges: Indices) -> tuple[Indices, bool]:
             raise InvalidMetric(
                 f"the strut between the hubs {a} and {b} is in {count} triangles: give the faces, in .json"
             )
-    return np.array(_turned_alike(found, at)), all(len(some) == 2 for some in at.values())
+    return np.array(_turned_alike(found, at))
 
 
 def _by_sides(triangles: Iterable[tuple[int, int, int]]) -> dict[tuple[int, int], list[int]]:
