@@ -11,9 +11,8 @@ from scipy.spatial.distance import pdist
 import solids
 import zoo
 from isoembed import InvalidParameter, unfold
-from isoembed.io import write_atomically
 from isoembed.papercraft import partly_folded
-from isoembed.papercraft.folding_page import FRAMES, folding_page_writer
+from isoembed.papercraft.folding_page import FRAMES
 
 L_PRISM = (
     [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2))],
@@ -59,7 +58,7 @@ def test_angles_grow_with_the_share():
 def test_the_page_has_the_film_and_the_net(body, tmp_path):
     path = tmp_path / "net.html"
     net = unfold(body)
-    write_atomically({path: folding_page_writer(path, net, paper="A3")})
+    net.save(path, paper="A3")
     text = path.read_text(encoding="utf-8")
     assert text.count('"stage": "folding"') == FRAMES - 1 and '"stage": "answer"' in text
     [picture] = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', text)
@@ -70,3 +69,10 @@ def test_the_page_has_the_film_and_the_net(body, tmp_path):
 def test_a_share_that_is_no_number():
     with pytest.raises(InvalidParameter, match="the share of the fold angles is nan, not a finite number"):
         partly_folded(unfold(zoo.cube()), np.nan)
+
+
+def test_a_net_of_several_sheets_has_no_page(tmp_path):
+    with pytest.raises(
+        InvalidParameter, match="the net has 6 sheets: a page shows how a net of one sheet is"
+    ):
+        unfold(zoo.cube(), objective="faces").save(tmp_path / "net.html")
