@@ -84,17 +84,20 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
     ("arguments", "words"),
     [
         (["cube.ply"], "the following arguments are required: -o/--output"),
-        (["cube.ply", "-o", "a.png"], "a.png has the ending '.png', not one of .svg .pdf .dxf .json"),
+        (["cube.ply", "-o", "a.png"], "a.png has the ending '.png', not one of .svg .pdf .dxf .html .json"),
         (["cube.json", "-o", "cube.json"], "the output is the input cube.json"),
-        (["cube.ply", "-o", "a.json", "--scale", "3"], "--scale is for nets on pages (.svg .pdf .dxf)"),
+        (["cube.ply", "-o", "a.json", "--scale", "3"], "--scale is for nets on pages (.svg .pdf .dxf .html)"),
         (
             ["cube.ply", "-o", "a.json", "--k-factor", "0.4"],
-            "--k-factor is for nets on pages (.svg .pdf .dxf)",
+            "--k-factor is for nets on pages (.svg .pdf .dxf .html)",
         ),
         (["cube.ply", "-o", "a.svg", "--kerf", "2"], "kerf is 2 mm, as wide as a hole of 1 mm"),
         (["cube.ply", "-o", "a.svg", "--allowance", "5"], "is for --joints stitches or --joints none"),
-        (["cube.ply", "-o", "a.json", "--paper", "A3"], "--paper is for nets on pages (.svg .pdf .dxf)"),
-        (["cube.ply", "-o", "a.json", "--numbers"], "--numbers is for nets on pages (.svg .pdf .dxf)"),
+        (
+            ["cube.ply", "-o", "a.json", "--paper", "A3"],
+            "--paper is for nets on pages (.svg .pdf .dxf .html)",
+        ),
+        (["cube.ply", "-o", "a.json", "--numbers"], "--numbers is for nets on pages (.svg .pdf .dxf .html)"),
         (["cube.ply", "-o", "a.svg", "--scale", "3", "--size", "3"], "give one of them"),
         (["cube.ply", "-o", "a.svg", "--paper", "A9"], "paper is 'A9', not one of A0, A1,"),
         (

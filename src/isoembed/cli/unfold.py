@@ -47,7 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_output_option(
         parser,
         f"{' '.join(SHEET_ENDINGS)}: the net on pages, with tabs and with a number on both sides that are "
-        f"glued; {' '.join(NET_ENDINGS)}: the net for 'isoembed glue'",
+        f"glued, of .html beside a film of its folding; {' '.join(NET_ENDINGS)}: the net for 'isoembed glue'",
         required=True,
     )
     parser.add_argument(

@@ -99,8 +99,9 @@ class Unfolding:
         ----------
         path : path
             ``.svg``, ``.pdf`` or ``.dxf`` for pages, as `isoembed.papercraft.write_sheets` writes them;
-            ``.json`` or ``.fold`` for the net alone, in the unit of the solid.  `isoembed.glue` reads all of
-            these but ``.pdf``.
+            ``.html`` for a page that shows how it is folded, with the net beside it; ``.json`` or ``.fold``
+            for the net alone, in the unit of the solid.  `isoembed.glue` reads all of these but ``.pdf`` and
+            ``.html``.
         paper, scale, size, numbers
             Of pages, as of `isoembed.papercraft.write_sheets`: ``"A4"``, another format,
             ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``; millimeters a unit of the solid, or the millimeters of its
