@@ -3,7 +3,8 @@
 PDF needs matplotlib, ``pip install 'isoembed[plot]'``, and DXF ezdxf, ``pip install 'isoembed[dxf]'``.
 """
 
+from isoembed.papercraft.curves import write_dform
 from isoembed.papercraft.material import Material
 from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer, write_sheets
 
-__all__ = ["SHEET_ENDINGS", "Material", "sheets_writer", "write_sheets"]
+__all__ = ["SHEET_ENDINGS", "Material", "sheets_writer", "write_dform", "write_sheets"]
