@@ -76,6 +76,16 @@ def test_curvature_is_that_inside(call, cap):
 
 @pytest.mark.parametrize("options", [["--parameter", "a=1"], ["--length-error", "0.01"]])
 def test_options_that_do_not_apply(call, cap, options):
-    status, _, error = call("embed", "cap.npz", "--boundary", "plane", *options)
+    status, _, error = call("embed", "cap.npz", "--boundary", "free", *options)
     assert status == 2
     assert options[0] in error
+
+
+def test_a_cap_within_errors(call, cap):
+    status, out, _ = call("embed", "cap.npz", "--boundary", "plane", "--length-error", "1e-4", "--json")
+    assert status == 0
+    found = strict(out)
+    assert found["sheet"]["condition"] == "plane" and "deviation" not in found
+    assert found["measured"]["chi_square"] <= found["measured"]["chi_square_limit"]
+    status, _, error = call("embed", "cap.npz", "--method", "sheet", "--length-error", "1e-4")
+    assert status == 2 and "--length-error with the method 'sheet' needs --boundary plane" in error

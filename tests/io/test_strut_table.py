@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+import isoembed
 import zoo
 from domes import dome
-from isoembed import InvalidMetric, embed
+from isoembed import InvalidMetric, InvalidParameter, embed
 from isoembed.io import FileError, read_metric
 from isoembed.io.surface import surface_of
 from isoembed.struts import strut_table
@@ -67,12 +68,25 @@ def test_closed_domes_by_the_digits_of_builders(frequency, decimals, most, tmp_p
     assert farthest(found, vertices) < most
 
 
-@pytest.mark.parametrize(("frequency", "decimals", "most"), [(2, 5, 2e-5), (4, 4, 1e-3), (6, 5, 1e-4)])
+@pytest.mark.parametrize(
+    ("frequency", "decimals", "most"), [(2, 5, 2e-5), (4, 3, 1e-3), (6, 5, 2e-5), (8, 2, 3e-2)]
+)
 def test_half_domes_by_the_digits_of_builders(frequency, decimals, most, tmp_path):
     vertices, faces = dome(frequency, -0.01)
     path = written(tmp_path, typed(strut_table(surface(vertices, faces)), decimals))
     found = embed(path, boundary="plane")
     assert found.converged and farthest(found, vertices) < most
+    [rim] = found.triangulation.boundaries
+    assert np.abs(found.vertices[rim, 2]).max() < 1e-12
+    assert isoembed.report(found)["sheet"]["condition"] == "plane"
+
+
+def test_more_than_half_a_sphere_is_no_cap(tmp_path):
+    path = written(tmp_path, typed(strut_table(surface(*dome(3, -0.21))), 5))
+    with pytest.raises(InvalidMetric, match=r"exterior angle of the boundary at vertex \d+ is -0\.037"):
+        embed(path, boundary="plane")
+    with pytest.raises(InvalidParameter, match=r"embed without length_errors$"):
+        embed(path, boundary="free")
 
 
 def test_names_and_numbers_from_one(tmp_path):
@@ -127,6 +141,7 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
     [
         ("", FileError, "is no strut table: it has no rows below a line with 'from', 'to'"),
         ("a,b\n1,2\n", FileError, "is no strut table"),
+        ("from,to,length\n0,1," + 200_000 * "1" + "\n", FileError, "line 2: field larger than field limit"),
         ("from,to,length\n0,1,x\n", FileError, "line 2: the length is 'x', not a positive finite number"),
         ("from,to,length\n0,1,-1\n", FileError, "line 2: the length is '-1', not a positive finite number"),
         ("from,to,type\n0,1,A\n", FileError, "line 2: the strut has no length, and its type 'A' has none"),

@@ -24,6 +24,7 @@ from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.labels import Label
 from isoembed.papercraft.paper import FOOT, FORMATS, MARGIN
 from isoembed.papercraft.placing import GAP, laid_out
+from isoembed.papercraft.tabs import tabs
 
 
 def net_of(vertices, faces):
@@ -300,3 +301,10 @@ def test_overlaps_against_hulls(seed):
     )
     separated = linprog(np.zeros(3), A_ub=rows, b_ub=-np.ones(len(rows)), bounds=[(None, None)] * 3).success
     assert overlaps(one, other[None]) == (not separated)
+
+
+def test_a_tab_does_not_reach_across_a_slit_into_the_sheet():
+    slit = [[50.01, 60], [50.01, 20], [50, 19], [49.99, 20], [49.99, 60]]
+    outline = np.array([[0, 0], [100, 0], [100, 60], *slit, [0, 60]], dtype=float)
+    assert list(tabs([outline], [((0, 3), (0, 8))])) == [(0, 8)]
+    assert not tabs([outline], [((0, 3), (0, 6))])

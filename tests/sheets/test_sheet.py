@@ -23,7 +23,7 @@ from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.dents import dents
 from isoembed.metric.least_space import least_convex_space
 from isoembed.proof.certificate import certify
-from isoembed.surface.alignment import distance
+from isoembed.surface.alignment import aligned, distance
 
 CAP = 2 * np.pi * (1 - np.cos(1))  # int H^2 of a round cap
 
@@ -323,3 +323,25 @@ def test_what_is_about_spheres_is_refused():
 def test_a_tolerance_below_rounding_is_missed_in_words():
     with pytest.raises(NotEmbedded, match="lengths miss the tolerance 1e-30"):
         embed(ROUND, boundary="plane", tolerance=1e-30)
+
+
+def test_a_cap_within_errors_is_near_the_exact_one():
+    exact = embed(ROUND, boundary="plane")
+    sigma = 1e-4
+    noise = sigma * np.random.default_rng(1).standard_normal(ROUND.lengths.shape)
+    noisy = PolyhedralMetric(ROUND.faces, 1e9 * (ROUND.lengths + noise), ROUND.edges)
+    found = embed(noisy, boundary="plane", length_errors=1e9 * sigma)
+    assert found.status == "converged" and found.chi_square <= found.chi_square_limit
+    assert found.length_errors is None  # there are no error bars
+    [loop] = ROUND.triangulation.boundaries
+    assert np.abs(found.vertices[loop, 2]).max() < 1e-3
+    off = aligned(found.vertices / 1e9, exact.vertices) - exact.vertices
+    assert np.linalg.norm(off, axis=1).max() < 20 * sigma
+
+
+def test_a_cap_that_two_vertices_of_the_boundary_divide_is_not_fitted():
+    halves = PolyhedralMetric(
+        [[0, 1, 2], [0, 2, 3]], [1.0, 1.0, 2**0.5, 1.0, 1.0], [[0, 1], [1, 2], [0, 2], [2, 3], [0, 3]]
+    )
+    with pytest.raises(InvalidMetric, match=r"edge 1 \[0, 2\] joins two vertices of the boundary inside"):
+        embed(halves, boundary="plane", length_errors=0.01)

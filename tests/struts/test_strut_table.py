@@ -255,3 +255,13 @@ def test_curved_space_has_no_struts():
     curved = Embedding(metric, points, method="given", tolerance=1e-9)
     with pytest.raises(InvalidMetric, match="in hyperbolic space: struts are straight"):
         strut_table(curved)
+
+
+def test_a_floor_may_have_a_vertex_at_the_center_of_the_sphere():
+    vertices, faces = dome(2, -0.01)
+    vertices = np.vstack([vertices, np.zeros(3)])
+    [rim] = Triangulation(faces).boundaries
+    floor = [[b, a, len(vertices) - 1] for a, b in zip(rim, np.roll(rim, -1), strict=True)]
+    table = strut_table(surface(vertices, np.vstack([faces, floor])))
+    assert [one.count for one in table.struts] == [30, 35]
+    assert table.hub_types[-1] == -1 and len(table.faces[-1].struts) == 10

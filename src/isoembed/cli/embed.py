@@ -206,8 +206,8 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
             raise UsageError(f"--boundary and --start need the method 'sheet', not {name!r}")
         if options.parameter:
             raise UsageError("the method 'sheet' has no --parameter beside --boundary and --start")
-        if options.length_error is not None:
-            raise UsageError("--length-error is for closed surfaces of genus 0, not with --boundary")
+        if options.length_error is not None and options.boundary != "plane":
+            raise UsageError("--length-error is for closed surfaces of genus 0, and with --boundary plane")
         return _sheet(options)
     best_fit = ["best_fit=true"] if options.best_fit else []
     effort = [] if options.effort is None else [f"effort={options.effort}"]
@@ -218,7 +218,7 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         which["which"] = read_surface(Path(options.which), merge=options.merge).vertices
     method = configured(name, options.parameter + repair + best_fit + effort, **which)
     if options.length_error is not None and method.takes_boundary:
-        raise UsageError(f"--length-error is for closed surfaces of genus 0, not for the method {name!r}")
+        raise UsageError(f"--length-error with the method {name!r} needs --boundary plane")
     if options.length_error is not None and not method.keeps_triangles:
         raise UsageError(f"--length-error needs a method that keeps the triangles, not {name!r}")
     return method

@@ -16,6 +16,7 @@ from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
+from isoembed.io.text_scan import LONGEST
 from isoembed.metric.precision import COARSE, PRECISION
 
 LENGTHS = ("length", "chord factor")
@@ -38,8 +39,8 @@ def read(file: InputFile) -> Tables:
     other columns and tables are left aside.  Hubs are numbers or names.  Every three hubs that are joined are
     a triangle, unless they cut the frame in two.
 
-    Where the surface is closed, the errors of the lengths are those of their last digit, the same in all,
-    unless there is one length only, or they have so few or so many digits that they are exact.
+    The errors of the lengths are those of their last digit, the same in all, unless there is one length only,
+    or they have so few or so many digits that they are exact.
 
     Raises
     ------
@@ -71,20 +72,22 @@ def read(file: InputFile) -> Tables:
         lengths.append(_number(written, f"{file}, line {line}"))
     texts = [_written(row) or legend[row.cells["type"]][1] for row in struts]
     edges = _edges(struts, file)
-    faces, closed = _triangles(edges)
-    tables = {"faces": faces, "edges": edges, "lengths": np.array(lengths)}
-    error = _error(texts, tables["lengths"]) if closed else 0.0
+    tables = {"faces": _triangles(edges), "edges": edges, "lengths": np.array(lengths)}
+    error = _error(texts, tables["lengths"])
     return {**tables, "length_errors": np.array(error)} if error else tables
 
 
 def _rows(file: InputFile) -> Iterator[_Row]:
     """The rows of all tables below their headers, by the names of the columns."""
     lines = file.text.removeprefix("\ufeff").splitlines()
-    first = next((line for line in lines if line.strip()), "")
+    first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
     delimiter = next((sign for sign in ";\t" if sign in first), ",")
     header: list[str] = []
-    for number, cells in enumerate(csv.reader(lines, delimiter=delimiter), 1):
-        cells = [cell.strip() for cell in cells]
+    for number, line in enumerate(lines, 1):
+        try:
+            cells = [cell.strip() for row in csv.reader([line], delimiter=delimiter) for cell in row]
+        except csv.Error as error:
+            raise FileError(f"{file}, line {number}: {error}") from None
         if not any(cells) or cells[0].startswith("#"):
             header = [] if not any(cells) else header
         elif not header:
@@ -120,7 +123,8 @@ def _edges(struts: list[_Row], file: InputFile) -> Indices:
             raise FileError(
                 f"{file}, line {row.line}: a strut is from {names[2 * k]!r} to {names[2 * k + 1]!r}"
             )
-    numbers = sorted(map(int, different)) if all(map(str.isdecimal, different)) else []
+    are_numbers = all(name.isdecimal() and len(name) <= LONGEST for name in different)
+    numbers = sorted(map(int, different)) if are_numbers else []
     first = numbers[0] if numbers else -1
     if first in (0, 1) and numbers == list(range(first, first + len(numbers))):
         place = {name: int(name) - first for name in different}
@@ -137,18 +141,14 @@ def _edges(struts: list[_Row], file: InputFile) -> Indices:
     return edges
 
 
-def _triangles(edges: Indices) -> tuple[Indices, bool]:
-    """The triangles of a frame, turned alike, and whether each strut is in two of them."""
+def _triangles(edges: Indices) -> Indices:
+    """The triangles of a frame, turned alike."""
     beside: dict[int, set[int]] = {}
     for a, b in edges.tolist():
         beside.setdefault(a, set()).add(b)
         beside.setdefault(b, set()).add(a)
-    found = [
-        (a, b, c)
-        for a in beside
-        for b, c in combinations(sorted(x for x in beside[a] if x > a), 2)
-        if c in beside[b]
-    ]
+    ends = np.sort(edges, axis=1).tolist()
+    found = [(a, b, c) for a, b in ends for c in sorted(beside[a] & beside[b]) if c > b]
     at = _by_sides(found)
     if any(len(some) > 2 for some in at.values()):
         doubtful = {f for some in at.values() if len(some) > 2 for f in some}
@@ -164,7 +164,7 @@ def _triangles(edges: Indices) -> tuple[Indices, bool]:
             raise InvalidMetric(
                 f"the strut between the hubs {a} and {b} is in {count} triangles: give the faces, in .json"
             )
-    return np.array(_turned_alike(found, at)), all(len(some) == 2 for some in at.values())
+    return np.array(_turned_alike(found, at))
 
 
 def _by_sides(triangles: Iterable[tuple[int, int, int]]) -> dict[tuple[int, int], list[int]]:

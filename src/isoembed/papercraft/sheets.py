@@ -1,4 +1,4 @@
-"""Printable nets in SVG, PDF and DXF."""
+"""Printable nets in SVG, PDF and DXF, and pages that show how they are folded."""
 
 from __future__ import annotations
 
@@ -10,22 +10,30 @@ from isoembed.io.dxf_lines import ezdxf_for
 from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.io.registry import check_output
-from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.drawing import Drawing, drawn
 from isoembed.papercraft.dxf import write_dxf
+from isoembed.papercraft.folding_page import folding_page_writer
 from isoembed.papercraft.material import Material
 from isoembed.papercraft.pdf import write_pdf
 from isoembed.papercraft.svg import svg
+from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.picture import check_drawable
 
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-SHEET_ENDINGS = (".svg", ".pdf", ".dxf")
+SHEET_ENDINGS = (".svg", ".pdf", ".dxf", *PAGE_ENDINGS)
 
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
     """Return what writes a net in the format of this ending; see `write_atomically` and `write_sheets`."""
-    pages = drawn(unfolding, **drawing)
+    if ending(path) in PAGE_ENDINGS:
+        return folding_page_writer(path, unfolding, **drawing)
+    return drawing_writer(path, drawn(unfolding, **drawing))
+
+
+def drawing_writer(path: str | os.PathLike[str], pages: Drawing) -> Writer:
+    """Return what writes a drawing in the format of this ending."""
     if ending(path) == ".pdf":
         check_drawable()
         return lambda temporary: write_pdf(temporary, pages)
@@ -59,7 +67,8 @@ def write_sheets(
     Parameters
     ----------
     path : path
-        Ending in ``.svg`` or ``.dxf``, in layers and with the pages below one another, or in ``.pdf``.
+        Ending in ``.svg`` or ``.dxf``, in layers and with the pages below one another, or in ``.pdf``; or in
+        ``.html``, a page for the browser that shows how a net of one sheet is folded, with the net beside it.
     unfolding : Unfolding
     paper : str
         ``"A0"`` to ``"A5"``, ``"letter"``, ``"legal"``, ``"tabloid"``, ``"WIDTHxHEIGHT"`` in mm, or
@@ -81,7 +90,8 @@ def write_sheets(
         The ending is not known, the file cannot be written, or matplotlib for PDF or ezdxf for DXF is not
         installed.
     InvalidParameter
-        There is no such paper, a face does not fit on it, or an allowance or the kerf closes a notch.
+        There is no such paper, a face does not fit on it, an allowance or the kerf closes a notch, or of a
+        page for the browser the net has several sheets.
     """
     check_output(path, SHEET_ENDINGS)
     drawing = {"paper": paper, "scale": scale, "size": size, "numbers": numbers, "material": material}

@@ -6,6 +6,7 @@ from itertools import chain
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.gluing.line_graph import is_inside
 from isoembed.papercraft.convex import Pieces, overlaps
 
 DEPTH, LEAST = 7.0, 0.8  # mm
@@ -41,7 +42,7 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
     for pair in sides:
         best, top = 0.0, np.zeros((2, 2))
         for side, mate in (pair, pair[::-1]):
-            depth, found = _deepest(outlines[side[0]], side, mate, segments, others)
+            depth, found = _deepest(outlines, side, mate, segments, others)
             if depth > best:
                 best, top, (p, k) = depth, found, side
         if best:
@@ -52,10 +53,12 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
 
 
 def _deepest(
-    outline: Floats, side: Side, mate: Side, segments: Pieces, others: Pieces
+    outlines: Sequence[Floats], side: Side, mate: Side, segments: Pieces, others: Pieces
 ) -> tuple[float, Floats]:
     """The depth of the deepest tab on a side, and its outer corners; 0 if there is no room."""
-    (p, k), n = side, len(outline)
+    p, k = side
+    outline = outlines[p]
+    n = len(outline)
     before, start, end, after = outline[[k - 1, k, (k + 1) % n, (k + 2) % n]]
     legs = [
         1 / np.tan(min(SLANT, (BETWEEN if mate == (p, beside % n) else BESIDE) * gap))
@@ -78,7 +81,10 @@ def _deepest(
     close = [some.near(np.vstack([ends, top(CLEAR * depth)])) for some in (segments, others)]
     while depth >= LEAST:
         piece = _piece(ends, top(CLEAR * depth))
-        if not any(overlaps(piece, some) for some in close):
+        # Across a narrow slit it meets no side of a sheet, and is inside of it.
+        if not any(overlaps(piece, some) for some in close) and not any(
+            is_inside(piece.mean(axis=0), sheet) for sheet in outlines
+        ):
             return depth, top(depth)
         depth *= SHRINK
     return 0.0, ends

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from isoembed.plot.coloring import (
     mean_curvature,
     quantities,
     residual,
+    sides,
 )
 from isoembed.plot.drawn import BALL_RADIUS, Drawn
 from isoembed.plot.endings import PAGE_ENDINGS
@@ -48,6 +50,7 @@ MAX_BYTES = 6_000_000  # of all frames of a page but the last; as text a third m
 
 LEAPT = "The method leaped to this surface: there is none on the way to it. The method 'paper' has some."
 ALONE = "This method has no surface before the answer."
+LARGER = 1.25  # half diameters of the answer, that fit beside it
 PAUSE = 140  # milliseconds from one frame to the next
 COLORS = 65  # the browser interpolates between them
 UNITS = {
@@ -84,6 +87,7 @@ def write_page(
     frames: Sequence[Frame] = (),
     title: str = "",
     caption: str = "",
+    beside: str = "",
 ) -> None:
     """Write a page for the browser: one file, which loads nothing from anywhere.
 
@@ -102,6 +106,8 @@ def write_page(
         By default the name of the file.
     caption : str
         A line below; by default the numbers of vertices and triangles, int H dA and the residual.
+    beside : str
+        HTML above the report.
 
     Raises
     ------
@@ -109,13 +115,16 @@ def write_page(
         The ending is not known or the file cannot be written.
     """
     check_output(path, PAGE_ENDINGS)
-    write_atomically({Path(path): page_writer(path, embedding, frames=frames, title=title, caption=caption)})
+    writer = page_writer(path, embedding, title=title, frames=frames, caption=caption, beside=beside)
+    write_atomically({Path(path): writer})
 
 
-def _page(embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), caption: str = "") -> Document:
+def _page(
+    embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), caption: str = "", beside: str = ""
+) -> Document:
     data, arrays = _data(embedding, frames)
     found = report(embedding)
-    return Document(title, caption or _caption(embedding), report_html(found), found, data, arrays)
+    return Document(title, caption or _caption(embedding), beside + report_html(found), found, data, arrays)
 
 
 def _caption(embedding: Embedding) -> str:
@@ -144,7 +153,7 @@ def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any]
     size = pieces.n_vertices * (6 + 2 * len(shown)) + len(pieces.faces) * 3 / 16
     limit = int(min(MAX_FRAMES, 1 + MAX_BYTES // size))
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)
-    pose, seams = _pose(drawn), drawn.seams_in_space().ends
+    pose, seams = _pose(drawn, [earlier[k] for k in chosen[:-1]]), drawn.seams_in_space().ends
     edges = pieces.edges_of_faces()  # the script finds them in this order
 
     def entry(
@@ -218,12 +227,16 @@ def own_ramp(scale: str, low: float, high: float) -> list[str] | None:
     return diverging(COLORS, low, high) if scale == "linear" and low < 0 < high else None
 
 
-def _pose(drawn: Drawn) -> Pose:
-    """The pose of points of space: in a curved one the origin stays, which is the center of its models."""
+def _pose(drawn: Drawn, frames: Sequence[Frame]) -> Pose:
+    """The pose of points of space: in a curved one the origin stays, which is the center of its models.
+
+    Where a surface on the way is much larger than the answer, as a net is, it fills the picture instead.
+    """
     vertices = drawn.surface.vertices
     pose = Pose.of(drawn.put(vertices), drawn.surface.faces)
     if drawn.space.is_euclidean:
-        return pose
+        reach = max((np.linalg.norm(pose.put(one.vertices), axis=1).max() for one in frames), default=1.0)
+        return pose if reach < LARGER else replace(pose, size=pose.size * float(reach))
     return Pose(np.zeros(3), pose.axes, float(np.linalg.norm(drawn.points(vertices), axis=1).max()))
 
 
@@ -249,6 +262,7 @@ def _on_the_way(surface: Embedding) -> list[Quantity]:
     metric, unit = surface.metric, surface.metric.unit
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a frame may be folded flat
         found = [mean_curvature(surface), residual(surface), concavity(surface)]
+        found += [] if (counted := sides(surface)) is None else [counted]
         a, b = metric.edges.T
         points = surface.vertices / unit
         lengths = unit * metric.normalized.space.distances(points[a], points[b])

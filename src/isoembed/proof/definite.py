@@ -29,8 +29,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg.superlu import has_row_exchanges, symmetric_lu
 from isoembed.linalg.singular import SingularMatrix
+from isoembed.linalg.superlu import has_row_exchanges, symmetric_lu
 from isoembed.proof.rounding import GUARD, UNDERFLOW, U
 
 if TYPE_CHECKING:

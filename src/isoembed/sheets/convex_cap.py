@@ -32,6 +32,14 @@ STEPS = 60  # of Newton's method at most
 EXACT = 1e-14  # largest residual, in mean edge lengths, that ends it
 
 
+def check_disc(metric: PolyhedralMetric) -> None:
+    """Refuse surfaces with handles or several boundaries; raises InvalidMetric."""
+    t = metric.triangulation
+    if t.euler_characteristic != 1 or len(t.boundaries) != 1:
+        what = "one boundary" if len(t.boundaries) == 1 else f"{len(t.boundaries)} boundaries"
+        raise InvalidMetric(f"the surface has {what} and genus {t.genus}: a convex cap is a disc")
+
+
 def check_cap(metric: PolyhedralMetric) -> None:
     """Refuse metrics that are not those of a convex cap.
 
@@ -41,10 +49,8 @@ def check_cap(metric: PolyhedralMetric) -> None:
         The surface is no disc, its curvature is negative at a vertex, or its boundary is not convex at one;
         the message names the vertex.
     """
+    check_disc(metric)
     t = metric.triangulation
-    if t.euler_characteristic != 1 or len(t.boundaries) != 1:
-        what = "one boundary" if len(t.boundaries) == 1 else f"{len(t.boundaries)} boundaries"
-        raise InvalidMetric(f"the surface has {what} and genus {t.genus}: a convex cap is a disc")
     found = deficits(metric)
     least = int(np.argmin(found))
     if found[least] < -ANGLE_ROUNDING:

@@ -25,6 +25,7 @@ from isoembed.sheets.convex_cap import check_cap, doubled, upright, with_heights
 from isoembed.sheets.hole_filling import filled
 from isoembed.sheets.least_bending import LeastBending, balanced, thinned
 from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.sheets.measured_cap import measured_cap
 from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
 from isoembed.sheets.surface import SheetEmbedding
@@ -52,7 +53,8 @@ class Sheet(Method):
     ----------
     boundary : {"free", "plane"} or array_like
         ``"free"``: of all surfaces with the lengths one of least bending energy, the limit of thin elastic
-        sheets.  ``"plane"``: the convex cap, whose boundary is in a plane; the metric must be convex.  An
+        sheets.  ``"plane"``: the convex cap, whose boundary is in a plane; the metric must be convex.  Where
+        the metric has `length_errors`, a smooth cap that agrees with the lengths within these.  An
         array (B,) of heights of the boundary's vertices over a plane, where the curvature is positive; or an
         array (B, 3) of their positions, with any curvature.  Vertices of the boundary are in the order of
         `Triangulation.boundaries`, one boundary after the other.
@@ -66,6 +68,11 @@ class Sheet(Method):
 
     name: ClassVar[str] = "sheet"
     takes_boundary: ClassVar[bool] = True
+
+    @property
+    def takes_length_errors(self) -> bool:  # type: ignore[override]
+        """Whether there is a fit to lengths with errors: of caps."""
+        return bool(self.boundary == "plane")
 
     def __post_init__(self) -> None:
         if isinstance(self.boundary, str):
@@ -136,6 +143,8 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
     """The convex cap."""
     if start is not None:
         raise InvalidParameter("a convex cap needs no start: it is the only one")
+    if metric.length_errors is not None:
+        return measured_cap(metric, Sheet.name, tolerance, log)
     check_cap(metric)
     found = _raised(metric, np.zeros(len(metric.triangulation.boundaries[0])), tolerance, log, "plane")
     concave = int(found.surface.concave_edges.sum())

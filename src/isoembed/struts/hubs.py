@@ -57,9 +57,10 @@ def hub_angles(
     """
     x, normals = frame.vertices, frame.normals()
     if center is not None:
-        radial = (x - center) / np.linalg.norm(x - center, axis=1, keepdims=True)
-        outward = np.sign((radial * normals).sum())  # of a surface with boundary, the sides are a convention
-        normals = radial * (outward or 1.0)
+        hubs = np.unique(edges)
+        radial = (x[hubs] - center) / np.linalg.norm(x[hubs] - center, axis=1, keepdims=True)
+        # Which side of a surface with boundary is outside is a convention.
+        normals[hubs] = radial if (radial * normals[hubs]).sum() >= 0 else -radial
     bends = np.empty((len(edges), 2))
     between = []
     for v, struts in enumerate(around):

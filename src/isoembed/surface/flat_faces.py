@@ -116,8 +116,8 @@ class FlatFaces(TriangleFaces):
     @cached_property
     def edges(self) -> Mask:
         """Edges between two faces, shape (E,): the others are diagonals, which might lie elsewhere."""
-        left, right = self.of_triangles[self.triangulation.edge_faces].T
-        return frozen(left != right)
+        left, right = self.of_triangles[self.triangulation.edge_flanks // 3].T
+        return frozen((left != right) | self.triangulation.boundary_edges)
 
     def __len__(self) -> int:
         return int(self.of_triangles.max()) + 1
@@ -141,7 +141,7 @@ def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
     ----------
     triangulation : Triangulation
     creased : ndarray of bool, shape (3F,)
-        The half-edges on creases; with each its twin.
+        The half-edges on creases; with each its twin, and all on a boundary.
 
     Returns
     -------
@@ -156,7 +156,7 @@ def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
     rim = np.flatnonzero(creased)
     successor = following.copy()
     while (inside := rim[~creased[successor[rim]]]).size:
-        successor[inside] = following[t.twins[successor[inside]]]
+        successor[inside] = following[t.sides_across[successor[inside]]]
     after, seen = successor.tolist(), ~creased
     ways = []
     for h in rim.tolist():

@@ -1,0 +1,109 @@
+"""Page for the browser: a net that is folded along a slider, with its drawing beside it."""
+
+from __future__ import annotations
+
+import base64
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from isoembed.arrays import Indices
+from isoembed.embedding.embedding import Embedding
+from isoembed.errors import InvalidParameter
+from isoembed.io.files import Writer
+from isoembed.method import TOLERANCE
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.folding import partly_folded
+from isoembed.papercraft.svg import svg
+from isoembed.plot.film import Frame
+from isoembed.plot.page import page_writer
+from isoembed.surface.flat_faces import FlatFaces
+from isoembed.surface.surface import Surface
+
+if TYPE_CHECKING:
+    from isoembed.gluing.unfolding import Unfolding
+
+FRAMES = 40  # of the film
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class _NetSurface(Surface):
+    """The faces of a net in space, which are those of the solid."""
+
+    of_triangles: Indices | None = None
+
+    @cached_property
+    def flat_faces(self) -> FlatFaces:
+        assert self.of_triangles is not None
+        nowhere = np.zeros(self.triangulation.n_vertices, dtype=np.bool_)
+        return FlatFaces(self.triangulation, self.of_triangles, self._lengths, nowhere)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class _FoldedNet(Embedding):
+    of_triangles: Indices | None = None
+
+    def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
+        return super()._made_surface(_NetSurface, of_triangles=self.of_triangles, **more)
+
+    def _sentence(self) -> str:
+        return "the net, folded by its fold angles"
+
+
+@dataclass(frozen=True, eq=False)
+class _Folding(Frame):
+    def surface(self, embedding: Embedding) -> Embedding:
+        """Net of the frame, with its faces."""
+        assert isinstance(embedding, _FoldedNet)
+        return _FoldedNet(
+            embedding.metric, self.vertices, method="", tolerance=1.0, of_triangles=embedding.of_triangles
+        )
+
+
+def folding_page_writer(
+    path: str | os.PathLike[str], unfolding: Unfolding, *, title: str = "", **drawing: Any
+) -> Writer:
+    """Return what writes the page; see `isoembed.io.write_atomically`.
+
+    Parameters
+    ----------
+    path : path
+        Ending in ``.html``.
+    unfolding : Unfolding
+    title : str
+        By default the name of the file.
+    drawing
+        How the net is drawn, as of `isoembed.papercraft.write_sheets`.
+
+    Raises
+    ------
+    InvalidParameter
+        The net has several sheets, or cannot be drawn so.
+    """
+    if len(unfolding.sheets) > 1:
+        raise InvalidParameter(
+            f"the net has {len(unfolding.sheets)} sheets: a page shows how a net of one sheet is folded"
+        )
+    flat, faces = partly_folded(unfolding, 0.0)
+    metric = PolyhedralMetric.from_mesh(flat, faces)
+    sizes = np.array([len(face) for face in faces])
+    owners = np.repeat(np.arange(len(faces)), sizes - 2)
+    shares = (1 - np.cos(np.linspace(0.0, np.pi, FRAMES))) / 2
+    frames = [_Folding("folding", None, None, partly_folded(unfolding, share)[0]) for share in shares]
+    solid = _FoldedNet(
+        metric, frames[-1].vertices, method="folding", tolerance=TOLERANCE, of_triangles=owners
+    )
+    picture = base64.b64encode(svg(drawn(unfolding, **drawing)).encode()).decode("ascii")
+    return page_writer(
+        path,
+        solid,
+        title=title or Path(path).stem,
+        frames=frames,
+        caption=str(unfolding),
+        beside=f'<p><img width="100%" alt="The net" src="data:image/svg+xml;base64,{picture}"></p>\n',
+    )

@@ -1,0 +1,94 @@
+"""Smooth caps fitted to edge lengths with known standard deviations, their boundaries in a plane.
+
+Two copies glued along the boundary are a closed surface, to which `isoembed.aim.measured_lengths` fits one
+that is smooth within the errors.  The cap is the mean of its one half and of the mirror image of the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from isoembed.aim.adaptive import Aim
+from isoembed.embedding.measured import MeasuredSurface
+from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.mesh.triangulation import frozen
+from isoembed.metric.curvature import deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log
+from isoembed.sheets.convex_cap import check_disc, doubled, upright
+from isoembed.sheets.surface import SheetEmbedding
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredCap(MeasuredSurface, SheetEmbedding):
+    """Smooth surface whose boundary is in a plane, fitted to edge lengths with known standard deviations.
+
+    Its residuals are judged as those of a `MeasuredSurface`.  There are no error bars.
+    """
+
+    def __post_init__(self) -> None:
+        super(MeasuredSurface, self).__post_init__()
+
+    @property
+    def _reported(self) -> Mapping[str, Any]:
+        """The test that the surface has passed, and what was asked at the boundary."""
+        return {**super()._reported, **super(MeasuredSurface, self)._reported}
+
+
+def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log) -> MeasuredCap:
+    """Fit a cap, by the method of this name, to a normalized metric with `length_errors`.
+
+    Raises
+    ------
+    InvalidMetric
+        The surface is no disc, an exterior angle of its boundary is more negative than the errors explain, or
+        two vertices of its boundary are joined by an edge inside.
+    """
+    check_disc(metric)
+    t, n = metric.triangulation, metric.triangulation.n_vertices
+    # An angle of a triangle depends on a length by one over a height, of which none is much less than a side.
+    sigma = np.asarray(metric.length_errors, dtype=np.float64)
+    explained = 2 * t.degrees * sigma.max() / metric.lengths.min()
+    beyond = np.where(t.boundary_vertices, deficits(metric) + explained, 0.0)
+    if (beyond < 0).any():
+        v = int(np.argmin(beyond))
+        raise InvalidMetric(
+            f"the exterior angle of the boundary at vertex {v} is {deficits(metric)[v]:.4g} radians, and "
+            f"errors of the lengths explain {explained[v]:.1g}: of a convex cap none is negative"
+        )
+    chords = t.boundary_vertices[t.edges].all(axis=1) & ~t.boundary_edges
+    if chords.any():
+        e = int(np.argmax(chords))
+        raise InvalidMetric(
+            f"edge {e} {t.edges[e].tolist()} joins two vertices of the boundary inside: such a cap is not "
+            "fitted to lengths with errors"
+        )
+    inside = np.flatnonzero(~t.boundary_vertices)
+    copied = np.arange(n)
+    copied[inside] = n + np.arange(len(inside))
+    own = np.concatenate([np.arange(n), inside])
+    closed = doubled(metric).simplicial()
+    closed = closed.with_length_errors(sigma[t.edge_indices(own[closed.edges])])
+    try:
+        found = Aim().run(closed.normalized, tolerance, log)
+    except NotEmbedded as failure:
+        found = failure.embedding
+    x = found._in_unit_of(closed).vertices
+    [loop] = t.boundaries
+    middle = x[loop].mean(axis=0)
+    axes = np.linalg.svd(x[loop] - middle, full_matrices=False)[2]
+    half, other = ((x[some] - middle) @ axes.T for some in (np.arange(n), copied))
+    cap = (half + other * [1.0, 1.0, -1.0]) / 2
+    return MeasuredCap(
+        metric,
+        frozen(upright(cap @ axes, cap[loop] @ axes)),
+        method=name,
+        tolerance=tolerance,
+        stages=log.stages,
+        weight=getattr(found, "weight", 0.0),
+        condition="plane",
+    )
