@@ -39,6 +39,8 @@ class Line:
     angle : float or None
         By how much to fold, degrees, positive where the solid is convex.
     is_circle : bool
+    is_curve : bool
+        Whether parts of it are curves.
     """
 
     points: Floats
@@ -46,6 +48,7 @@ class Line:
     color: str = ""
     angle: float | None = None
     is_circle: bool = False
+    is_curve: bool = False
 
     @property
     def is_closed(self) -> bool:

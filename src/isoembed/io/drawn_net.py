@@ -10,12 +10,13 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
-from isoembed.gluing import Net, edge_gluings, glue
+from isoembed.gluing import Net, dform, edge_gluings, glue
 from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance
 from isoembed.gluing.dashes import undashed
 from isoembed.gluing.drawn_lines import CUT, FOLD, GLUE, READ, SEAM, Line, Lines, Number
 from isoembed.gluing.line_graph import LineGraph, Side, is_inside
 from isoembed.gluing.offset import offset
+from isoembed.gluing.polygon import side_lengths
 from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 
@@ -23,6 +24,7 @@ SNAP = 1e-6  # of the drawing: ends as near are one, if no tolerance is given an
 UNITS = 4.0  # of the last digit, by which lengths between rounded points may differ
 NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
 ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
+SAME_PERIMETER = 1e-3  # curves of a D-form: they are sampled
 MOST_SIDES = 40  # of a sheet whose gluings are searched
 
 Pair = tuple[Side, Side]
@@ -34,7 +36,7 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     Outlines are cut, and lines between are folded.  Tabs, which have glue on them, are left away.  Sides are
     glued that have the same number; then those of the same color, if it has no third; those that meet when
     the sheet is folded by its angles; those of the same length, if it has no third; and the only convex way
-    that is left.
+    that is left.  Two curves are a D-form: they are glued all around, from their first points on.
 
     Parameters
     ----------
@@ -63,6 +65,9 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     every = np.concatenate([line.points for line in lines])
     size = float(np.ptp(every, axis=0).max())
     near = max(SNAP * size, 2 * drawing.unit, tolerance or 0.0)
+    curves = [line.points[:-1] for line in lines if line.is_closed and line.is_curve]
+    if len(curves) == len(lines) == 2:
+        return _dform(curves[0], curves[1], tolerance)
     lines = undashed(_without_kerf(_without_holes(lines), 0.0 if seams else drawing.kerf), near)
     if not any(line.purpose == FOLD for line in lines):  # layers do not tell what is cut and what folded
         lines = [replace(line, purpose="") for line in lines]
@@ -81,6 +86,18 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
             warnings.simplefilter("ignore", MeshNote)
         net = glue([sheets.points[face] for face in sheets.faces], pairs, tolerance=tolerance)
     return with_places(net, sheets.faces, folded)
+
+
+def _dform(first: Floats, second: Floats, tolerance: float | None) -> Net:
+    """Two curved outlines glued all around, from their first points on."""
+    around = [float(side_lengths(points).sum()) for points in (first, second)]
+    allowed = SAME_PERIMETER * around[0] if tolerance is None else tolerance
+    if abs(around[1] - around[0]) > allowed:
+        raise InvalidMetric(
+            f"two curves that are glued all around are {around[0]:.6g} and {around[1]:.6g} mm long, which "
+            f"differ by more than the tolerance {allowed:.2g}"
+        )
+    return dform(first, second)
 
 
 def _without_holes(lines: Sequence[Line]) -> list[Line]:

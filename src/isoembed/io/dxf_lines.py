@@ -84,7 +84,7 @@ def read_dxf_lines(file: InputFile) -> Lines:
             points[-1] = points[0]
         purpose = LAYERS.get(layer, READ if layer == NUMBERS else "")
         color = str(entity.dxf.get("true_color", entity.dxf.color))
-        lines.append(Line(points, purpose, color, _angle(entity), kind == "CIRCLE"))
+        lines.append(Line(points, purpose, color, _angle(entity), kind == "CIRCLE", path.has_curves))
     properties = dict(document.header.custom_vars.properties)
     said = [_millimeters(properties, name, str(file)) for name in PROPERTIES]
     return Lines(tuple(lines), tuple(numbers), unit * last_unit(np.concatenate(values)), *said)

@@ -34,6 +34,7 @@ UNDRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern", "metadata"
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 HREF = "{http://www.w3.org/1999/xlink}href"
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+CURVED = re.compile("[CcSsQqTtAa]")
 ANCHORS = {"start": 0.5, "middle": 0.0, "end": -0.5}
 WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in sizes of the font
 
@@ -130,9 +131,9 @@ class _Reader:
                 placed = np.concatenate([placed, placed[:1]])
             angle = element.get("data-angle")
             degrees = None if angle is None else _plain(angle, "data-angle")
-            self.lines.append(
-                Line(placed, style.purpose, style.color, degrees, name in ("circle", "ellipse"))
-            )
+            is_round = name in ("circle", "ellipse")
+            is_curve = is_round or (name == "path" and CURVED.search(element.get("d", "")) is not None)
+            self.lines.append(Line(placed, style.purpose, style.color, degrees, is_round, is_curve))
         for child in element:
             if isinstance(child.tag, str):
                 self.walk(child, style, depth + 1)
