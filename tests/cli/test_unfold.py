@@ -83,7 +83,7 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             "--k-factor is for nets on pages (.svg .pdf .dxf .html)",
         ),
         (["cube.ply", "-o", "a.svg", "--kerf", "2"], "kerf is 2 mm, as wide as a hole of 1 mm"),
-        (["cube.ply", "-o", "a.svg", "--allowance", "5"], "an allowance of 5 mm is for joints"),
+        (["cube.ply", "-o", "a.svg", "--allowance", "5"], "is for --joints stitches or --joints none"),
         (
             ["cube.ply", "-o", "a.json", "--paper", "A3"],
             "--paper is for nets on pages (.svg .pdf .dxf .html)",

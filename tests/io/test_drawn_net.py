@@ -57,6 +57,16 @@ def test_the_solid_comes_back_from_the_file(tmp_path, name, ending):
     assert solid.volume > 0
 
 
+@pytest.mark.parametrize("decimals", [3, 5])
+def test_solids_with_rounded_coordinates_come_back_with_their_faces(tmp_path, decimals):
+    vertices, faces = uniform("dodecahedron")
+    net_of(vertices.round(decimals), faces).save(tmp_path / "net.svg", scale=20)
+    solid = isoembed.embed(isoembed.glue(tmp_path / "net.svg"))
+    assert solid.triangulation.n_vertices == 20
+    apart = np.sort(pdist(solid.vertices)) - np.sort(pdist(vertices * 20))
+    assert np.abs(apart).max() < 20 * 10.0**-decimals * 3
+
+
 def square(x, y, size=10.0):
     return f'<rect x="{x}" y="{y}" width="{size}" height="{size}"/>'
 
@@ -258,3 +268,81 @@ def test_layers_of_inkscape_are_known_by_their_labels(tmp_path):
     with InputFile(tmp_path / "a.svg") as file:
         lines = read_svg_lines(file)
     assert [line.purpose for line in lines.lines] == ["read"]
+
+
+# DXF of others
+
+
+@pytest.fixture
+def dxf():
+    return pytest.importorskip("ezdxf")
+
+
+def cross_of_lines(space, unit=1.0, layer="0"):
+    """The net of a cube of side 1, every line by itself, with numbers."""
+    for x, y in ((0, 1), (1, 1), (2, 1), (3, 1), (1, 0), (1, 2)):
+        corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]
+        for (a, b), (c, d) in zip(corners, corners[1:] + corners[:1], strict=True):
+            space.add_line((a * unit, b * unit), (c * unit, d * unit), dxfattribs={"layer": layer})
+    places = {
+        "a": ((0.9, 0.5), (0.5, 1.2)), "b": ((1.5, 0.2), (3.5, 1.2)), "c": ((2.1, 0.5), (2.5, 1.2)),
+        "d": ((0.9, 2.5), (0.5, 1.9)), "e": ((1.5, 2.9), (3.5, 1.9)), "f": ((2.1, 2.5), (2.5, 1.9)),
+        "g": ((0.1, 1.5), (3.9, 1.5)),
+    }  # fmt: skip
+    return [(text, unit * x, unit * y) for text, some in places.items() for x, y in some]
+
+
+@pytest.mark.parametrize(("code", "millimeters"), [(0, 1.0), (1, 25.4), (4, 1.0), (5, 10.0), (6, 1000.0)])
+@pytest.mark.parametrize("version", ["R12", "R2000", "R2018"])
+def test_units_of_dxf(tmp_path, dxf, version, code, millimeters):
+    if version == "R12" and code:
+        pytest.skip("has no units")
+    document = dxf.new(version)
+    document.units = code
+    space = document.modelspace()
+    for text, x, y in cross_of_lines(space, 20.0):
+        space.add_text(text, height=1.0).set_placement(
+            (x, y), align=dxf.enums.TextEntityAlignment.MIDDLE_CENTER
+        )
+    document.saveas(tmp_path / "net.dxf")
+    assert volume(read_net(tmp_path / "net.dxf")) == pytest.approx((20 * millimeters) ** 3, rel=1e-6)
+
+
+def test_blocks_and_paragraphs_of_dxf(tmp_path, dxf):
+    document = dxf.new("R2010", units=4)
+    block = document.blocks.new("NET")
+    for text, x, y in cross_of_lines(block, 2.0, layer="Outline"):
+        block.add_mtext(text, dxfattribs={"char_height": 0.2, "insert": (x, y), "attachment_point": 5})
+    how = {"xscale": 5, "yscale": 5, "rotation": 30}
+    document.modelspace().add_blockref("NET", (100, 50), dxfattribs=how)
+    document.saveas(tmp_path / "net.dxf")
+    assert volume(read_net(tmp_path / "net.dxf", tolerance=1e-6)) == pytest.approx(1000, rel=1e-6)
+
+
+def test_curves_of_dxf_are_sampled(tmp_path, dxf):
+    document = dxf.new("R2010", units=4)
+    space = document.modelspace()
+    space.add_circle((0, 0), 10)
+    space.add_line((-20, 0), (20, 0))
+    space.add_arc((0, 0), 20, 0, 180)
+    space.add_lwpolyline([(-20, 0, 1.0), (20, 0, 0.0)], format="xyb")  # a half circle
+    document.saveas(tmp_path / "net.dxf")
+    from isoembed.io.dxf_lines import read_dxf_lines
+
+    with InputFile(tmp_path / "net.dxf") as file:
+        circle, line, arc, bulge = read_dxf_lines(file).lines
+    assert circle.is_circle and circle.is_closed
+    assert line.points.tolist() == [[-20, 0], [20, 0]]
+    for curve, radius in ((circle, 10), (arc, 20), (bulge, 20)):
+        middles = (curve.points[1:] + curve.points[:-1]) / 2
+        assert np.hypot(*middles.T) == pytest.approx(np.full(len(middles), radius), rel=2e-3)
+    assert arc.points[:, 1].min() > -1e-9 and bulge.points[:, 1].min() < -19
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"), [("", "is not a readable DXF file"), ("0\nSECTION\n", "is not")]
+)
+def test_dxf_that_is_refused(tmp_path, dxf, text, sentence):
+    (tmp_path / "net.dxf").write_text(text)
+    with pytest.raises(FileError, match=sentence):
+        read_net(tmp_path / "net.dxf")

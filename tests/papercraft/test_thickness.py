@@ -51,7 +51,9 @@ def test_a_thick_cube():
     side, material = 100.0, Material(thickness=5.0, joints="none")
     fold, cut = 5.0 - math.pi / 2 * 2.5 / 2, 5.0
     net = net_of(*zoo.cube())
-    (outline,) = thickened(replace_scale(net, side), material).sheets
+    unit = np.ptp(net.vertices, axis=0).max()
+    (outline,) = thickened(net, material, side / unit).sheets
+    outline = outline * side / unit
     assert is_simple(outline)
     # Each side of a face is shorter at both ends, and the area follows.
     area = 0.0
@@ -65,24 +67,13 @@ def test_a_thick_cube():
     assert area - 14 * 3 < found < area  # reliefs at corners have a radius of about 1.5
 
 
-def replace_scale(net, side):
-    unit = np.ptp(net.vertices, axis=0).max()
-    factor = side / unit
-    return replace(
-        net,
-        sheets=tuple(factor * sheet for sheet in net.sheets),
-        folds=tuple(factor * folds for folds in net.folds),
-        vertices=factor * net.vertices,
-    )
-
-
 @pytest.mark.parametrize("surface", ["outside", "inside"])
 @pytest.mark.parametrize("seed", range(3))
 def test_thin_sheets_are_nearly_paper(surface, seed):
     net = net_of(*zoo.random_hull(20, seed))
     errors = []
     for t in (1e-3, 1e-4):
-        thick = thickened(net, Material(thickness=t, surface=surface))
+        thick = thickened(net, Material(thickness=t, surface=surface), 1.0)
         assert [len(some) for some in thick.folds] == [len(some) for some in net.folds]
         assert sorted(np.concatenate(thick.angles)) == pytest.approx(sorted(np.concatenate(net.angles)))
         assert len(thick.sides) == len(net.sides)
@@ -120,8 +111,8 @@ def test_the_drawing_has_the_folds_of_the_thick_sheet():
 def test_faces_that_vanish_are_named():
     net = net_of(*zoo.cube())
     with pytest.raises(
-        InvalidParameter, match=r"side \d of face \d vanishes: an offset of -\S+ mm is too much"
+        InvalidParameter, match=r"face \d is too small for so thick a sheet: it takes a larger scale"
     ):
         drawn(net, scale=10.0, material=Material(thickness=6.0))
     with pytest.raises(InvalidParameter, match="the net does not know the faces and vertices of the solid"):
-        thickened(replace(net, faces=()), Material(thickness=1.0))
+        thickened(replace(net, faces=()), Material(thickness=1.0), 1.0)

@@ -19,7 +19,7 @@ from isoembed.progress.stages import Listener
 
 EXAMPLES = (
     "isoembed glue net.json -o solid.obj",
-    "isoembed glue net.json --html solid.html --tolerance 0.01",
+    "isoembed glue drawing.svg --html solid.html --tolerance 0.01",
 )
 USUAL = ("tolerance", "metric", "output", "report", "picture", "html", "keep", "json", "verbose", "quiet")
 """The options that ``--help`` lists."""
@@ -31,8 +31,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "input",
         metavar="FILE",
         help=".json: polygons with the pairs of sides that are glued or with names of their corners, or a "
-        "zip, a pita form or a D-form; .fold: a crease pattern with names of its corners; - reads JSON from "
-        "standard input",
+        "zip, a pita form or a D-form; .fold: a crease pattern with names of its corners; .svg .dxf: a "
+        "drawing in mm with numbers at its sides, as 'isoembed unfold' writes it; - reads JSON from standard "
+        "input",
     )
     add_output_options(parser)
     parser.add_argument(

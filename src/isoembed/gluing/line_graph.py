@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -44,6 +44,16 @@ class LineGraph:
     def folds(self, f: int) -> list[Side]:
         """The sides of a face across which the paper goes on."""
         return [(f, k) for k in range(len(self.faces[f])) if (f, k) in self.twins]
+
+    def without(self, left_out: Collection[int]) -> LineGraph:
+        """The other faces, whose sides at those left out are on the outline."""
+        kept = [f for f in range(len(self.faces)) if f not in left_out]
+        place = {f: k for k, f in enumerate(kept)}
+        lines = {(place[f], k): line for (f, k), line in self.lines.items() if f in place}
+        twins = {
+            (place[f], k): (place[g], m) for (f, k), (g, m) in self.twins.items() if f in place and g in place
+        }
+        return LineGraph(self.points, [self.faces[f] for f in kept], lines, twins)
 
     @classmethod
     def of(cls, lines: Sequence[Line], near: float) -> LineGraph:

@@ -72,13 +72,13 @@ def moved_sides(
     kept = ((result[ends] - result[begins]) * along).sum(axis=1) > 0
     if not kept.all():
         k = int(np.argmin(kept))
-        raise InvalidParameter(f"side {k} of {name} vanishes: an offset of {moved[k]:.4g} mm is too much")
+        raise InvalidParameter(f"side {k} of {name} vanishes: an offset of {moved[k]:.4g} is too much")
     size = float(np.ptp(result, axis=0).max())
     i, j = meeting_sides((result - result.min(axis=0)) / size)
     if i >= 0:
         side = [int(np.searchsorted(begins, m, side="right")) - 1 for m in (i, j)]
         raise InvalidParameter(
-            f"an offset of {float(moved.max()):.4g} mm closes the notch of {name} between its sides "
+            f"an offset of {float(moved.max()):.4g} closes the notch of {name} between its sides "
             f"{min(side)} and {max(side)}: it takes more sheets, a larger scale or a smaller offset"
         )
     return result, begins, ends

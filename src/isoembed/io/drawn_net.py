@@ -13,13 +13,13 @@ from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
 from isoembed.gluing import Net, edge_gluings, glue
 from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance
 from isoembed.gluing.dashes import undashed
-from isoembed.gluing.drawn_lines import CUT, GLUE, READ, SEAM, Line, Lines, Number
+from isoembed.gluing.drawn_lines import CUT, FOLD, GLUE, READ, SEAM, Line, Lines, Number
 from isoembed.gluing.line_graph import LineGraph, Side, is_inside
 from isoembed.gluing.offset import offset
 from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 
-SNAP = 1e-5  # of the drawing: ends as near are one
+SNAP = 1e-6  # of the drawing: ends as near are one, if no tolerance is given and the digits tell no more
 UNITS = 4.0  # of the last digit, by which lengths between rounded points may differ
 NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
 ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
@@ -42,8 +42,8 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     name : str
         Of the file, for messages.
     tolerance : float, optional
-        Lengths that differ by no more are glued, mm; by default four units of the last digit,
-        or by how much the points of the solid were rounded, if the file says it.
+        Lengths that differ by no more are glued, mm; by default four units of the last digit, or by how much
+        the points of the solid were rounded, if the file says it.
 
     Raises
     ------
@@ -64,31 +64,23 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     size = float(np.ptp(every, axis=0).max())
     near = max(SNAP * size, 2 * drawing.unit, tolerance or 0.0)
     lines = undashed(_without_kerf(_without_holes(lines), 0.0 if seams else drawing.kerf), near)
+    if not any(line.purpose == FOLD for line in lines):  # layers do not tell what is cut and what folded
+        lines = [replace(line, purpose="") for line in lines]
     graph = LineGraph.of(lines, near)
     if not graph.faces:
         raise FileError(f"{name} has no closed outlines: its lines enclose nothing")
     quiet = tolerance is None
     if tolerance is None and (drawing.unit > 0 or drawing.error > 0):
         tolerance = max(UNITS * drawing.unit, 2 * drawing.error)
-    tabs = _tabs(graph, glued, drawing.numbers)
-    kept = [f for f in range(len(graph.faces)) if f not in tabs]
-    place = {f: k for k, f in enumerate(kept)}
-    faces = [graph.faces[f] for f in kept]
-    twins = {
-        (place[f], k): (place[twin[0]], twin[1])
-        for (f, k), twin in graph.twins.items()
-        if f in place and twin[0] in place
-    }
-    own = {(place[f], k): line for (f, k), line in graph.lines.items() if f in place}
-    sheets = LineGraph(graph.points, faces, own, twins)
+    sheets = graph.without(_tabs(graph, glued, drawing.numbers))
     folded = _folded(sheets, near)
     pairs = _mates(sheets, drawing.numbers, folded, near if tolerance is None else max(tolerance, near))
-    pairs += [(side, twin) for side, twin in twins.items() if side < twin]
+    pairs += [(side, twin) for side, twin in sheets.twins.items() if side < twin]
     with warnings.catch_warnings():
         if quiet:  # the digits of the file explain by how much sides differ
             warnings.simplefilter("ignore", MeshNote)
-        net = glue([graph.points[face] for face in faces], pairs, tolerance=tolerance)
-    return with_places(net, faces, folded)
+        net = glue([sheets.points[face] for face in sheets.faces], pairs, tolerance=tolerance)
+    return with_places(net, sheets.faces, folded)
 
 
 def _without_holes(lines: Sequence[Line]) -> list[Line]:
@@ -131,10 +123,17 @@ def _folded(sheets: LineGraph, near: float) -> tuple[Floats, np.ndarray] | None:
         angle = sheets.lines[side].angle
         if angle is None:
             return None
-        f, k = side
-        a, b = sheets.faces[f][k], sheets.faces[f][(k + 1) % len(sheets.faces[f])]
-        angles[min(a, b), max(a, b)] = -float(np.radians(angle))
+        a, b = sorted(_corners(sheets, side))
+        angles[a, b] = -float(np.radians(angle))
+    if len(angles) != _shared(sheets):  # a slit
+        return None
     return fold_up(sheets.points, sheets.faces, angles, max(near, meeting_tolerance(sheets.points)))
+
+
+def _shared(sheets: LineGraph) -> int:
+    """Number of edges with a face on both sides."""
+    sides = [(f, k) for f, face in enumerate(sheets.faces) for k in range(len(face))]
+    return len(sides) - len({tuple(sorted(_corners(sheets, side))) for side in sides})
 
 
 def _mates(

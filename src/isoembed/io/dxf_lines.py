@@ -13,6 +13,7 @@ import numpy as np
 from isoembed.gluing.drawn_lines import LAYERS, NUMBERS, READ, Line, Lines, Number, last_unit
 from isoembed.io.files import FileError, first_line
 from isoembed.io.input_file import InputFile
+from isoembed.io.svg_path import LARGEST
 
 APPLICATION = "ISOEMBED"
 """Of what is said of an entity besides: the angle of a fold."""
@@ -21,6 +22,8 @@ PROPERTIES = ("kerf", "error")
 FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_NESTED = 10  # blocks
+DAMAGED = (ValueError, KeyError, IndexError, AttributeError, TypeError, OverflowError)
+"""What ezdxf raises of damaged files, besides errors of its own."""
 
 
 def ezdxf_for(what: str) -> Any:
@@ -52,7 +55,7 @@ def read_dxf_lines(file: InputFile) -> Lines:
     text = file.data.decode("utf-8", errors="surrogateescape")
     try:
         document = ezdxf.read(io.StringIO(text.replace("\r\n", "\n")))
-    except (ezdxf.DXFError, ValueError, KeyError, IndexError, AttributeError, TypeError) as error:  # damaged
+    except (ezdxf.DXFError, *DAMAGED) as error:
         raise FileError(f"{file} is not a readable DXF file: {first_line(error)}") from None
     # Of a drawing without a unit, as old programs write them, ezdxf says 0.
     unit = ezdxf.units.conversion_factor(document.units, ezdxf.units.MM) if document.units else 1.0
@@ -69,14 +72,14 @@ def read_dxf_lines(file: InputFile) -> Lines:
         if len(path) == 0:
             continue
         corners = np.array([vertex.vec2 for vertex in path.control_vertices()])
+        if not (np.abs(corners) < LARGEST).all():
+            raise FileError(
+                f"{file}: a {kind} of the layer {entity.dxf.layer} has numbers that are too large"
+            )
         if not path.has_curves:  # whose controls are computed
             values.append(corners.ravel())
         size = float(np.ptp(corners, axis=0).max())
         points = unit * np.array([vertex.vec2 for vertex in path.flattening(FLATNESS * size, segments=8)])
-        if not np.isfinite(points).all():
-            raise FileError(
-                f"{file}: a {kind} of the layer {entity.dxf.layer} has points that are not finite"
-            )
         if path.is_closed and not (points[0] == points[-1]).all():
             points[-1] = points[0]
         purpose = LAYERS.get(layer, READ if layer == NUMBERS else "")

@@ -1,4 +1,4 @@
-"""Paper nets in JSON: polygons with identified sides, or a named form."""
+"""Paper nets in files: polygons with identified sides or a named form in JSON, FOLD, and drawings."""
 
 import os
 import re
@@ -81,9 +81,13 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
 
         Or a ``.fold`` file: a crease pattern whose vertices have names, in ``vertices_isoembed:corner``, as
         the corners of `isoembed.glue`.
+
+        Or a drawing, ``.svg`` or ``.dxf``: outlines to cut, folds, and the same number at sides that are
+        glued, as `isoembed.papercraft.write_sheets` or other programs draw them, as of
+        `isoembed.io.drawn_net.drawn_net`.  The unit of the net is the millimeter.
     tolerance : float, optional
-        As of `isoembed.glue`, for polygons and crease patterns.  A crease pattern without names is folded up,
-        and corners as near as this are one; by default 1e-4 of the size of the sheet.
+        As of `isoembed.glue`, for polygons, crease patterns and drawings.  A crease pattern without names is
+        folded up, and corners as near as this are one; by default 1e-4 of the size of the sheet.
 
     Raises
     ------
@@ -96,7 +100,7 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
         return _net(json.read_standard_input(), "standard input", tolerance)
     if input_ending(source) in FORMATS.keys() - set(NET_ENDINGS):
         raise FileError(
-            f"{source} is no net, which has the ending .json or .fold: a metric or a mesh is embedded, with "
+            f"{source} is no net ({' '.join((*NET_ENDINGS, *DRAWN))}): a metric or a mesh is embedded, with "
             f"'isoembed embed {source} -o surface.ply'"
         )
     check_ending(source, (*NET_ENDINGS, *DRAWN))
@@ -109,13 +113,15 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
 
 
 def holds_net(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is a net by the names of its entries: one that `read_net` reads, and no surface.
+    """Whether a file is a net, by the names of its entries or as a drawing: no surface, but for `read_net`.
 
     Raises
     ------
     FileError
         A file that might be one cannot be opened, or is no text.
     """
+    if input_ending(path) in DRAWN:
+        return True
     if input_ending(path) not in NET_ENDINGS:
         return False
     with InputFile(path) as file:

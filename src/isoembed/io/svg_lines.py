@@ -15,7 +15,7 @@ from isoembed.arrays import Floats
 from isoembed.gluing.drawn_lines import LAYERS, NUMBERS, READ, Line, Lines, Number, last_unit
 from isoembed.io.files import FileError
 from isoembed.io.input_file import InputFile
-from isoembed.io.svg_path import path_points
+from isoembed.io.svg_path import LARGEST, number, path_points
 
 MOST_BYTES = 50_000_000
 MOST_NESTED = 50  # elements, and uses of others by them
@@ -128,8 +128,6 @@ class _Reader:
             placed = points @ style.matrix[:, :2].T + style.matrix[:, 2]
             if closed and not (placed[0] == placed[-1]).all():
                 placed = np.concatenate([placed, placed[:1]])
-            if not np.isfinite(placed).all():
-                raise FileError(f"{self.name}: {_said(element)} has points that are not finite")
             angle = element.get("data-angle")
             degrees = None if angle is None else _plain(angle, "data-angle")
             self.lines.append(
@@ -154,6 +152,8 @@ class _Reader:
             return said.get(key, element.get(key))
 
         matrix = _times(style.matrix, _transform(element.get("transform", ""), self.name))
+        if not (np.abs(matrix) < LARGEST).all():
+            raise FileError(f"{self.name}: the transformations of {_said(element)} are too large")
         label = _label(element)
         size = re.match(NUMBER, of("font-size") or "")
         return _Style(
@@ -162,14 +162,14 @@ class _Reader:
             style.numbers or label == NUMBERS,
             {"none": ""}.get(of("stroke") or style.color, of("stroke") or style.color),
             of("text-anchor") or style.anchor,
-            float(size[0]) if size else style.size,
+            number(size[0]) if size else style.size,
             style.shown and of("display") != "none" and of("visibility") not in ("hidden", "collapse"),
         )
 
     def _shapes(self, element: Element, name: str) -> Iterator[tuple[Floats, bool]]:
         """Points and whether they are closed, in the coordinates of the element."""
 
-        def number(key: str) -> float:
+        def length(key: str) -> float:
             value = _length(element, key)
             self.values.append(np.array([value]))
             return value
@@ -180,20 +180,20 @@ class _Reader:
             self.steps = max(self.steps, steps)
             yield from ((points, closed) for points, closed in sampled if len(points) > 1)
         elif name in ("polygon", "polyline"):
-            values = [float(x) for x in re.findall(NUMBER, element.get("points", ""))]
+            values = [number(x) for x in re.findall(NUMBER, element.get("points", ""))]
             points = np.reshape(values[: len(values) // 2 * 2], (-1, 2))
             self.values.append(points.ravel())
             if len(points) > 1:
                 yield points, name == "polygon"
         elif name == "line":
-            yield np.array([[number("x1"), number("y1")], [number("x2"), number("y2")]]), False
+            yield np.array([[length("x1"), length("y1")], [length("x2"), length("y2")]]), False
         elif name == "rect":
-            x, y, width, height = (number(key) for key in ("x", "y", "width", "height"))
+            x, y, width, height = (length(key) for key in ("x", "y", "width", "height"))
             if width > 0 and height > 0:
                 yield np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height]]), True
         elif name in ("circle", "ellipse"):
             a, b = ("r", "r") if name == "circle" else ("rx", "ry")
-            x, y, u, v = (number(key) for key in ("cx", "cy", a, b))
+            x, y, u, v = (length(key) for key in ("cx", "cy", a, b))
             if u > 0 and v > 0:
                 turns = np.linspace(0, 2 * np.pi, 128, endpoint=False)
                 yield np.column_stack([x + u * np.cos(turns), y + v * np.sin(turns)]), True
@@ -234,12 +234,12 @@ def _said(element: Element) -> str:
 def _plain(text: str, name: str) -> float:
     if not re.fullmatch(NUMBER, text.strip()):
         raise ValueError(f"{name} is {text[:40]!r}, not a number")
-    return float(text)
+    return number(text)
 
 
 def _first(text: str | None) -> float:
     found = re.match(NUMBER, (text or "").strip())
-    return float(found[0]) if found else 0.0
+    return number(found[0]) if found else 0.0
 
 
 def _length(element: Element, key: str) -> float:
@@ -248,16 +248,16 @@ def _length(element: Element, key: str) -> float:
     found = re.fullmatch(rf"({NUMBER})\s*([a-zA-Z]*)", text)
     if not found or found[2].lower() not in UNITS:
         raise ValueError(f"{key} of {_said(element)} is {text[:40]!r}, not a length")
-    return float(found[1]) * (UNITS[found[2].lower()] / PIXEL if found[2] else 1.0)
+    return number(found[1]) * (UNITS[found[2].lower()] / PIXEL if found[2] else 1.0)
 
 
 def _view(root: Element) -> Floats:
     """From the coordinates of the drawing to millimeters, y upward."""
-    box = [float(x) for x in re.findall(NUMBER, root.get("viewBox", ""))]
+    box = [number(x) for x in re.findall(NUMBER, root.get("viewBox", ""))]
     sizes = [
         re.fullmatch(rf"\s*({NUMBER})\s*([a-zA-Z]*)\s*", root.get(key, "")) for key in ("width", "height")
     ]
-    known = [float(s[1]) * UNITS[s[2].lower()] if s and s[2].lower() in UNITS else None for s in sizes]
+    known = [number(s[1]) * UNITS[s[2].lower()] if s and s[2].lower() in UNITS else None for s in sizes]
     if len(box) != 4 or not (box[2] > 0 and box[3] > 0):
         return np.array([[PIXEL, 0.0, 0.0], [0.0, -PIXEL, 0.0]])
     width, height = known
@@ -276,7 +276,7 @@ def _transform(text: str, name: str) -> Floats:
         return matrix
     calls = re.findall(r"(\w+)\s*\(([^)]*)\)", text)
     for kind, inside in calls:
-        given = [float(x) for x in re.findall(NUMBER, inside)]
+        given = [number(x) for x in re.findall(NUMBER, inside)]
         one = _matrix(kind, given)
         if one is None:
             raise FileError(f"{name} has the transformation {text[:60]!r}, which is none")

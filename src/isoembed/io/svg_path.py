@@ -10,6 +10,7 @@ from isoembed.arrays import Floats
 TOKEN = re.compile(r"([MmLlHhVvCcSsQqTtAaZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|([\s,]+)")
 FLAG = re.compile("[01]")
 COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
+LARGEST = 1e30
 FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
 
 
@@ -119,11 +120,25 @@ def _tokens(d: str) -> list[str | float]:
             letter, count = match[1], 0
             found.append(letter)
         elif match[2]:
-            found.append(float(match[2]))
+            found.append(number(match[2]))
             count += 1
     if found and found[0] not in ("M", "m"):
         raise ValueError(f"a path does not begin with M: {d[:40]!r}")
     return found
+
+
+def number(text: str) -> float:
+    """A number of a drawing.
+
+    Raises
+    ------
+    ValueError
+        It is so large that areas overflow.
+    """
+    value = float(text)
+    if not abs(value) < LARGEST:
+        raise ValueError(f"the number {text[:40]} is too large")
+    return value
 
 
 def _array(points: list[complex]) -> Floats:

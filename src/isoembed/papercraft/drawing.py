@@ -155,7 +155,7 @@ def drawn(
     if material.thickness:
         if numbers:
             raise InvalidParameter("numbers of faces are for thin sheets: give no thickness")
-        thick = thickened(layout.unfolding, material.in_units(layout.scale))
+        thick = thickened(layout.unfolding, material, layout.scale)
         layout = laid_out(thick, paper, scale=layout.scale, beyond=beyond)
     unfolding, places = layout.unfolding, layout.places
     outlines = [place.put(sheet) for place, sheet in zip(places, unfolding.sheets, strict=True)]

@@ -1,7 +1,7 @@
 """Material and machine of a net: joints, allowances, kerf, perforated folds, thickness."""
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Literal, get_args
 
 from isoembed.errors import InvalidParameter
@@ -72,7 +72,7 @@ class Material:
                 raise InvalidParameter(f"{name} is {value!r}, not a number {least}")
         if self.allowance and self.joints == "tabs":
             raise InvalidParameter(
-                f"an allowance of {self.allowance:g} mm is for joints='stitches' or 'none', not for tabs"
+                f"an allowance of {self.allowance:g} mm is for joints='stitches' or joints='none'"
             )
         if self.k_factor > 1:
             raise InvalidParameter(f"k_factor is {self.k_factor:g}, not from 0 to 1")
@@ -81,7 +81,3 @@ class Material:
                 raise InvalidParameter(
                     f"kerf is {self.kerf:g} mm, as wide as a {name} of {getattr(self, name):g} mm"
                 )
-
-    def in_units(self, scale: float) -> "Material":
-        """The same thickness and radius for a net of so many millimeters a unit."""
-        return replace(self, thickness=self.thickness / scale, radius=self.radius / scale)

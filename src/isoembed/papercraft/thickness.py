@@ -36,7 +36,7 @@ STEP = np.pi / 6  # of the polygon of a relief
 
 
 def shortening(angle: float, material: Material, is_fold: bool) -> float:
-    """By how much a face is shorter than that of the solid at a side, in the unit of the material.
+    """By how much a face is shorter than that of the solid at a side, in mm.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def shortening(angle: float, material: Material, is_fold: bool) -> float:
     return float(setback - bend * (material.radius + material.k_factor * material.thickness) / 2)
 
 
-def thickened(unfolding: Unfolding, material: Material) -> Unfolding:
+def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfolding:
     """The net from which a thick sheet is folded to a solid.
 
     Each face is shortened at its sides, and the faces of a sheet are moved together so that shortened sides
@@ -65,7 +65,8 @@ def thickened(unfolding: Unfolding, material: Material) -> Unfolding:
     ----------
     unfolding : Unfolding
     material : Material
-        In the unit of the sheets.
+    scale : float
+        Millimeters a unit of the sheets.
 
     Returns
     -------
@@ -102,16 +103,13 @@ def thickened(unfolding: Unfolding, material: Material) -> Unfolding:
             other = mates[p, a] if twin is None else (p, twin[0])
             vertices = unfolding.vertices[unfolding.corners[p][[a, b]]]
             bends[f, k] = _bend(normals[p, f], normals[other], vertices)
-        moved = shape.shortened(
-            {at: -shortening(bend, material, at in shape.twins) for at, bend in bends.items()},
-            unfolding.numbers[p],
-        )
-        outline, begins, creases = moved
+        distances = {at: -shortening(bend, material, at in shape.twins) / scale for at, bend in bends.items()}
+        outline, begins, creases = shape.shortened(distances, unfolding.numbers[p])
         i, _ = meeting_sides((outline - outline.min(axis=0)) / float(np.ptp(outline, axis=0).max()))
         if i >= 0:
             raise InvalidParameter(
-                f"sheet {p} overlaps itself when it is {material.thickness:.4g} thick, in its unit, as faces "
-                "are moved together at folds: it takes more sheets, a larger scale or a thinner sheet"
+                f"sheet {p} would overlap itself, as faces of a sheet of {material.thickness:g} mm are moved "
+                "together at folds: it takes more sheets, a larger scale or a thinner sheet"
             )
         number = len(sheets)
         places |= {(p, a): (number, k) for a, k in begins.items()}
@@ -151,10 +149,14 @@ class _Sheet:
         self, distances: dict[Corner, float], numbers: Indices
     ) -> tuple[Floats, dict[int, int], list[tuple[Corner, Floats]]]:
         """The outline, the corner of it at which each side of the sheet begins, and the folds."""
-        made = [
-            moved_sides(face, [distances[f, k] for k in range(len(face))], f"face {numbers[f]}")
-            for f, face in enumerate(self.faces)
-        ]
+        made = []
+        for f, face in enumerate(self.faces):
+            try:
+                made.append(moved_sides(face, [distances[f, k] for k in range(len(face))], "it"))
+            except InvalidParameter:
+                raise InvalidParameter(
+                    f"face {numbers[f]} is too small for so thick a sheet: it takes a larger scale"
+                ) from None
         shifts = self._shifts(distances)
         rings = [points + shift for (points, _, _), shift in zip(made, shifts, strict=True)]
 
