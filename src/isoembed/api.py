@@ -185,6 +185,7 @@ def unfold(
     cut: Edges = (),
     keep: Edges = (),
     objective: Objective = "sheets",
+    within: tuple[float, float] | None = None,
 ) -> Unfolding:
     """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
 
@@ -193,9 +194,9 @@ def unfold(
     surface : Embedding, path, or a mesh
         In R^3: what `embed` returns, a file with vertices, or a mesh as of `embed`.  Its vertices count, not
         its metric.  How it is cut is said at `isoembed.gluing.unfold`.
-    cut, keep, objective
+    cut, keep, objective, within
         As of `isoembed.gluing.unfold`: edges, by their vertices, that are cut or not; what the net is made
-        for.
+        for; a rectangle that each sheet fits into.
 
     Returns
     -------
@@ -223,7 +224,7 @@ def unfold(
         surface = read_surface(surface)
     elif not isinstance(surface, Embedding):
         surface = surface_of(_mesh(surface, "surface"), "the mesh")
-    return unfold_surface(surface, cut=cut, keep=keep, objective=objective)
+    return unfold_surface(surface, cut=cut, keep=keep, objective=objective, within=within)
 
 
 def _metric(given: Any) -> PolyhedralMetric | GluedMetric:

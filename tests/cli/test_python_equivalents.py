@@ -45,6 +45,16 @@ import isoembed
 surface = isoembed.io.read_surface("body.ply")
 isoembed.papercraft.write_sheets("new.svg", isoembed.unfold(surface), paper="A3")
 """,
+    "unfold body.ply -o new.svg --size 300 --numbers --objective strips --keep 0-1": """
+import isoembed
+net = isoembed.unfold("body.ply", objective="strips", keep=[(0, 1)])
+net.save("new.svg", size=300, numbers=True)
+""",
+    "unfold body.ply -o new.svg --size 300 --paper letter --objective pages": """
+import isoembed
+from isoembed.papercraft import fewest_pages
+fewest_pages(isoembed.read("body.ply"), size=300, paper="letter").save("new.svg", size=300, paper="letter")
+""",
     "nets platonic > new.txt": """
 from pathlib import Path
 from isoembed.gluing.classics import CLASSICS

@@ -60,6 +60,15 @@ def test_edges_are_cut_and_kept(call):
     assert status == 0 and out.startswith("1 sheet, 11 pairs of sides, 19 folds\n")
 
 
+def test_few_pages(call):
+    write("solid.obj", *zoo.random_hull(30, 1))
+    for objective, pages in (("sheets", "cut into 8 islands to fit on pages; 7 pages"), ("pages", "6 pages")):
+        status, out, _ = call(
+            "unfold", "solid.obj", "-o", "a.svg", "--scale", "150", "--objective", objective
+        )
+        assert status == 0 and out.partition("\n")[0].endswith(f"; {pages}")
+
+
 def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
     write("cube.off", *zoo.cube())
     status, out, err = call(
@@ -96,7 +105,12 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             "scale is 300 mm, but face 0 fits on A4 up to --scale 182; --paper A2 has room for it",
         ),
         (["cube.ply", "-o", "a.svg", "--cut", "3"], "'3' is not two numbers of vertices, as 3-17 is"),
-        (["cube.ply", "-o", "a.svg", "--objective", "pages"], "invalid choice: 'pages'"),
+        (["cube.ply", "-o", "a.svg", "--objective", "page"], "invalid choice: 'page'"),
+        (
+            ["cube.ply", "-o", "a.svg", "--objective", "pages"],
+            "how large the solid is: give a scale or a size",
+        ),
+        (["cube.ply", "-o", "a.json", "--objective", "pages"], "--objective pages is for nets on pages"),
         (["cube.ply", "-o", "a.svg", "--cut", "0-0"], "cut[0] (0, 0) is no edge between two faces"),
         (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0.0, not a positive finite number"),
         (["nothing.ply", "-o", "a.svg"], "there is no file nothing.ply"),

@@ -13,6 +13,7 @@ from gluing_polygons import shoelace
 from isoembed import Embedding, InvalidParameter, PolyhedralMetric
 from isoembed.gluing import unfold
 from isoembed.metric.curvature import deficits
+from isoembed.papercraft.fitting import best_turn
 
 OBJECTIVES = ["sheets", "length", "strips", "faces"]
 
@@ -121,6 +122,22 @@ def test_cuts_around_a_face_make_it_a_sheet():
     assert sorted(map(len, net.faces)) == [1, 5]
 
 
+@pytest.mark.parametrize("objective", ["sheets", "length", "strips"])
+def test_sheets_within_a_rectangle(objective):
+    surface = solid(*zoo.random_hull(20, 3))
+    room = np.array([1.1, 1.7])
+    net = unfold(surface, within=tuple(room), objective=objective)
+    check(net, surface)
+    assert all(best_turn(sheet, room, oblique=True)[1] >= 1 for sheet in net.sheets)
+    assert 1 < len(net.sheets) < sum(map(len, net.faces))
+
+
+def test_two_squares_that_fit_exactly():
+    """Of a cube three pairs of squares, and no more than two on a rectangle of two."""
+    net = unfold(cube(), within=(2.0, 1.0))
+    assert [len(faces) for faces in net.faces] == [2, 2, 2]
+
+
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
@@ -141,6 +158,12 @@ def test_cuts_around_a_face_make_it_a_sheet():
         (
             {"keep": [(0, 1), (1, 2), (2, 3)], "objective": "strips"},
             r"the edge \(\d, \d\) cannot be kept: .* are no strip",
+        ),
+        ({"within": (1.0, 0.0)}, r"within is \(1\.0, 0\.0\), not the width and height of a rectangle"),
+        ({"within": 2.0}, r"within is 2\.0, not the width and height of a rectangle"),
+        (
+            {"keep": [(0, 1)], "within": (1.5, 1.5)},
+            r"the edge \(1, 0\) cannot be kept: .* are larger than the rectangle",
         ),
         ({"objective": "pages"}, "objective is 'pages', not one of sheets, length, strips, faces"),
     ],

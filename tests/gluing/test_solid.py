@@ -8,7 +8,7 @@ import pytest
 import isoembed
 import zoo
 from isoembed import InvalidMetric, MeshNote
-from isoembed.gluing import embed_net, glue, unfolding
+from isoembed.gluing import embed_net, glue
 from isoembed.io.net import read_net, write_net
 from places import SHARED
 
@@ -146,22 +146,18 @@ def test_tetrahedron_with_faces_in_any_orientation():
     assert isoembed.embed(metric).volume == pytest.approx(volume, rel=1e-10)
 
 
-def in_sheets(surface, joins, monkeypatch):
-    """A surface unfolded into many sheets: only so many sides are joined."""
-
-    def some(faces, directions):
-        return unfolding.joined(faces, unfolding._order(faces, directions, np.array([0.3, 0.5, 0.8]))[:joins])
-
-    with monkeypatch.context() as patched:
-        patched.setattr(unfolding, "_fewest", some)
-        return isoembed.unfold(surface)
+def in_sheets(surface, joins):
+    """A surface unfolded into many sheets: only so many folds of its net are kept."""
+    net = isoembed.unfold(surface)
+    folds = net.corners[0][net.fold_corners[0]].tolist()
+    return isoembed.unfold(surface, objective="faces", keep=folds[-joins:])
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
 @pytest.mark.parametrize(("name", "joins"), [("U prism", 4), ("star prism", 5), ("dented cube", 4)])
-def test_several_sheets_are_put_together(name, joins, ending, tmp_path, monkeypatch):
+def test_several_sheets_are_put_together(name, joins, ending, tmp_path):
     points, faces, volume = SOLIDS[name]
-    cut = in_sheets(given(points, faces), joins, monkeypatch)
+    cut = in_sheets(given(points, faces), joins)
     assert len(cut.sheets) > 4
     write_net(tmp_path / f"net{ending}", cut)
     net = read_net(str(tmp_path / f"net{ending}"))

@@ -72,6 +72,14 @@ def test_the_error_of_lengths_is_that_of_the_rounding(unit, form):
     assert metric.with_lengths(metric.lengths).precision is None
 
 
+def test_few_digits_are_rounding_where_that_is_asked_for():
+    points = zoo.random_hull(20, 1)[0].round(3)
+    assert Precision.of(points, 1.0) is None
+    found = Precision.of(points, 1.0, fewest=3)
+    assert found is not None and found.vertex_error == pytest.approx(3**0.5 * 5e-4)
+    assert Precision.of(points.round(1), 1.0, fewest=3) is None
+
+
 def test_the_spread_of_deficits_is_that_of_random_errors():
     metric = PolyhedralMetric.from_mesh(*turned("hull"))
     rng, before, size = np.random.default_rng(2), deficits(metric), 1e-8

@@ -14,8 +14,9 @@ import zoo
 from exact import is_simple
 from gluing_polygons import shoelace
 from isoembed import Embedding, PolyhedralMetric
-from isoembed.gluing import unfold
+from isoembed.gluing import Unfolding, unfold
 from isoembed.metric.curvature import deficits
+from isoembed.papercraft import Material, fewest_pages
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.fitting import best_turn
 from isoembed.papercraft.islands import partition
@@ -227,6 +228,54 @@ def test_both_sides_of_a_cut_have_the_same_number():
     drawing = drawn(unfold(with_edges(*zoo.cube(), 150.0)), scale=1.0)
     assert sorted(int(one.text) for one in drawing.labels) == sorted([*range(1, 13)] * 2)
     assert len(drawing.cuts) == 6
+
+
+def test_folds_that_are_kept_are_not_cut():
+    """Bottom, a wall and the top of a box, 250 mm long together, whatever else is cut off."""
+    vertices, faces = zoo.cube()
+    vertices = vertices * (80 / np.ptp(vertices[:, 0]))
+    surface = solid(vertices, faces)
+    wall = unfold(surface, objective="faces").corners[0].tolist()
+    keep = [(wall[0], wall[1]), (wall[2], wall[3])]
+    layout = laid_out(unfold(surface, keep=keep), scale=1.0)
+    check_layout(layout, "A4", surface)
+    assert len(layout.unfolding.sheets) > 1
+    for edge in keep:
+        assert any(
+            set(edge) == set(corners[fold].tolist())
+            for corners, folds in zip(layout.unfolding.corners, layout.unfolding.fold_corners, strict=True)
+            for fold in folds
+        )
+    with pytest.raises(
+        isoembed.InvalidParameter, match=r"face \d with those that it is kept with fits on A4 up"
+    ):
+        laid_out(unfold(surface, keep=keep), scale=1.5)
+
+
+def test_fewest_pages():
+    surface = solid(*zoo.random_hull(30, 1))
+    net = fewest_pages(surface, scale=150.0)
+    layout = laid_out(net, scale=150.0)
+    check_layout(layout, "A4", surface)
+    others = [
+        laid_out(unfold(surface, objective=name), scale=150.0) for name in ("sheets", "length", "strips")
+    ]
+    assert layout.pages < min(other.pages for other in others)
+    with pytest.raises(isoembed.InvalidParameter, match="give a scale or a size"):
+        fewest_pages(surface)
+
+
+def test_allowances_of_needles_are_apart():
+    needle = np.array([[0.0, 0.0], [40.0, 0.0], [41.0, 0.5]])
+    drawing = drawn(
+        Unfolding((needle,) * 24, (np.arange(3),) * 24, (), (np.empty((0, 2, 2)),) * 24, (np.empty(0),) * 24),
+        scale=1.0,
+        material=Material(joints="none", allowance=6.0),
+    )
+    for one, other in combinations(drawing.cuts, 2):
+        gaps = np.maximum(one.min(axis=0) - other.max(axis=0), other.min(axis=0) - one.max(axis=0))
+        assert gaps.max() > 0
+    assert min(cut[:, 0].min() for cut in drawing.cuts) > 5
 
 
 def test_faces_of_sheets_are_those_of_the_solid():

@@ -1,11 +1,13 @@
 """Numbers of faces, on the net and on the drawing of the solid."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import solids
 import zoo
-from isoembed import Embedding, PolyhedralMetric
+from isoembed import Embedding, InvalidParameter, PolyhedralMetric
 from isoembed.gallery import BentTube, triangulate
 from isoembed.gluing import unfold
 from isoembed.papercraft.convex import overlaps
@@ -19,6 +21,10 @@ LOW, HIGH = np.array([10.0, 20.0]), np.array([200.0, 280.0])
 def net_of(vertices, faces):
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     return unfold(Embedding(metric, vertices, method="given", tolerance=1e-10))
+
+
+def seen(net):
+    return views(net, net.vertices, LOW, HIGH)
 
 
 def numbers_in(labels):
@@ -36,6 +42,13 @@ def test_each_face_has_its_number_on_the_net_and_on_the_solid(name):
     assert numbers_in(one for one in drawing.notes if one.y > edge) == list(range(count))
     assert numbers_in(one for one in drawing.notes if one.y < edge) == list(range(count))
     assert [cut.tolist() for cut in drawing.cuts] == [cut.tolist() for cut in plain.cuts]
+
+
+def test_faces_of_no_solid_have_no_numbers():
+    with pytest.raises(
+        InvalidParameter, match="numbers are those of the faces of a solid, and this net knows none"
+    ):
+        drawn(replace(net_of(*zoo.cube()), vertices=None), numbers=True)
 
 
 def test_a_number_is_inside_its_face_and_meets_no_line_or_label():
@@ -61,7 +74,7 @@ def test_a_number_in_a_face_that_is_not_convex():
 
 def test_edges_of_a_cube_from_both_sides():
     """From either side nine of the twelve edges are seen, those in front whole."""
-    lines, labels = views(net_of(*zoo.cube()), LOW, HIGH)
+    lines, labels = seen(net_of(*zoo.cube()))
     assert len(lines) == 18
     assert numbers_in(labels) == list(range(6))
     points = np.concatenate(lines)
@@ -82,6 +95,6 @@ def test_an_edge_is_hidden_where_a_triangle_is_before_it():
 
 def test_most_faces_of_a_dented_surface_are_seen_from_one_side_or_the_other():
     net = net_of(*triangulate(BentTube(), 60))
-    _, labels = views(net, LOW, HIGH)
-    seen = numbers_in(labels)
-    assert len(set(seen)) == len(seen) > 0.8 * sum(map(len, net.numbers))
+    _, labels = seen(net)
+    found = numbers_in(labels)
+    assert len(set(found)) == len(found) > 0.8 * sum(map(len, net.numbers))

@@ -15,8 +15,10 @@ from isoembed.gluing.sheet_search import Objective
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
+from isoembed.papercraft import SHEET_ENDINGS, fewest_pages
+from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.paper import FORMATS
-from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer
+from isoembed.papercraft.sheets import drawing_writer
 
 DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
@@ -75,8 +77,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--objective",
-        choices=get_args(Objective),
-        help="few sheets (default), short cuts, strips without branches, or every face by itself",
+        choices=(*get_args(Objective), "pages"),
+        help="few sheets (default), short cuts, strips without branches, every face by itself, or few pages",
     )
     for name, purpose in (("cut", "edges to cut"), ("keep", "edges not to cut")):
         parser.add_argument(
@@ -99,28 +101,35 @@ def run(options: argparse.Namespace) -> int:
     check_answer(output, (*SHEET_ENDINGS, *NET_ENDINGS), options.file)
     given = {name: getattr(options, "solid_size" if name == "size" else name) for name in DRAWING}
     drawing = {name: value for name, value in given.items() if value is not None}
-    told = [*drawing, *given_fields(options)]
+    told = [*drawing, *given_fields(options), *(["objective pages"] if options.objective == "pages" else [])]
     if told and ending(output) in NET_ENDINGS:
         raise UsageError(f"--{told[0].replace('_', '-')} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
     if (material := material_of(options)) is not None:
         drawing["material"] = material
-    unfolding = unfold(
-        read_surface(options.file, merge=options.merge),
-        cut=options.cut_edges,
-        keep=options.keep_edges,
-        objective=options.objective or "sheets",
-    )
+    surface = read_surface(options.file, merge=options.merge)
+    chosen = {"cut": options.cut_edges, "keep": options.keep_edges}
+    if options.objective == "pages":
+        sized = {name: value for name, value in drawing.items() if name in ("paper", "scale", "size")}
+        unfolding = fewest_pages(surface, **sized, **chosen)
+    else:
+        unfolding = unfold(surface, **chosen, objective=options.objective or "sheets")
     folds = sum(map(len, unfolding.folds))
     if folds > MANY_FOLDS and not options.quiet:
         print_error(
             f"{folds:,} folds: simplify the mesh first, to as many faces as you are ready to fold", "note"
         )
+    said = str(unfolding)
     if ending(output) in NET_ENDINGS:
         writer = net_writer(output, unfolding)
     else:
-        writer = sheets_writer(output, unfolding, **drawing)
+        pages = drawn(unfolding, **drawing)
+        writer = drawing_writer(output, unfolding, pages)
+        if len(pages.cuts) > len(unfolding.sheets):
+            said += f"; cut into {len(pages.cuts)} islands to fit on pages"
+        if pages.pages > 1:
+            said += f"; {pages.pages} pages"
     write_atomically({output: writer})
-    print_aside(f"{unfolding}\n{written(options, output)}")
+    print_aside(f"{said}\n{written(options, output)}")
     return OK
 
 

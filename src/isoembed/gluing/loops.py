@@ -12,6 +12,8 @@ if cython.compiled:
 else:
     from isoembed.intrinsic.ear_loops import turn
 
+DIRECTIONS = 45  # within a right angle
+
 Int = cython.typedef(cython.longlong)
 ConstInt = cython.typedef(cython.const[cython.longlong])
 Real = cython.typedef(cython.double)
@@ -44,7 +46,7 @@ def folds(a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1]) -> cython.bin
     return _turn(a, b, c) == 0
 
 
-def joined(faces, order: ConstInt[::1], most: Int):
+def joined(faces, order: ConstInt[::1], most: Int, room: ConstReal[::1]):
     """Join faces along sides, where the sheets that are there do not overlap or touch then.
 
     The outlines of two sheets, turned so that they have one side in common and lie on different sides of it,
@@ -59,6 +61,8 @@ def joined(faces, order: ConstInt[::1], most: Int):
         Sides, in the order in which it is tried to join the faces beside them.
     most : int
         How many others a face is joined to.
+    room : ndarray, shape (2,)
+        Width and height of a rectangle that a sheet of several faces fits into; infinite without limit.
 
     Returns
     -------
@@ -96,6 +100,16 @@ def joined(faces, order: ConstInt[::1], most: Int):
     for f in range(first.shape[0] - 1):
         tail[first[f]] = first[f + 1] - 1
     moved: Real[:, ::1] = np.empty((S, 2))
+    angles = np.arange(DIRECTIONS) * (np.pi / 2 / DIRECTIONS)
+    compass: Real[:, ::1] = np.column_stack([np.cos(angles), np.sin(angles)])
+    area: Real[::1] = np.zeros(S)
+    most_area: Real = room[0] * room[1]
+    for f in range(first.shape[0] - 1):
+        low = first[f]
+        for s in range(low, first[f + 1]):
+            nxt = following[s]
+            area[low] += (points[s, 0] * points[nxt, 1] - points[s, 1] * points[nxt, 0]) / 2
+    bounded: cython.bint = min(room[0], room[1]) < np.inf
     turning: Real[::1] = np.empty(4)
     for side in order:
         s = side
@@ -105,7 +119,11 @@ def joined(faces, order: ConstInt[::1], most: Int):
         if size[sheets[s]] < size[sheets[t]]:
             s, t = t, s
         _set_motion(points[t], points[following[t]], points[following[s]], points[s], turning)
+        if area[sheets[s]] + area[sheets[t]] > most_area:
+            continue
         if not _apart(s, t, turning, points, after, following, moved):
+            continue
+        if bounded and not _fits(s, t, points, after, following, moved, compass, room):
             continue
         stay, go = sheets[s], sheets[t]
         u = go
@@ -115,6 +133,7 @@ def joined(faces, order: ConstInt[::1], most: Int):
             u = rest[u]
         rest[tail[stay]], tail[stay] = go, tail[go]
         size[stay] += size[go]
+        area[stay] += area[go]
         p, q, u, v = before[s], after[s], before[t], after[t]
         after[p], before[v] = v, p
         after[u], before[q] = q, u
@@ -203,6 +222,52 @@ def _apart(
                     return False
         v = w
     return True
+
+
+@cython.cfunc
+def _fits(
+    s: Int,
+    t: Int,
+    points: Real[:, ::1],
+    after: ConstInt[::1],
+    following: ConstInt[::1],
+    moved: Real[:, ::1],
+    compass: Real[:, ::1],
+    room: ConstReal[::1],
+) -> cython.bint:
+    """Whether the outlines of s and t fit into a rectangle together, turned against the side s by some angle.
+
+    Those after t have been moved, as by `_apart`.
+    """
+    n: Int = 0
+    u = after[t]
+    while u != t:
+        n += 1
+        u = after[u]
+    x, y = points[following[s], 0] - points[s, 0], points[following[s], 1] - points[s, 1]
+    norm = hypot(x, y)
+    x, y = x / norm, y / norm
+    diagonal = hypot(room[0], room[1])
+    for k in range(compass.shape[0]):
+        along_x, along_y = x * compass[k, 0] - y * compass[k, 1], x * compass[k, 1] + y * compass[k, 0]
+        left = right = along_x * points[s, 0] + along_y * points[s, 1]
+        bottom = top = along_x * points[s, 1] - along_y * points[s, 0]
+        for j in range(1, n):
+            p = along_x * moved[j, 0] + along_y * moved[j, 1]
+            q = along_x * moved[j, 1] - along_y * moved[j, 0]
+            left, right, bottom, top = min(left, p), max(right, p), min(bottom, q), max(top, q)
+        v = after[s]
+        while v != s:
+            p = along_x * points[v, 0] + along_y * points[v, 1]
+            q = along_x * points[v, 1] - along_y * points[v, 0]
+            left, right, bottom, top = min(left, p), max(right, p), min(bottom, q), max(top, q)
+            v = after[v]
+        p, q = right - left, top - bottom
+        if (p <= room[0] and q <= room[1]) or (p <= room[1] and q <= room[0]):
+            return True
+        if max(p, q) > diagonal:
+            return False
+    return False
 
 
 def meeting(points: ConstReal[:, ::1], order: ConstInt[::1]):

@@ -33,7 +33,13 @@ class UnfoldingThresholds:
 UNFOLDING = UnfoldingThresholds()
 
 
-def found_sheets(faces: Faces, steps: Floats, chosen: tuple[Mask, Indices], objective: Objective) -> Sheets:
+def found_sheets(
+    faces: Faces,
+    steps: Floats,
+    chosen: tuple[Mask, Indices],
+    objective: Objective,
+    room: Floats,
+) -> Sheets:
     """The best sheets that are found.
 
     Parameters
@@ -45,6 +51,8 @@ def found_sheets(faces: Faces, steps: Floats, chosen: tuple[Mask, Indices], obje
     chosen : ndarray of bool, ndarray of int
         As of `chosen_sides`.
     objective : str
+    room : ndarray, shape (2,)
+        As of `joined`.
 
     Raises
     ------
@@ -55,11 +63,13 @@ def found_sheets(faces: Faces, steps: Floats, chosen: tuple[Mask, Indices], obje
         raise InvalidParameter(f"objective is {objective!r}, not one of {', '.join(get_args(Objective))}")
     is_cut, kept = chosen
     is_cut, kept = chosen
-    _check_kept(faces, kept, len(steps), "join overlap")
+    anything = len(steps), np.full(2, np.inf)
+    _check_kept(faces, kept, anything, "join overlap")
     if objective == "faces":
-        return joined(faces, kept, len(steps))
-    most = 2 if objective == "strips" else len(steps)
-    _check_kept(faces, kept, most, "join are no strip")
+        return joined(faces, kept, *anything)
+    limits = 2 if objective == "strips" else len(steps), room
+    _check_kept(faces, kept, (limits[0], anything[1]), "join are no strip")
+    _check_kept(faces, kept, limits, "join are larger than the rectangle")
     lengths = np.linalg.norm(steps, axis=1)
     directions = steps / lengths[:, None]
     rng = np.random.default_rng(UNFOLDING.seed)
@@ -75,7 +85,7 @@ def found_sheets(faces: Faces, steps: Floats, chosen: tuple[Mask, Indices], obje
         return order[free[order]]
 
     def tried(order: Indices) -> Sheets:
-        return joined(faces, np.concatenate([kept, order]), most)
+        return joined(faces, np.concatenate([kept, order]), *limits)
 
     def cost(found: Sheets) -> float:
         return float(lengths[found[1] >= 0].sum()) if objective == "length" else len(np.unique(found[2]))
@@ -108,8 +118,8 @@ def found_sheets(faces: Faces, steps: Floats, chosen: tuple[Mask, Indices], obje
     return best
 
 
-def _check_kept(faces: Faces, kept: Indices, most: int, why: str) -> None:
-    apart = joined(faces, kept, most)[1][kept] >= 0
+def _check_kept(faces: Faces, kept: Indices, limits: tuple[int, Floats], why: str) -> None:
+    apart = joined(faces, kept, *limits)[1][kept] >= 0
     if apart.any():
         s = kept[np.argmax(apart)]
         a, b = faces.corners[s], faces.corners[faces.twins[s]]

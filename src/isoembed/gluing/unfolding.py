@@ -11,7 +11,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
-from isoembed.errors import InvalidMetric
+from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.edge_choice import Edges, chosen_sides
 from isoembed.gluing.faces import Faces, true_faces
 from isoembed.gluing.net import Net, glue_rounded
@@ -47,6 +47,8 @@ class Unfolding:
         The numbers of these faces on the solid: flat faces are counted in the order of their first triangles.
     vertices : ndarray, shape (V, 3), or None
         Of the solid.
+    kept : frozenset of (int, int)
+        Edges that are not to be cut, by the vertices at their ends, in either order.
     """
 
     sheets: tuple[Floats, ...]
@@ -58,6 +60,7 @@ class Unfolding:
     faces: tuple[tuple[Indices, ...], ...] = ()
     numbers: tuple[Indices, ...] = ()
     vertices: Floats | None = None
+    kept: frozenset[tuple[int, int]] = frozenset()
 
     def __repr__(self) -> str:
         return f"Unfolding({self})"
@@ -123,7 +126,12 @@ class Unfolding:
 
 
 def unfold(
-    surface: Embedding, *, cut: Edges = (), keep: Edges = (), objective: Objective = "sheets"
+    surface: Embedding,
+    *,
+    cut: Edges = (),
+    keep: Edges = (),
+    objective: Objective = "sheets",
+    within: tuple[float, float] | None = None,
 ) -> Unfolding:
     """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
 
@@ -143,6 +151,9 @@ def unfold(
     objective : {"sheets", "length", "strips", "faces"}, optional
         Few sheets; cuts that are short in all; sheets in which no face is joined to more than two others, as
         few as are found; or every face by itself, but for those that `keep` joins.
+    within : (float, float), optional
+        Width and height of a rectangle that each sheet of several faces fits into, turned in some way, in the
+        unit of the surface.
 
     Returns
     -------
@@ -155,7 +166,7 @@ def unfold(
         is in hyperbolic or spherical space, or has a boundary or handles.
     InvalidParameter
         Something is no edge between two faces, an edge is both cut and kept, edges that are kept lead around
-        a vertex, faces that they join overlap, or there is no such objective.
+        a vertex, faces that they join overlap or do not fit, or there is no such objective or rectangle.
 
     References
     ----------
@@ -172,6 +183,9 @@ def unfold(
     surface.triangulation.check_sphere()
     if not surface.metric.space.is_euclidean:
         raise InvalidMetric(f"the surface is in {surface.metric.space.name} space: paper is flat")
+    room = np.full(2, np.inf) if within is None else np.array(within, dtype=np.float64)
+    if room.shape != (2,) or not (room > 0).all():
+        raise InvalidParameter(f"within is {within!r}, not the width and height of a rectangle")
     unit = surface.metric.unit
     vertices = surface.vertices / unit
     mean_length = surface.metric.mean_length
@@ -182,7 +196,9 @@ def unfold(
     lengths = np.linalg.norm(steps, axis=1)
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
     small = faces._replace(points=faces.points / size)
-    points, after, sheets = found_sheets(small, steps, chosen_sides(faces, cut, keep), objective)
+    points, after, sheets = found_sheets(
+        small, steps, chosen_sides(faces, cut, keep), objective, room / unit / size
+    )
     outer = np.flatnonzero(after >= 0)
     apart = np.abs(points[after[outer]] - points[outer]).max(axis=1) > 0
     if not apart.all():
@@ -192,6 +208,7 @@ def unfold(
         _cut_out(faces, points * size * unit, after, sheets),
         precision=None if precision is None else precision.in_means(mean_length),
         vertices=surface.vertices,
+        kept=frozenset((int(a), int(b)) for edge in keep for a, b in (edge, edge[::-1])),
     )
 
 

@@ -141,14 +141,22 @@ def drawn(
         As of `isoembed.papercraft.paper.Paper.of`.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+    size : float, optional
+        Instead of a scale, as of `isoembed.papercraft.placing.laid_out`.
+    numbers : bool, optional
+        Whether faces are numbered, and the solid is drawn on another page.
     material : Material, optional
         Joints, allowance, kerf and the cut of folds.
 
     Raises
     ------
     InvalidParameter
-        There is no such paper, a sheet does not fit on it, or an allowance or the kerf closes a notch.
+        There is no such paper, a face does not fit on it, an allowance or the kerf closes a notch, or the
+        faces of the solid are not known or thick.
     """
+    vertices = unfolding.vertices
+    if numbers and vertices is None:
+        raise InvalidParameter("numbers are those of the faces of a solid, and this net knows none")
     material = material or Material()
     beyond = _beyond(material)
     layout = laid_out(unfolding, paper, scale=scale, size=size, beyond=beyond)
@@ -192,13 +200,15 @@ def drawn(
     written = labels(outlines, obstacles, unfolding.sides)
     pictured: list[Floats] = []
     named: list[Label] = []
-    if numbers:
+    if numbers and vertices is not None:
         faces = [outline[face] for p, outline in enumerate(outlines) for face in unfolding.faces[p]]
         named = face_numbers(faces, np.concatenate(unfolding.numbers).tolist(), written)
         layout = replace(layout, pages=layout.pages + 1)
         low = -layout.pages * layout.height + FOOT + MARGIN
         high = (1 - layout.pages) * layout.height - MARGIN
-        pictured, seen = views(unfolding, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high]))
+        pictured, seen = views(
+            unfolding, vertices, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high])
+        )
         named += seen
     has_valleys = any(fold.kind == "valley" for fold in creases)
     kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
@@ -225,7 +235,10 @@ def drawn(
 
 def _beyond(material: Material) -> float:
     """How much farther than a tab what is cut may be from the outline of a sheet."""
-    return max(0.0, ALLOWANCE_LIMIT * material.allowance + material.kerf - DEPTH)
+    farthest = (
+        np.hypot(ALLOWANCE_LIMIT, 1.0) * material.allowance
+    )  # the ends of what cuts off a needle's corner
+    return max(0.0, float(farthest) + material.kerf - DEPTH)
 
 
 def _widened(outline: Floats, material: Material, name: str) -> Floats:

@@ -31,19 +31,47 @@ def best_turn(points: Floats, room: Floats, *, oblique: bool = False) -> tuple[F
     scale : float
         The largest.
     """
+    hull, angles = _flush(points)
+    if oblique:
+        angles = np.concatenate([angles, _balanced(hull, angles, room)])
+    turns = _turns(angles)
+    scales = (room / np.ptp(hull @ turns, axis=1)).min(axis=1)
+    best = int(np.argmax(scales.round(9)))
+    return turns[best], float((room / np.ptp(points @ turns[best], axis=0)).min())
+
+
+def compact_turn(points: Floats, room: Floats) -> Floats:
+    """How to turn a figure so that it fits into a rectangle, and its own bounding box has the least area.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+    room : ndarray, shape (2,)
+        Into which it fits with a side of its hull upright or level.
+    """
+    hull, angles = _flush(points)
+    turns = _turns(angles)
+    sizes = np.ptp(hull @ turns, axis=1)
+    scales = (room / sizes).min(axis=1) / np.ptp(points, axis=0).max()
+    areas = np.where(scales >= min(1.0, scales.max()), sizes.prod(axis=1), np.inf)
+    return cast(Floats, turns[int(np.argmin(areas.round(9)))])
+
+
+def _flush(points: Floats) -> tuple[Floats, Floats]:
+    """The hull of a figure in units of its size, and the directions in which a side is upright or level."""
     from scipy.spatial import ConvexHull  # slow to import
 
     size = np.ptp(points, axis=0).max()
     hull = points[ConvexHull((points - points[0]) / size).vertices] / size
     sides = np.roll(hull, -1, axis=0) - hull
     angles = np.arctan2(sides[:, 1], sides[:, 0])
-    angles = np.concatenate([angles, angles + np.pi / 2])
-    if oblique:
-        angles = np.concatenate([angles, _balanced(hull, angles, room)])
-    turns = np.array([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]]).transpose(2, 0, 1)
-    scales = (room / np.ptp(hull @ turns, axis=1)).min(axis=1)
-    best = int(np.argmax(scales.round(9)))
-    return turns[best], float((room / np.ptp(points @ turns[best], axis=0)).min())
+    return hull, np.concatenate([angles, angles + np.pi / 2])
+
+
+def _turns(angles: Floats) -> Floats:
+    """Rotations by these angles, clockwise, shape (n, 2, 2)."""
+    turns = np.array([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]])
+    return turns.transpose(2, 0, 1)
 
 
 def _balanced(hull: Floats, flush: Floats, room: Floats) -> Floats:

@@ -55,7 +55,7 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
     ----------
     sheet : ndarray, shape (n, 2)
     faces : sequence of ndarray of int
-        The corners around each; each fits by itself.
+        The corners around each part that is not cut, as of `parts`; each fits by itself.
     room : ndarray, shape (2,)
         Width and height in the unit of the sheet.
     """
@@ -66,16 +66,14 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
     open_ = [[_Partition(0, 0.0, support, ())] for support in reach]
     for child in reversed(order[1:]):
         parent, below, fold, length = parents[child], open_[child], folds[child], lengths[child]
-        fewest = min(one.islands for one in below)
+        shortest = {one.islands: one for one in sorted(below, key=lambda one: -one.length)}
         found = [
             _Partition(
                 one.islands + closed.islands + 1, one.length + closed.length + length, one.support,
                 (one.cuts, closed.cuts, fold),
             )
             for one in open_[parent]
-            for islands in (fewest, fewest + 1)
-            if (some := [other for other in below if other.islands == islands])
-            for closed in [min(some, key=lambda other: other.length)]
+            for closed in shortest.values()
         ]  # fmt: skip
         supports = np.maximum(
             np.array([one.support for one in open_[parent]])[:, None],
@@ -126,12 +124,10 @@ def _directions(sheet: Floats, faces: Sequence[Indices]) -> Floats:
 
 
 def _reach(points: Floats, directions: Floats) -> Floats:
+    """How far points reach in each direction and in those a right angle further, shape (4, D)."""
     angles = directions + np.pi / 2 * np.arange(4)[:, None]
-    return (
-        (points @ np.array([np.cos(angles).ravel(), np.sin(angles).ravel()]))
-        .max(axis=0)
-        .reshape(angles.shape)
-    )
+    x, y = points[:, :, None, None].transpose(1, 0, 2, 3)
+    return np.asarray((x * np.cos(angles) + y * np.sin(angles)).max(axis=0))
 
 
 def _needed(supports: Floats, room: Floats) -> Floats:
@@ -172,6 +168,31 @@ def _flat(cuts: tuple[Any, ...]) -> Iterator[Fold]:
             yield some
         else:
             stack += some
+
+
+def parts(unfolding: Unfolding, p: int) -> list[tuple[str, Indices]]:
+    """What is not cut of a sheet: faces, and faces that `kept` folds join.
+
+    Returns
+    -------
+    list of (str, ndarray of int)
+        A name by the number of the first face, and the corners of the sheet around.
+    """
+    corners, faces, numbers = unfolding.corners[p].tolist(), unfolding.faces[p], unfolding.numbers[p]
+    if not unfolding.kept:
+        return [(f"face {number}", face) for number, face in zip(numbers.tolist(), faces, strict=True)]
+    loose = {
+        fold
+        for fold in _tree(faces)[2]
+        if fold is not None and (corners[fold[0]], corners[fold[1]]) not in unfolding.kept
+    }
+    return [
+        (
+            f"face {numbers[first]}{' with those that it is kept with' if others else ''}",
+            np.array(_outline([faces[f] for f in (first, *others)])),
+        )
+        for first, *others in _components(faces, loose)
+    ]
 
 
 def cut_along(unfolding: Unfolding, cuts: Sequence[Sequence[Fold]]) -> Unfolding:

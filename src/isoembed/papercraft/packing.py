@@ -40,14 +40,14 @@ def packed(sizes: Floats, room: Floats, gap: float) -> tuple[Floats, Indices, Ma
         for turning in (False, True)
         for key in keys
     ]
-    return min(tries, key=lambda one: (one[1].max(), _used(one, sizes)))
+    return min(tries, key=lambda one: (one[1].max(), _length(sizes, one[0], one[2], room)))
 
 
-def _used(packing: tuple[Floats, Indices, Mask], sizes: Floats) -> float:
-    """How far down the last page is used."""
-    corners, pages, turned = packing
-    ends = corners[:, 1] + np.where(turned, sizes[:, 0], sizes[:, 1])
-    return round(float(ends[pages == pages.max()].max()), 6)
+def _length(sizes: Floats, corners: Floats, turned: Mask, room: Floats) -> float:
+    """How far down a roll is used; 0 of pages, which are all as long."""
+    if room[1] < np.inf:
+        return 0.0
+    return round(float((corners[:, 1] + np.where(turned, sizes[:, 0], sizes[:, 1])).max()), 6)
 
 
 def _placed(sizes: Floats, order: Sequence[int], room: Floats, turning: bool) -> tuple[Floats, Indices, Mask]:

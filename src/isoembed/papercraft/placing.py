@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
-from isoembed.papercraft.fitting import best_turn
-from isoembed.papercraft.islands import cut_along, partition
+from isoembed.papercraft.fitting import best_turn, compact_turn
+from isoembed.papercraft.islands import cut_along, partition, parts
 from isoembed.papercraft.packing import packed
 from isoembed.papercraft.paper import FOOT, FORMATS, Paper
 
@@ -129,20 +129,19 @@ def _extent(unfolding: Unfolding) -> float:
     return float(np.ptp(unfolding.vertices, axis=0).max())
 
 
-def _parts(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
-    """What is not cut: the faces, by name, or sheets whose faces are not known."""
+def _uncut(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
+    """What is not cut: faces, by name, or sheets whose faces are not known."""
     for p, sheet in enumerate(unfolding.sheets):
         if not unfolding.faces:
             yield f"sheet {p}", sheet
         else:
-            for number, face in zip(unfolding.numbers[p].tolist(), unfolding.faces[p], strict=True):
-                yield f"face {number}", sheet[face]
+            yield from ((name, sheet[corners]) for name, corners in parts(unfolding, p))
 
 
 def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
     """The largest scale at which all faces fit on a page as it lies, and the first that fits up to it."""
     found, worst = np.inf, ""
-    for name, part in _parts(unfolding):
+    for name, part in _uncut(unfolding):
         if page.room.min() >= found * np.hypot(*np.ptp(part, axis=0)):
             continue  # however it is turned
         largest = best_turn(part, page.room, oblique=True)[1]
@@ -156,7 +155,8 @@ def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, val
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
     most = value * largest / wanted
     digits = 10.0 ** (np.floor(np.log10(most)) - 3)
-    papers = [Paper.of(other) for other in sorted(FORMATS, key=lambda other: np.prod(FORMATS[other]))]
+    by_area = sorted(FORMATS, key=lambda other: np.prod(FORMATS[other]))
+    papers = [replace(Paper.of(other), beyond=page.beyond) for other in by_area]
     enough = (
         f"paper='{paper.name}' has room for it"
         for paper in papers
@@ -173,7 +173,7 @@ def _in_islands(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
     cuts = [
         []
         if best_turn(sheet, page.room, oblique=True)[1] * (1 + SLACK) >= scale
-        else partition(sheet, unfolding.faces[p], page.room / scale)
+        else partition(sheet, [corners for _, corners in parts(unfolding, p)], page.room / scale)
         for p, sheet in enumerate(unfolding.sheets)
     ]
     return _on_pages(cut_along(unfolding, cuts) if any(cuts) else unfolding, page, scale)
@@ -186,21 +186,12 @@ def _cut_length(unfolding: Unfolding) -> float:
 
 def _on_pages(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
     """A layout of sheets that fit on pages as they lie."""
-    turns = []
-    for sheet in unfolding.sheets:
-        turn, largest = best_turn(sheet, page.room)
-        if largest * (1 + SLACK) < scale:
-            turn, _ = best_turn(sheet, page.room, oblique=True)
-        turns.append(turn)
-    sizes = scale * np.array(
-        [np.ptp(sheet @ turn, axis=0) for sheet, turn in zip(unfolding.sheets, turns, strict=True)]
-    )
-    corners, pages, turned = packed(sizes, page.room, GAP + 2 * page.beyond)
-    turns = [turn @ RIGHT_ANGLE if is_turned else turn for turn, is_turned in zip(turns, turned, strict=True)]
-    sizes[turned] = sizes[turned][:, ::-1]
-    height = page.height
-    if page.is_roll:
-        height = float(np.ceil((corners + sizes)[:, 1].max())) + FOOT + 2 * page.margin
+    ways = zip(*(_turned(scale * sheet, page.room) for sheet in unfolding.sheets), strict=True)
+    tries = [_packed(unfolding.sheets, turns, page, scale) for turns in ways]
+    used = [float(np.ceil((corners + sizes)[:, 1].max())) for sizes, _, corners, _ in tries]
+    best = min(range(2), key=lambda k: used[k] if page.is_roll else int(tries[k][3].max()))
+    sizes, turns, corners, pages = tries[best]
+    height = used[best] + FOOT + 2 * page.margin if page.is_roll else page.height
     room = np.array([page.width, height - FOOT]) - 2 * page.margin
     for k in range(int(pages.max()) + 1):  # to the middle
         mine = pages == k
@@ -210,3 +201,27 @@ def _on_pages(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
         there = scale * sheet @ turn
         placings.append(Placing(scale * turn, np.array([left - there[:, 0].min(), -top - there[:, 1].max()])))
     return Layout(unfolding, placings, int(pages.max()) + 1, page.width, height, scale)
+
+
+def _turned(sheet: Floats, room: Floats) -> tuple[Floats, Floats]:
+    """Two ways to turn a sheet, in mm: so that it fits best, and so that it takes the least of a page."""
+    turn, largest = best_turn(sheet, room)
+    if largest * (1 + SLACK) >= 1:
+        return turn, compact_turn(sheet, room)
+    turn, _ = best_turn(sheet, room, oblique=True)
+    return turn, turn
+
+
+def _packed(
+    sheets: Sequence[Floats], turns: Sequence[Floats], page: Paper, scale: float
+) -> tuple[Floats, list[Floats], Floats, Indices]:
+    """Sizes of the sheets on the paper, how they are turned, their upper left corners, and their pages."""
+    sizes = scale * np.array(
+        [np.ptp(sheet @ turn, axis=0) for sheet, turn in zip(sheets, turns, strict=True)]
+    )
+    corners, pages, turned = packed(sizes, page.room, GAP + 2 * page.beyond)
+    sizes[turned] = sizes[turned][:, ::-1]
+    upright = [
+        turn @ RIGHT_ANGLE if is_turned else turn for turn, is_turned in zip(turns, turned, strict=True)
+    ]
+    return sizes, upright, corners, pages

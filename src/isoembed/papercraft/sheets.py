@@ -10,7 +10,7 @@ from isoembed.io.dxf_lines import ezdxf_for
 from isoembed.io.files import Writer, ending, write_atomically
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.io.registry import check_output
-from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.drawing import Drawing, drawn
 from isoembed.papercraft.dxf import write_dxf
 from isoembed.papercraft.folding_page import folding_page_writer
 from isoembed.papercraft.material import Material
@@ -27,9 +27,13 @@ SHEET_ENDINGS = (".svg", ".pdf", ".dxf", *PAGE_ENDINGS)
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
     """Return what writes a net in the format of this ending; see `write_atomically` and `write_sheets`."""
+    return drawing_writer(path, unfolding, drawn(unfolding, **drawing))
+
+
+def drawing_writer(path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing) -> Writer:
+    """Return what writes the drawing of a net in the format of this ending."""
     if ending(path) in PAGE_ENDINGS:
-        return folding_page_writer(path, unfolding, **drawing)
-    pages = drawn(unfolding, **drawing)
+        return folding_page_writer(path, unfolding, pages)
     if ending(path) == ".pdf":
         check_drawable()
         return lambda temporary: write_pdf(temporary, pages)

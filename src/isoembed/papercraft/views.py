@@ -21,18 +21,21 @@ CHUNK = 1 << 22
 LEGIBLE = 1.0  # mm, of a number
 
 
-def views(unfolding: Unfolding, low: Floats, high: Floats) -> tuple[list[Floats], list[Label]]:
+def views(
+    unfolding: Unfolding, vertices: Floats, low: Floats, high: Floats
+) -> tuple[list[Floats], list[Label]]:
     """Visible edges and face numbers of the solid, seen from two opposite sides, one above the other.
 
     Parameters
     ----------
     unfolding : Unfolding
-        With the `vertices` of the solid.
+    vertices : ndarray, shape (V, 3)
+        Of the solid.
     low, high : ndarray, shape (2,)
         Corners of the rectangle that both views fill, mm.
     """
-    assert unfolding.vertices is not None
-    vertices = unfolding.vertices - unfolding.vertices.mean(axis=0)
+    vertices = vertices / np.abs(vertices).max()
+    vertices = vertices - vertices.mean(axis=0)
     vertices = vertices / np.abs(vertices).max()
     faces = [
         (number, sheet[face], corners[face])
