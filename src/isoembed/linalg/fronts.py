@@ -30,6 +30,7 @@ def room_to_multiply(front, m):
 
 
 @cython.ccall
+@cython.nogil
 @cython.exceptval(check=False)
 def beginning(j: Int, m: Int) -> Int:
     """Where row j of a triangle of m rows begins."""
@@ -37,6 +38,7 @@ def beginning(j: Int, m: Int) -> Int:
 
 
 @cython.ccall
+@cython.nogil
 @cython.exceptval(check=False)
 def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) -> cython.void:
     """Add a triangle to a front of m rows, at these of its rows, which rise."""
@@ -49,7 +51,9 @@ def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) ->
 
 
 @cython.ccall
-def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: object) -> cython.bint:
+@cython.nogil
+@cython.exceptval(check=False)
+def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: Number[::1]) -> cython.bint:
     """Eliminate k of m columns; whether every pivot was larger than the least and not zero."""
     for first in range(0, k, 64):
         last = min(first + BLOCK, k)
@@ -62,6 +66,7 @@ def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: obj
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int, least: Real) -> cython.bint:
     """Eliminate some columns, four at a time, from themselves and from the rows below, up to `end`."""
@@ -104,11 +109,14 @@ def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int
 
 
 @cython.cfunc
-def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: object) -> object:
+@cython.with_gil
+@cython.exceptval(check=False)
+def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: Number[::1]) -> cython.void:
     """Eliminate a block of columns from all rows below, by products of matrices."""
     k, below = last - first, m - last
     part = below * k
-    left, right = room[part : 2 * part].reshape(below, k), room[:part].reshape(below, k)
+    free = np.asarray(room)
+    left, right = free[part : 2 * part].reshape(below, k), free[:part].reshape(below, k)
     scaled: Number[:, ::1] = left
     columns: Number[:, ::1] = right
     for j in range(k):
@@ -119,14 +127,13 @@ def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: 
             scaled[i, j] = front[at + last + i] * factor
     for top in range(0, below, 64):
         bottom, width = min(top + BLOCK, below), below - top
-        whole = room[2 * part : 2 * part + (bottom - top) * width].reshape(bottom - top, width)
+        whole = free[2 * part : 2 * part + (bottom - top) * width].reshape(bottom - top, width)
         np.dot(left[top:bottom], right[top:].T, whole)
         product: Number[:, ::1] = whole
         for r in range(bottom - top):
             y = beginning(last + top + r, m) - r
             for i in range(r, width):
                 front[y + i] -= product[r, i]
-    return None
 
 
 def eliminate(
@@ -136,65 +143,104 @@ def eliminate(
     data: ConstReal[::1],
     L: Stored[::1],
     stack: Number[::1],
+    passed: Number[::1],
     least: Real,
 ):
     """Fill L; the number of negative pivots, or -1 where one is zero or not larger than the least.
 
+    What the last supernode leaves for the rows below it is at the beginning of the stack.
+
     Parameters
     ----------
     nodes : Supernodes
+        Those without columns stand for what was eliminated elsewhere.
     indptr, indices, data
         The lower triangle in compressed columns.
     L, stack : ndarray
         Filled in; room for the fronts that wait.
+    passed : ndarray
+        The triangles that supernodes without columns pass on, one after the other.
     least : float
     """
     starts: ConstInt[::1] = nodes.starts
     ends: ConstInt[::1] = nodes.ends
     children: ConstInt[::1] = nodes.children
     rows: ConstInt32[::1] = nodes.rows
-    place: Int[::1] = np.empty(indptr.shape[0] - 1, dtype=np.int64)  # in the front, of its rows
+    place: Int[::1] = np.empty(nodes.height, dtype=np.int64)  # in the front, of its rows
     places: Int[::1] = np.empty(nodes.widest, dtype=np.int64)
-    room = room_to_multiply(np.asarray(stack), nodes.widest)
+    room: Number[::1] = room_to_multiply(np.asarray(stack), nodes.widest)
     waiting: Int[::1] = np.empty(starts.shape[0], dtype=np.int64)  # supernodes, in the order of the stack
+    with cython.nogil:
+        found = _eliminate(
+            starts, ends, children, rows, indptr, indices, data, L, stack, passed, least, place, places, room,
+            waiting,
+        )  # fmt: skip
+    return found  # noqa: RET504 - with the lock of the interpreter
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def _eliminate(
+    starts: ConstInt[::1],
+    ends: ConstInt[::1],
+    children: ConstInt[::1],
+    rows: ConstInt32[::1],
+    indptr: ConstInt32[::1],
+    indices: ConstInt32[::1],
+    data: ConstReal[::1],
+    L: Stored[::1],
+    stack: Number[::1],
+    passed: Number[::1],
+    least: Real,
+    place: Int[::1],
+    places: Int[::1],
+    room: Number[::1],
+    waiting: Int[::1],
+) -> Int:
     waits: Int = 0
     top: Int = 0
     done: Int = 0
+    taken: Int = 0
     negative: Int = 0
     for s in range(starts.shape[0] - 1):
         k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
         m = k + below
-        for i in range(k):
-            place[starts[s] + i] = i
-        for i in range(below):
-            place[rows[ends[s] + i]] = k + i
         size = beginning(m, m)
         front: Number[::1] = stack[top : top + size]
-        front[:] = 0.0
-        for j in range(k):
-            at = beginning(j, m) - j
-            for p in range(indptr[starts[s] + j], indptr[starts[s] + j + 1]):
-                front[at + place[indices[p]]] = data[p]
         bottom = top
-        for _ in range(children[s]):
-            waits -= 1
-            c = waiting[waits]
-            count = ends[c + 1] - ends[c]
-            for i in range(count):
-                places[i] = place[rows[ends[c] + i]]
-            extend(front, m, stack[bottom - beginning(count, count) : bottom], places[:count])
-            bottom -= beginning(count, count)
-        if not eliminate_columns(front, k, m, least, room):
-            return -1
-        for j in range(k):
-            at = beginning(j, m)
-            pivot: Number = front[at]
-            scale: Number = 1.0 / pivot
-            negative += pivot < 0
-            L[done] = pivot
-            for i in range(1, m - j):
-                L[done + i] = front[at + i] * scale
-            done += m - j
+        if k == 0:
+            front[:] = passed[taken : taken + size]
+            taken += size
+        else:
+            for i in range(k):
+                place[starts[s] + i] = i
+            for i in range(below):
+                place[rows[ends[s] + i]] = k + i
+            front[:] = 0.0
+            for j in range(k):
+                at = beginning(j, m) - j
+                for p in range(indptr[starts[s] + j], indptr[starts[s] + j + 1]):
+                    front[at + place[indices[p]]] = data[p]
+            for _ in range(children[s]):
+                waits -= 1
+                c = waiting[waits]
+                count = ends[c + 1] - ends[c]
+                for i in range(count):
+                    places[i] = place[rows[ends[c] + i]]
+                extend(front, m, stack[bottom - beginning(count, count) : bottom], places[:count])
+                bottom -= beginning(count, count)
+            if not eliminate_columns(front, k, m, least, room):
+                return -1
+            for j in range(k):
+                at = beginning(j, m)
+                pivot: Number = front[at]
+                scale: Number = 1.0 / pivot
+                negative += pivot < 0
+                L[done] = pivot
+                for i in range(1, m - j):
+                    L[done + i] = front[at + i] * scale
+                done += m - j
         at = beginning(k, m)
         for i in range(size - at):
             stack[bottom + i] = front[at + i]
@@ -204,41 +250,82 @@ def eliminate(
     return negative
 
 
-def substitute(nodes: object, L: Stored[::1], x: Real[:, ::1]):
-    """Solve for every row of x, (columns, n), in its place."""
+def forward(nodes: object, L: Stored[::1], x: Real[:, ::1]):
+    """Solve with L D for every row of x, (columns, n), in its place."""
     starts: ConstInt[::1] = nodes.starts
     ends: ConstInt[::1] = nodes.ends
     rows: ConstInt32[::1] = nodes.rows
     v: Real[::1] = np.empty(nodes.widest)
-    count = starts.shape[0] - 1
-    done: Int = 0
-    for s in range(count):
-        own, end = starts[s], ends[s]
-        k, below = starts[s + 1] - own, ends[s + 1] - end
-        for c in range(x.shape[0]):
-            for i in range(k):
-                v[i] = x[c, own + i]
-            for i in range(below):
-                v[k + i] = 0.0
-            _forward(L, done, k, k + below, v, x, c, own)
-            for i in range(below):
-                x[c, rows[end + i]] += v[k + i]
-        done += beginning(k, k + below)
-    for s in range(count - 1, -1, -1):
-        own, end = starts[s], ends[s]
-        k, below = starts[s + 1] - own, ends[s + 1] - end
-        done -= beginning(k, k + below)
-        for c in range(x.shape[0]):
-            for i in range(k):
-                v[i] = x[c, own + i]
-            for i in range(below):
-                v[k + i] = x[c, rows[end + i]]
-            _back(L, done, k, k + below, v)
-            for i in range(k):
-                x[c, own + i] = v[i]
+    with cython.nogil:
+        _all_forward(starts, ends, rows, L, x, v)
 
 
 @cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def _all_forward(
+    starts: ConstInt[::1],
+    ends: ConstInt[::1],
+    rows: ConstInt32[::1],
+    L: Stored[::1],
+    x: Real[:, ::1],
+    v: Real[::1],
+) -> cython.void:
+    done: Int = 0
+    for s in range(starts.shape[0] - 1):
+        own, end = starts[s], ends[s]
+        k, below = starts[s + 1] - own, ends[s + 1] - end
+        if k > 0:
+            for c in range(x.shape[0]):
+                for i in range(k):
+                    v[i] = x[c, own + i]
+                for i in range(below):
+                    v[k + i] = 0.0
+                _forward(L, done, k, k + below, v, x, c, own)
+                for i in range(below):
+                    x[c, rows[end + i]] += v[k + i]
+        done += beginning(k, k + below)
+
+
+def back(nodes: object, L: Stored[::1], x: Real[:, ::1]):
+    """Solve with the transpose of L for every row of x, (columns, n), in its place."""
+    starts: ConstInt[::1] = nodes.starts
+    ends: ConstInt[::1] = nodes.ends
+    rows: ConstInt32[::1] = nodes.rows
+    v: Real[::1] = np.empty(nodes.widest)
+    with cython.nogil:
+        _all_back(starts, ends, rows, L, x, v)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def _all_back(
+    starts: ConstInt[::1],
+    ends: ConstInt[::1],
+    rows: ConstInt32[::1],
+    L: Stored[::1],
+    x: Real[:, ::1],
+    v: Real[::1],
+) -> cython.void:
+    done: Int = L.shape[0]
+    for s in range(starts.shape[0] - 2, -1, -1):
+        own, end = starts[s], ends[s]
+        k, below = starts[s + 1] - own, ends[s + 1] - end
+        done -= beginning(k, k + below)
+        if k > 0:
+            for c in range(x.shape[0]):
+                for i in range(k):
+                    v[i] = x[c, own + i]
+                for i in range(below):
+                    v[k + i] = x[c, rows[end + i]]
+                _back(L, done, k, k + below, v)
+                for i in range(k):
+                    x[c, own + i] = v[i]
+
+
+@cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _forward(
     L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1], x: Real[:, ::1], row: Int, own: Int
@@ -265,6 +352,7 @@ def _forward(
 
 
 @cython.cfunc
+@cython.nogil
 @cython.exceptval(check=False)
 def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1]) -> cython.void:
     """Solve with the transpose of L for the first k of m numbers, the others being known."""

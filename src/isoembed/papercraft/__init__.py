@@ -8,11 +8,4 @@ from isoembed.papercraft.material import Material
 from isoembed.papercraft.net_choice import fewest_pages
 from isoembed.papercraft.sheets import SHEET_ENDINGS, sheets_writer, write_sheets
 
-__all__ = [
-    "SHEET_ENDINGS",
-    "Material",
-    "fewest_pages",
-    "partly_folded",
-    "sheets_writer",
-    "write_sheets",
-]
+__all__ = ["SHEET_ENDINGS", "Material", "fewest_pages", "partly_folded", "sheets_writer", "write_sheets"]
