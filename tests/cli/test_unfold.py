@@ -150,3 +150,10 @@ def test_the_solid_comes_back_from_a_drawing(kind, call):
     assert (status, err) == (0, "")
     apart = np.sort(pdist(read_surface("again.npz").vertices)) - np.sort(pdist(40 * zoo.cube()[0]))
     assert np.abs(apart).max() < 1e-3
+
+
+def test_a_page_of_the_folding(call, tmp_path):
+    write("cube.off", *zoo.cube())
+    assert call("unfold", "cube.off", "-o", "cube.html", "--paper", "A3", "--quiet") == (0, "", "")
+    text = (tmp_path / "cube.html").read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>") and "data:image/svg+xml;base64," in text

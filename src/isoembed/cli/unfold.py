@@ -126,7 +126,7 @@ def run(options: argparse.Namespace) -> int:
         writer = sheets_writer(output, unfolding, **drawing)
     else:
         pages = drawn(unfolding, **drawing)
-        writer = drawing_writer(output, pages)
+        writer = drawing_writer(output, unfolding, pages)
         if len(pages.cuts) > len(unfolding.sheets):
             said += f"; cut into {len(pages.cuts)} islands to fit on pages"
         if pages.pages > 1:

@@ -17,7 +17,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.io.files import Writer
 from isoembed.method import TOLERANCE
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.papercraft.drawing import drawn
+from isoembed.papercraft.drawing import Drawing
 from isoembed.papercraft.folding import partly_folded
 from isoembed.papercraft.svg import svg
 from isoembed.plot.film import Frame
@@ -66,7 +66,7 @@ class _Folding(Frame):
 
 
 def folding_page_writer(
-    path: str | os.PathLike[str], unfolding: Unfolding, *, title: str = "", **drawing: Any
+    path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing, *, title: str = ""
 ) -> Writer:
     """Return what writes the page; see `isoembed.io.write_atomically`.
 
@@ -75,15 +75,15 @@ def folding_page_writer(
     path : path
         Ending in ``.html``.
     unfolding : Unfolding
+    pages : Drawing
+        The net on paper.
     title : str
         By default the name of the file.
-    drawing
-        How the net is drawn, as of `isoembed.papercraft.write_sheets`.
 
     Raises
     ------
     InvalidParameter
-        The net has several sheets, or cannot be drawn so.
+        The net has several sheets.
     """
     if len(unfolding.sheets) > 1:
         raise InvalidParameter(
@@ -98,7 +98,7 @@ def folding_page_writer(
     solid = _FoldedNet(
         metric, frames[-1].vertices, method="folding", tolerance=TOLERANCE, of_triangles=owners
     )
-    picture = base64.b64encode(svg(drawn(unfolding, **drawing)).encode()).decode("ascii")
+    picture = base64.b64encode(svg(pages).encode()).decode("ascii")
     return page_writer(
         path,
         solid,

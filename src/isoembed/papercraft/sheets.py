@@ -27,13 +27,13 @@ SHEET_ENDINGS = (".svg", ".pdf", ".dxf", *PAGE_ENDINGS)
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
     """Return what writes a net in the format of this ending; see `write_atomically` and `write_sheets`."""
+    return drawing_writer(path, unfolding, drawn(unfolding, **drawing))
+
+
+def drawing_writer(path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing) -> Writer:
+    """Return what writes the drawing of a net in the format of this ending."""
     if ending(path) in PAGE_ENDINGS:
-        return folding_page_writer(path, unfolding, **drawing)
-    return drawing_writer(path, drawn(unfolding, **drawing))
-
-
-def drawing_writer(path: str | os.PathLike[str], pages: Drawing) -> Writer:
-    """Return what writes a drawing in the format of this ending."""
+        return folding_page_writer(path, unfolding, pages)
     if ending(path) == ".pdf":
         check_drawable()
         return lambda temporary: write_pdf(temporary, pages)
