@@ -173,8 +173,8 @@ def greatest_by_quadrature() -> tuple[float, float]:
 def mass_by_quadrature(a: float) -> float:
     """The mass beyond Smarr's limit from the closed form of the principal curvatures.
 
-    On the horizon dA = A sin(theta) dtheta dphi, A = r_+^2 + a^2.  With x = cos(theta), Sigma = r_+^2 + a^2 x^2,
-    and -kappa = K(x = 1) the curvature of space, k_phi = sqrt(G) / A, k_theta = (K + kappa) / k_phi,
+    On the horizon dA = A sin(theta) dtheta dphi, A = r_+^2 + a^2, and with x = cos(theta) and the curvature
+    -kappa = K(x = 1) of space, k_phi = sqrt(G) / A, k_theta = (K + kappa) / k_phi, Sigma = r_+^2 + a^2 x^2,
 
         K = A (r_+^2 - 3 a^2 x^2) / Sigma^3,
         G = [A^4 - a^2 (Sigma + A)(Sigma^2 + A^2)] / Sigma^3 + kappa A^2.
