@@ -15,6 +15,7 @@ from reproduction import (
     accuracy,
     constant_radius,
     embedding_tree,
+    equivalent,
     ergosphere,
     flexible,
     head_on,
@@ -111,6 +112,12 @@ STUDIES = (
         baselines.study,
         full={"vertices": 800, "degree": 16, "steps": 4, "seeds": 5},
         quick={"vertices": 200, "degree": 8, "steps": 4, "seeds": 2},
+    ),
+    Study(
+        "equivalent",
+        equivalent.study,
+        full={"sizes": (100, 200), "seeds": (None, 1, 2), "parallel": 400, "batch": 8},
+        quick={"sizes": (100,), "seeds": (1,), "parallel": 200, "batch": 4},
     ),
     Study(
         "horizon-mass",
