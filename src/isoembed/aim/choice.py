@@ -137,8 +137,8 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
 
 
 def _realized(target: Embedding, log: Log) -> Embedding | None:
-    """The realization that damped Newton steps lead to from a surface, be it flexible (J is singular)."""
-    from isoembed.aim.anneal import anneal_damped
+    """The realization to which Newton's method leads from a surface, damped: J is singular where it flexes."""
+    from isoembed.aim.anneal import anneal, anneal_damped
     from isoembed.surface.rigidity import LengthSystem
 
     metric = target.metric
@@ -152,6 +152,8 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
             residual_tolerance=1e-13,  # mean edge lengths
             max_iterations=60,
         )
+        if not end.converged:
+            end = anneal(system, end.vertices, metric.lengths, recorder, max_iterations=30)
     found = Embedding(metric, end.vertices, method=target.method, tolerance=target.tolerance)
     return found if found.converged else None
 
