@@ -137,7 +137,7 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
 
 
 def _realized(target: Embedding, log: Log) -> Embedding | None:
-    """The realization to which Newton's method leads from a surface, damped: J is singular where it flexes."""
+    """The realization to which damped Newton steps lead from a surface; where it flexes, J is singular."""
     from isoembed.aim.anneal import anneal, anneal_damped
     from isoembed.surface.rigidity import LengthSystem
 
