@@ -53,7 +53,7 @@ from isoembed.io import FileError
 from unfold import hull
 
 PAGE = (210, 297)  # mm
-OFF = 0.05  # mm, by which a distance of two vertices may differ: nearly flat vertices magnify digits
+OFF = 1e-3  # mm, by which a distance of two vertices may differ: nearly flat vertices magnify digits
 SMALLER = 0.999  # of the scale that a refusal names, which is rounded
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 SVG = "{http://www.w3.org/2000/svg}"

@@ -18,8 +18,7 @@ from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.papercraft import SHEET_ENDINGS, fewest_pages
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.paper import FORMATS
-from isoembed.papercraft.sheets import drawing_writer, sheets_writer
-from isoembed.plot.endings import PAGE_ENDINGS
+from isoembed.papercraft.sheets import drawing_writer
 
 DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
@@ -122,8 +121,6 @@ def run(options: argparse.Namespace) -> int:
     said = str(unfolding)
     if ending(output) in NET_ENDINGS:
         writer = net_writer(output, unfolding)
-    elif ending(output) in PAGE_ENDINGS:
-        writer = sheets_writer(output, unfolding, **drawing)
     else:
         pages = drawn(unfolding, **drawing)
         writer = drawing_writer(output, unfolding, pages)

@@ -29,12 +29,15 @@ class LineGraph:
         The line that each side ``(f, k)`` lies on.
     twins : dict
         The side on the other side of the line, of those that have one.
+    loose : int
+        Lines between two points that enclose nothing.
     """
 
     points: Floats
     faces: list[list[int]]
     lines: dict[Side, Line]
     twins: dict[Side, Side]
+    loose: int
 
     def ends(self, side: Side) -> Floats:
         """Where a side begins and ends, (2, 2)."""
@@ -53,7 +56,7 @@ class LineGraph:
         twins = {
             (place[f], k): (place[g], m) for (f, k), (g, m) in self.twins.items() if f in place and g in place
         }
-        return LineGraph(self.points, [self.faces[f] for f in kept], lines, twins)
+        return LineGraph(self.points, [self.faces[f] for f in kept], lines, twins, self.loose)
 
     @classmethod
     def of(cls, lines: Sequence[Line], near: float) -> LineGraph:
@@ -72,8 +75,8 @@ class LineGraph:
         InvalidMetric
             Lines cross, a fold ends inside of a sheet, or an outline is inside of another.
         """
-        points, edges = _edges(lines, near)
-        edges = _without_ends(points, edges)
+        points, every = _edges(lines, near)
+        edges = _without_ends(points, every)
         around: dict[int, list[int]] = {}
         for a, b in edges:
             around.setdefault(a, []).append(b)
@@ -100,7 +103,7 @@ class LineGraph:
         twins = {
             side: place[b, a] for (a, b), side in place.items() if (b, a) in place and on[side].purpose != CUT
         }
-        return cls(points, faces, on, twins)
+        return cls(points, faces, on, twins, len(every) - len(edges))
 
 
 def _edges(lines: Sequence[Line], near: float) -> tuple[Floats, dict[Side, Line]]:

@@ -20,7 +20,7 @@ from isoembed.gluing.polygon import side_lengths
 from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 
-SNAP = 1e-6  # of the drawing: ends as near are one, if no tolerance is given and the digits tell no more
+SNAP = 1e-6  # of the drawing: ends as near are one where they do not meet to the digits
 UNITS = 4.0  # of the last digit, by which lengths between rounded points may differ
 NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
 ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
@@ -71,7 +71,7 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     lines = undashed(_without_kerf(_without_holes(lines), 0.0 if seams else drawing.kerf), near)
     if not any(line.purpose == FOLD for line in lines):  # layers do not tell what is cut and what folded
         lines = [replace(line, purpose="") for line in lines]
-    graph = LineGraph.of(lines, near)
+    graph = _graph(lines, max(2 * drawing.unit, tolerance or 0.0), near)
     if not graph.faces:
         raise FileError(f"{name} has no closed outlines: its lines enclose nothing")
     quiet = tolerance is None
@@ -86,6 +86,18 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
             warnings.simplefilter("ignore", MeshNote)
         net = glue([sheets.points[face] for face in sheets.faces], pairs, tolerance=tolerance)
     return with_places(net, sheets.faces, folded)
+
+
+def _graph(lines: Sequence[Line], least: float, near: float) -> LineGraph:
+    """The graph of lines whose ends meet to the digits; where they do not, of those that nearly meet."""
+    if least < near:
+        try:
+            graph = LineGraph.of(lines, least)
+        except InvalidMetric:
+            return LineGraph.of(lines, near)
+        if not graph.loose:
+            return graph
+    return LineGraph.of(lines, near)
 
 
 def _dform(first: Floats, second: Floats, tolerance: float | None) -> Net:

@@ -29,7 +29,7 @@ LEAST = 1e-3  # radians; nobody folds by less
 GLUED = 0.75  # of a tab, in each direction
 ALLOWANCE_LIMIT = 1.5  # allowances: right angles keep their corners, sharper ones are cut off
 KERF_LIMIT = 20.0  # half kerfs: so are those of less than 6 degrees
-DECIMALS = 4  # of a millimeter in files: a tenth of a micrometer
+DECIMALS = 6  # of a millimeter in files: a nearly flat vertex magnifies what is rounded a thousandfold
 
 
 @dataclass(frozen=True, eq=False)

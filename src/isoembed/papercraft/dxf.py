@@ -1,4 +1,4 @@
-"""DXF output of a paper net: millimeters, a layer for each kind of line, four decimals."""
+"""DXF output of a paper net: millimeters, a layer for each kind of line, six decimals."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""SVG output of a paper net: millimeters, layers of Inkscape, four decimals."""
+"""SVG output of a paper net: millimeters, layers of Inkscape, six decimals."""
 
 from collections.abc import Iterable
 from html import escape
