@@ -91,7 +91,10 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             ["cube.ply", "-o", "a.json", "--k-factor", "0.4"],
             "--k-factor is for nets on pages (.svg .pdf .dxf .html)",
         ),
-        (["cube.ply", "-o", "a.svg", "--kerf", "2"], "kerf is 2 mm, as wide as a hole of 1 mm"),
+        (
+            ["cube.ply", "-o", "a.svg", "--kerf", "2", "--joints", "stitches"],
+            "kerf is 2 mm, as wide as a hole of 1 mm",
+        ),
         (["cube.ply", "-o", "a.svg", "--allowance", "5"], "is for --joints stitches or --joints none"),
         (
             ["cube.ply", "-o", "a.json", "--paper", "A3"],

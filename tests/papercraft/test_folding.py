@@ -66,6 +66,16 @@ def test_the_page_has_the_film_and_the_net(body, tmp_path):
     assert str(net) in text
 
 
+def test_the_page_of_a_net_with_a_narrow_slit(tmp_path):
+    """Corners at its mouth are no seam."""
+    ring = [[np.cos(t), np.sin(t), 0.0] for t in np.linspace(0, 2 * np.pi, 6, endpoint=False)]
+    flat = [*ring, [0.0, 0.0, 1e-3], [0.0, 0.0, -1.0]]
+    faces = [[k, (k + 1) % 6, 6] for k in range(6)] + [[(k + 1) % 6, k, 7] for k in range(6)]
+    net = unfold((flat, faces), keep=[(k, 6) for k in range(1, 6)])  # cut from vertex 6 to vertex 0 alone
+    assert 0 < pdist(np.concatenate(net.sheets)).min() < 1e-5
+    net.save(tmp_path / "net.html")
+
+
 def test_a_share_that_is_no_number():
     with pytest.raises(InvalidParameter, match="the share of the fold angles is nan, not a finite number"):
         partly_folded(unfold(zoo.cube()), np.nan)

@@ -175,6 +175,15 @@ def test_a_paper_named_by_a_refusal_is_the_smallest():
         laid_out(net, scale=4.0)
 
 
+@pytest.mark.parametrize(
+    ("paper", "named"), [("A4", "A3"), ("letter", "tabloid"), ("210x297", "tabloid"), ("a4", "A3")]
+)
+def test_a_refusal_names_a_paper_of_the_same_series(paper, named):
+    net = unfold(with_edges(*zoo.cube(), 200.0))
+    with pytest.raises(isoembed.InvalidParameter, match=rf"; paper='{named}' has room for it$"):
+        laid_out(net, paper, scale=1.0)
+
+
 def test_a_size_is_that_of_a_known_solid():
     net = replace(unfold(solid(*zoo.cube())), vertices=None)
     with pytest.raises(

@@ -57,6 +57,11 @@ def test_kerf_is_outside_of_what_is_cut_out(cube):
     assert shoelace(after) == pytest.approx(shoelace(before) + 0.2 * perimeter + turns)
 
 
+def test_a_router_is_wider_than_holes_that_are_not_there(cube):
+    (cut,) = drawn(cube, scale=40.0, material=Material(joints="none", kerf=6.0)).cuts
+    assert shoelace(cut) == pytest.approx(6 * 40**2 + 14 * 40 * 3 + 4 * 3**2)
+
+
 def test_holes_are_smaller_by_the_kerf(cube):
     drawing = drawn(cube, scale=40.0, material=Material(joints="stitches", hole=1.2, kerf=0.2))
     assert {radius for _, _, radius in drawing.holes} == {0.5}
@@ -141,7 +146,8 @@ def test_the_solid_comes_back(tmp_path, material, ending):
         ({"thickness": "3"}, "thickness is '3', not a number from 0 on"),
         ({"k_factor": 1.5}, "k_factor is 1.5, not from 0 to 1"),
         ({"allowance": 5.0}, "an allowance of 5 mm is for joints='stitches' or joints='none'"),
-        ({"kerf": 1.0}, "kerf is 1 mm, as wide as a hole of 1 mm"),
+        ({"kerf": 1.0, "joints": "stitches"}, "kerf is 1 mm, as wide as a hole of 1 mm"),
+        ({"kerf": 4.0, "bends": "perforate"}, "kerf is 4 mm, as wide as a dash of 3 mm"),
     ],
 )
 def test_refusals(given, sentence):

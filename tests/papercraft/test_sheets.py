@@ -1,5 +1,6 @@
 """Nets on paper: what is cut, folded and glued is all there, and nothing overlaps."""
 
+import dataclasses
 import re
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
@@ -22,7 +23,7 @@ from isoembed.papercraft import write_sheets
 from isoembed.papercraft.convex import overlaps
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.labels import Label
-from isoembed.papercraft.paper import FOOT, FORMATS, MARGIN
+from isoembed.papercraft.paper import FOOT, FORMATS, MARGIN, Paper
 from isoembed.papercraft.placing import GAP, laid_out
 from isoembed.papercraft.tabs import tabs
 
@@ -206,6 +207,11 @@ def test_a_scale_is_kept():
     assert drawing_scale(drawing) == 30
     lengths = [float(np.hypot(*(b - a))) for a, b in drawing.mountains]
     assert lengths == pytest.approx([30.0] * len(lengths))
+
+
+@pytest.mark.parametrize(("typed", "name"), [("a4", "A4"), ("Letter", "letter"), ("210X297", "210x297")])
+def test_names_of_papers_in_any_case(typed, name):
+    assert dataclasses.replace(Paper.of(typed), name="") == dataclasses.replace(Paper.of(name), name="")
 
 
 @pytest.mark.parametrize(

@@ -15,13 +15,17 @@ from isoembed.arrays import Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import Writer
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.method import TOLERANCE
+from isoembed.metric.distances import lengths_between
+from isoembed.metric.given_mesh import triangle_mesh
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.papercraft.drawing import Drawing
 from isoembed.papercraft.folding import partly_folded
 from isoembed.papercraft.svg import svg
 from isoembed.plot.film import Frame
 from isoembed.plot.page import page_writer
+from isoembed.space import EUCLIDEAN
 from isoembed.surface.flat_faces import FlatFaces
 from isoembed.surface.surface import Surface
 
@@ -90,7 +94,9 @@ def folding_page_writer(
             f"the net has {len(unfolding.sheets)} sheets: a page shows how a net of one sheet is folded"
         )
     flat, faces = partly_folded(unfolding, 0.0)
-    metric = PolyhedralMetric.from_mesh(flat, faces)
+    points, triangles = triangle_mesh(flat, faces)
+    triangulation = Triangulation(triangles)  # a sheet; beside a narrow slit it is no seam of a closed surface
+    metric = PolyhedralMetric.on(triangulation, lengths_between(triangulation, points, EUCLIDEAN))
     sizes = np.array([len(face) for face in faces])
     owners = np.repeat(np.arange(len(faces)), sizes - 2)
     shares = (1 - np.cos(np.linspace(0.0, np.pi, FRAMES))) / 2

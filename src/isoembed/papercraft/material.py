@@ -76,8 +76,8 @@ class Material:
             )
         if self.k_factor > 1:
             raise InvalidParameter(f"k_factor is {self.k_factor:g}, not from 0 to 1")
-        for name in ("hole", "dash"):
-            if self.kerf >= getattr(self, name):
+        for name, is_cut in (("hole", self.joints == "stitches"), ("dash", self.bends == "perforate")):
+            if is_cut and self.kerf >= getattr(self, name):
                 raise InvalidParameter(
                     f"kerf is {self.kerf:g} mm, as wide as a {name} of {getattr(self, name):g} mm"
                 )

@@ -43,18 +43,19 @@ class Paper:
 
     @classmethod
     def of(cls, name: str) -> Paper:
-        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"`` in mm.
+        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"`` in mm, in any case.
 
         Raises
         ------
         InvalidParameter
             There is no such paper, or it is too small for a ruler.
         """
-        if name in FORMATS:
-            return cls(name, *FORMATS[name])
-        if page := re.fullmatch(f"{NUMBER}x{NUMBER}", str(name)):
+        for known, size in FORMATS.items():
+            if str(name).lower() == known.lower():
+                return cls(known, *size)
+        if page := re.fullmatch(f"{NUMBER}x{NUMBER}", str(name), re.IGNORECASE):
             found = cls(name, float(page[1]), float(page[2]))
-        elif roll := re.fullmatch(f"roll:{NUMBER}", str(name)):
+        elif roll := re.fullmatch(f"roll:{NUMBER}", str(name), re.IGNORECASE):
             found = cls(name, float(roll[1]), np.inf)
         else:
             raise InvalidParameter(

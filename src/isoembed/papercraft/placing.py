@@ -155,7 +155,9 @@ def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, val
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
     most = value * largest / wanted
     digits = 10.0 ** (np.floor(np.log10(most)) - 3)
-    by_area = sorted(FORMATS, key=lambda other: np.prod(FORMATS[other]))
+    american = page.name in FORMATS and not page.name.startswith("A")
+    series = [other for other in FORMATS if page.name not in FORMATS or other.startswith("A") != american]
+    by_area = sorted(FORMATS, key=lambda other: (other not in series, np.prod(FORMATS[other])))
     papers = [replace(Paper.of(other), beyond=page.beyond) for other in by_area]
     enough = (
         f"paper='{paper.name}' has room for it"
