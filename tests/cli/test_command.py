@@ -388,12 +388,12 @@ def test_surface_lists_its_names(run):
         (["sphere", "-o", "m.npz"], "required: --vertices"),
         (["sphere", "--vertices", 100], "required: -o/--output"),
         (["sphere", "--vertices", 3, "-o", "m.npz"], "at least 12, not 3"),
-        (["sphere", "--vertices", 1e3, "-o", "m.npz"], "invalid int value"),
+        (["sphere", "--vertices", 1e3, "-o", "m.npz"], "'1000.0' is not a whole number"),
         (["sphere", "--radius", -1, "--vertices", 100, "-o", "m.npz"], "radius must be positive, not -1.0"),
         (["ellipsoid", "--axes", 1, 2, "--vertices", 100, "-o", "m.npz"], "--axes: expected 3 arguments"),
         (["sphere", "--vertices", 100, "-o", "m.xyz"], "not one of"),
         (["sphere", "--vertices", 100, "--irregular", -1, "-o", "m.npz"], "must be at least 0, not -1"),
-        (["harmonic", "--degree", 2.5, "--vertices", 100, "-o", "m.npz"], "invalid int value: '2.5'"),
+        (["harmonic", "--degree", 2.5, "--vertices", 100, "-o", "m.npz"], "'2.5' is not a whole number"),
     ],
 )
 def test_surface_refuses(run, arguments, sentence):

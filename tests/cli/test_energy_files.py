@@ -165,7 +165,7 @@ HORIZON = ["--spacetime", "kerr", "--spin", ".5", "--surface", "horizon"]
         (["--spacetime", "kerr", "--surface", "r=1.5"], "r must be at least r_+ = 2, not 1.5"),
         (["--spacetime", "kerr", "--surface", "ergosphere=-1"], "epsilon must be between"),
         (["--spacetime", "kerr", "--surface", "horizon", "--spin", "1.1"], "must be at most mass^2"),
-        (["--spacetime", "kerr", "--surface", "horizon", "--spin", "fast"], "invalid float value: 'fast'"),
+        (["--spacetime", "kerr", "--surface", "horizon", "--spin", "fast"], "'fast' is not a number"),
         (["--spacetime", "kerr", "--surface", "horizon", "--mass", "0"], "mass must be positive, not 0"),
         (["--spacetime", "kerr", "--surface", "horizon", "--mass", "-1"], "mass must be positive, not -1"),
         (
@@ -183,7 +183,7 @@ HORIZON = ["--spacetime", "kerr", "--spin", ".5", "--surface", "horizon"]
         (["--spacetime", "kerr", "--surface", "r=0", "--slice", "painleve-gullstrand"], "the radius"),
         ([*HORIZON, "--slice", "mine"], "invalid choice: 'mine'"),
         ([*HORIZON, "--vertices", "11"], "--vertices must be at least 12, not 11"),
-        ([*HORIZON, "--vertices", "many"], "invalid int value: 'many'"),
+        ([*HORIZON, "--vertices", "many"], "'many' is not a whole number"),
         ([*HORIZON, "-o", "a.txt"], "a.txt has the ending '.txt'"),
         ([*HORIZON, "-o", "no/a.npz"], "there is no folder"),
         ([*HORIZON, "--band", "a.txt"], "a.txt has the ending '.txt'"),

@@ -24,7 +24,8 @@ def parser_of(command):
 
 
 def options_of(command):
-    return {names[-1] for action in parser_of(command)._actions if (names := action.option_strings)}
+    actions = [action for action in parser_of(command)._actions if action.help is not argparse.SUPPRESS]
+    return {names[-1] for action in actions if (names := action.option_strings)}
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -39,10 +40,9 @@ def test_help_is_short_and_has_examples_and_exit_statuses(command, call):
     assert out.count(f"\n  isoembed {command}") == 2
     for words in ("0 done;", "2 wrong", "3 no embedding", "130 interrupted"):
         assert words in out
-    if hidden:
-        status, every, _ = call(command, "--help-all")
-        assert status == 0
-        assert sorted(OPTION.findall(every)) == sorted(options_of(command))
+    status, every, _ = call(command, "--help-all")
+    assert status == 0
+    assert sorted(OPTION.findall(every)) == sorted(options_of(command))
 
 
 @pytest.mark.parametrize("command", COMMANDS)

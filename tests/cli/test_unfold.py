@@ -72,9 +72,9 @@ def test_few_pages(call):
 def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
     write("cube.off", *zoo.cube())
     status, out, err = call(
-        "unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers", "--paper", "a4"
+        "unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers", "--paper", "A9"
     )
-    assert (status, out) == (2, "") and "paper is 'a4', not one of A0" in err
+    assert (status, out) == (2, "") and "paper is 'A9', not one of A0" in err
     assert call("unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers")[0] == 0
     text = (tmp_path / "net.svg").read_text()
     assert "page 7 of 7" in text and text.count(">F5<") == 2
@@ -114,6 +114,8 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             "how large the solid is: give a scale or a size",
         ),
         (["cube.ply", "-o", "a.json", "--objective", "pages"], "--objective pages is for nets on pages"),
+        (["cube.ply", "-o", "a.svg", "--size", "25cm"], "argument --size: '25cm' is not a number (see"),
+        (["cube.ply", "-o", "a.svg", "--kerf", "0,15"], "'0,15' is not a number: write a point for"),
         (["cube.ply", "-o", "a.svg", "--cut", "0-0"], "cut[0] (0, 0) is no edge between two faces"),
         (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0.0, not a positive finite number"),
         (["nothing.ply", "-o", "a.svg"], "there is no file nothing.ply"),

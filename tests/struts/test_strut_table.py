@@ -15,6 +15,7 @@ from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.io import FileError
 from isoembed.io.surface import surface_of
 from isoembed.struts import strut_table
+from isoembed.struts.cut_list import CutList
 
 # Chord factors of icosahedral domes of class I, method 1, as builders print them.
 PUBLISHED = {
@@ -200,6 +201,36 @@ def test_hub_radius_and_stock():
 def test_struts_that_fill_a_bar():
     table = strut_table(solid(solids.uniform("cube")), stock=3.0)
     assert [(bar.count, len(bar.struts)) for bar in table.cuts.bars] == [(4, 3)]
+
+
+def sawn(cuts):
+    """How many struts of each type are cut."""
+    count = Counter()
+    for bar in cuts.bars:
+        for name in bar.struts:
+            count[name] += bar.count
+    return count
+
+
+def test_cuts_of_a_4v_dome():
+    """If the longest are cut first, 55 bars; their whole length is that of 49.8."""
+    vertices, faces = dome(4, -0.01)
+    table = strut_table(surface(4 * vertices, faces), stock=6.0)
+    assert sawn(table.cuts) == {one.name: one.count for one in table.struts}
+    assert sum(one.count * one.length for one in table.struts) / 6 == pytest.approx(49.82, abs=0.01)
+    assert table.cuts.count <= 51
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_cuts_are_few(seed):
+    rng = np.random.default_rng(seed)
+    lengths = [(f"{k}", float(rng.uniform(0.4, 1.6)), int(rng.integers(5, 80))) for k in range(8)]
+    cuts = CutList.of(lengths, 6.0)
+    sizes = {name: length for name, length, _ in lengths}
+    assert sawn(cuts) == {name: count for name, _, count in lengths}
+    for bar in cuts.bars:
+        assert bar.rest == pytest.approx(6 - sum(sizes[name] for name in bar.struts)) and bar.rest >= 0
+    assert cuts.count <= np.ceil(sum(length * count for _, length, count in lengths) / 6) + 1
 
 
 def test_more_types_than_letters():

@@ -72,6 +72,11 @@ class Parser(argparse.ArgumentParser):
             if what == "COMMAND" and Path(given).suffix:
                 question = f"; to embed a file: isoembed embed {given}"
             message = f"unknown command {given!r}{question}" if what == "COMMAND" else f"{message}{question}"
+        if typed := re.fullmatch(r"(argument .*?): invalid (float|int) value: (.*)", message):
+            what, kind, given = typed.groups()
+            message = f"{what}: {given} is not a {'whole ' if kind == 'int' else ''}number"
+            if re.fullmatch(r"'[\d.]+,\d+'", given):
+                message += ": write a point for the comma"
         print_error(f"{message} (see '{self.prog} --help')")
         raise SystemExit(WRONG)
 
@@ -112,8 +117,8 @@ def build_parser(arguments: Sequence[str]) -> Parser:
             module.configure(command)
             command.set_defaults(run=module.run)
             command.examples, command.usual = module.EXAMPLES, getattr(module, "USUAL", ())
-            if command.usual:
-                command.add_argument("--help-all", action=help_.ShowAll, help="list all options")
+            shown = "list all options" if command.usual else argparse.SUPPRESS  # --help lists all of few
+            command.add_argument("--help-all", action=help_.ShowAll, help=shown)
     return parser
 
 

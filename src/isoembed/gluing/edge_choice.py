@@ -47,8 +47,11 @@ def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
             s = number.get(_pair(edge, f"{name}[{k}]"))
             if s is None:
                 a, b = edge
+                known = next((v for v in edge if v in faces.corners), None)
+                others = ", ".join(str(end) for start, end in sorted(number) if start == known)
                 raise InvalidParameter(
                     f"{name}[{k}] ({a}, {b}) is no edge between two faces that meet at an angle"
+                    + (f"; those of vertex {known} lead to {others}" if others else "")
                 )
             found[name].append(min(s, twins[s]))
     is_cut = np.zeros(len(ends), dtype=np.bool_)

@@ -7,6 +7,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import meeting_sides
 
+REMEDY = "takes more sheets, another choice of cuts, a larger scale or a smaller offset"
 FLAT = 1e-9  # radians; sides that turn less are in line
 
 
@@ -72,13 +73,14 @@ def moved_sides(
     kept = ((result[ends] - result[begins]) * along).sum(axis=1) > 0
     if not kept.all():
         k = int(np.argmin(kept))
-        raise InvalidParameter(f"side {k} of {name} vanishes: an offset of {moved[k]:.4g} is too much")
+        notch = f", as in a notch; it {REMEDY}" if moved[k] > 0 else ""
+        raise InvalidParameter(f"side {k} of {name} vanishes: an offset of {moved[k]:.4g} is too much{notch}")
     size = float(np.ptp(result, axis=0).max())
     i, j = meeting_sides((result - result.min(axis=0)) / size)
     if i >= 0:
         side = [int(np.searchsorted(begins, m, side="right")) - 1 for m in (i, j)]
         raise InvalidParameter(
             f"an offset of {float(moved.max()):.4g} closes the notch of {name} between its sides "
-            f"{min(side)} and {max(side)}: it takes more sheets, a larger scale or a smaller offset"
+            f"{min(side)} and {max(side)}: it {REMEDY}"
         )
     return result, begins, ends

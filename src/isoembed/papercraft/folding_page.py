@@ -95,7 +95,7 @@ def folding_page_writer(
         )
     flat, faces = partly_folded(unfolding, 0.0)
     points, triangles = triangle_mesh(flat, faces)
-    triangulation = Triangulation(triangles)  # a sheet; beside a narrow slit it is no seam of a closed surface
+    triangulation = Triangulation(triangles)  # of a sheet: a narrow slit is no seam
     metric = PolyhedralMetric.on(triangulation, lengths_between(triangulation, points, EUCLIDEAN))
     sizes = np.array([len(face) for face in faces])
     owners = np.repeat(np.arange(len(faces)), sizes - 2)

@@ -43,7 +43,9 @@ class Paper:
 
     @classmethod
     def of(cls, name: str) -> Paper:
-        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"`` in mm, in any case.
+        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"`` in mm.
+
+        Upper and lower case are alike.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Cutting of struts from bars of stock length: first-fit decreasing bin packing."""
+"""Cutting of struts from bars of stock length: first-fit decreasing bin packing, and column generation."""
 
 from __future__ import annotations
 
@@ -6,9 +6,14 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 
 ROUNDING = 1e-9  # of a bar: struts that fill it exactly fit
+GAIN = 1e-6  # of a bar, of a further pattern at least; linear programs are solved to 1e-7
+PARTS = 27720  # of a bar, to which sizes are rounded up; all numbers up to 12 divide it
 
 
 @dataclass(frozen=True)
@@ -63,9 +68,11 @@ class CutList:
 
     @classmethod
     def of(cls, lengths: Sequence[tuple[str, float, int]], stock: float) -> CutList:
-        """Pack the longest struts first, each into the first bar that has room.
+        """Find few bars.
 
-        That takes at most 11/9 of the fewest bars, and one (Dosa, 2007).
+        The longest struts are cut first, each from the first bar that has room.  That takes at most 11/9
+        of the fewest bars, and one (Dosa, 2007).  Fewer are then sought among the patterns of the linear
+        relaxation (Gilmore and Gomory, 1961).
 
         Parameters
         ----------
@@ -78,23 +85,91 @@ class CutList:
         InvalidParameter
             A strut is longer than a bar.
         """
-        rests: list[float] = []
-        struts: list[list[str]] = []
-        for name, length, count in sorted(lengths, key=lambda each: -each[1]):
-            if length > stock * (1 + ROUNDING):
-                raise InvalidParameter(
-                    f"a strut of type {name} is {length:.6g} long: none is cut from a bar of {stock:.6g}"
-                )
-            first = 0  # bars before it have no room for this length
-            for _ in range(count):
-                while first < len(rests) and rests[first] < length - stock * ROUNDING:
-                    first += 1
-                if first == len(rests):
-                    rests.append(stock)
-                    struts.append([])
-                rests[first] -= length
-                struts[first].append(name)
-        alike: dict[tuple[str, ...], list[float]] = {}
-        for names, rest in zip(struts, rests, strict=True):
-            alike.setdefault(tuple(names), []).append(max(rest, 0.0))
-        return cls(stock, tuple(Bar(len(some), names, some[0]) for names, some in alike.items()))
+        falling = sorted(lengths, key=lambda each: -each[1])
+        sizes = np.array([length for _, length, _ in falling]) / stock  # in bars
+        counts = np.array([count for _, _, count in falling])
+        if len(falling) and sizes[0] > 1 + ROUNDING:
+            name, length, _ = falling[0]
+            raise InvalidParameter(
+                f"a strut of type {name} is {length:.6g} long: none is cut from a bar of {stock:.6g}"
+            )
+        packed = _first_fit(sizes, counts)
+        if len(packed) > np.ceil(sizes @ counts - ROUNDING):
+            packed = _generated(sizes, counts, packed)
+        alike = Counter(tuple(pattern) for pattern in packed.tolist())
+        bars = []
+        for pattern, number in alike.items():
+            names = tuple(falling[t][0] for t, n in enumerate(pattern) for _ in range(n))
+            bars.append(Bar(number, names, max(0.0, float(1 - sizes @ pattern)) * stock))
+        return cls(stock, tuple(bars))
+
+
+def _first_fit(sizes: Floats, counts: Indices) -> Indices:
+    """How many struts of each type are cut from each bar, (bars, types), of falling sizes in bars."""
+    rests: list[float] = []
+    bars: list[list[int]] = []
+    for t, (size, count) in enumerate(zip(sizes.tolist(), counts.tolist(), strict=True)):
+        first = 0  # bars before it have no room for this size
+        for _ in range(count):
+            while first < len(rests) and rests[first] < size - ROUNDING:
+                first += 1
+            if first == len(rests):
+                rests.append(1.0)
+                bars.append([0] * len(sizes))
+            rests[first] -= size
+            bars[first][t] += 1
+    return np.array(bars, dtype=np.int64).reshape(-1, len(sizes))
+
+
+def _generated(sizes: Floats, counts: Indices, packed: Indices) -> Indices:
+    """Bars from whole parts of the linear relaxation, again and again of the struts that are left."""
+    left, patterns = counts.copy(), packed
+    bars: list[Indices] = []
+    while left.any():
+        patterns, shares = _relaxed(sizes, left, patterns)
+        whole = np.floor(shares + GAIN).astype(np.int64)
+        if not whole.any():
+            whole[np.argmax(shares)] = 1
+        for pattern in np.repeat(patterns, whole, axis=0):
+            bar = np.minimum(pattern, left)
+            if bar.any():
+                bars.append(bar)
+            left -= bar
+        packed = min(packed, np.vstack([*bars, _first_fit(sizes, left)]), key=len)
+    return packed
+
+
+def _relaxed(sizes: Floats, counts: Indices, patterns: Indices) -> tuple[Indices, Floats]:
+    """Patterns, and how many bars of each, in fractions, have all struts."""
+    from scipy.optimize import linprog  # slow to import
+
+    patterns = np.unique(patterns, axis=0)
+    while True:
+        solved = linprog(np.ones(len(patterns)), -patterns.T, -counts)
+        pattern = _dearest(sizes, counts, prices := -solved.ineqlin.marginals)
+        if prices @ pattern <= 1 + GAIN:
+            return patterns, solved.x
+        patterns = np.vstack([patterns, pattern])
+
+
+def _dearest(sizes: Floats, counts: Indices, prices: Floats) -> Indices:
+    """The pattern of the highest price: a knapsack, whose sizes are rounded up to parts of a bar."""
+    units = np.ceil(sizes * PARTS - GAIN).astype(np.int64)
+    value = np.zeros(PARTS + 1)
+    taken: list[tuple[int, int, np.ndarray]] = []
+    for t, unit in enumerate(units.tolist()):
+        number, most = 1, int(min(counts[t], PARTS // max(unit, 1)))
+        while most > 0 and prices[t] > 0:  # one, two, four, ...
+            number = min(number, most)
+            more = value[: PARTS + 1 - number * unit] + number * prices[t]
+            better = np.zeros(PARTS + 1, dtype=np.bool_)
+            better[number * unit :] = more > value[number * unit :]
+            value[number * unit :][better[number * unit :]] = more[better[number * unit :]]
+            taken.append((t, number, better))
+            most, number = most - number, 2 * number
+    pattern, room = np.zeros(len(sizes), dtype=np.int64), PARTS
+    for t, number, better in reversed(taken):
+        if better[room]:
+            pattern[t] += number
+            room -= number * int(units[t])
+    return pattern
