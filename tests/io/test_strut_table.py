@@ -149,6 +149,13 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
         ("from,to,length\n0,0,1\n", FileError, "line 2: a strut is from '0' to '0'"),
         ("from,to,length\n0,1,1\n1,0,1\n", FileError, "line 3: the hubs 1 and 0 are joined in line 2, too"),
         ("from,to,length\n0,1,1\n1,2,1\n", InvalidMetric, "between the hubs 0 and 1 is in no triangle"),
+        ("from,to,length\n1,2,1\n2,3,1\n", InvalidMetric, "between the hubs 1 and 2 is in no triangle"),
+        ("from,to,length\nb,a,1\na,c,1\n", InvalidMetric, "between the hubs b and a is in no triangle"),
+        (
+            "from;to;long\n0;1;2\n",
+            FileError,
+            "line 2: no 'length' or 'type' is among the columns from, to, long",
+        ),
         (
             "from,to,length\n" + rows([(a, b) for b in range(5) for a in range(b)], 1),
             InvalidMetric,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -64,6 +64,9 @@ def read(file: InputFile) -> Tables:
         line, written = row.line, _written(row)
         if not written:
             kind = row.cells.get("type", "")
+            if not kind and not {"type", *LENGTHS} & row.cells.keys():
+                columns = ", ".join(row.cells)
+                raise FileError(f"{file}, line {line}: no 'length' or 'type' is among the columns {columns}")
             if kind not in legend:
                 raise FileError(
                     f"{file}, line {line}: the strut has no length, and its type {kind!r} has none"
@@ -72,7 +75,7 @@ def read(file: InputFile) -> Tables:
         lengths.append(_number(written, f"{file}, line {line}"))
     texts = [_written(row) or legend[row.cells["type"]][1] for row in struts]
     edges = _edges(struts, file)
-    tables = {"faces": _triangles(edges), "edges": edges, "lengths": np.array(lengths)}
+    tables = {"faces": _triangles(edges, struts), "edges": edges, "lengths": np.array(lengths)}
     error = _error(texts, tables["lengths"])
     return {**tables, "length_errors": np.array(error)} if error else tables
 
@@ -141,7 +144,7 @@ def _edges(struts: list[_Row], file: InputFile) -> Indices:
     return edges
 
 
-def _triangles(edges: Indices) -> Indices:
+def _triangles(edges: Indices, struts: Sequence[_Row]) -> Indices:
     """The triangles of a frame, turned alike."""
     beside: dict[int, set[int]] = {}
     for a, b in edges.tolist():
@@ -154,16 +157,13 @@ def _triangles(edges: Indices) -> Indices:
         doubtful = {f for some in at.values() if len(some) > 2 for f in some}
         found = [three for f, three in enumerate(found) if f not in doubtful or not _cuts(three, beside)]
         at = _by_sides(found)
-    for a, b in edges.tolist():
+    for (a, b), row in zip(edges.tolist(), struts, strict=True):
         count = len(at.get((min(a, b), max(a, b)), ()))
+        strut = f"the strut between the hubs {row.cells['from']} and {row.cells['to']}"
         if count == 0:
-            raise InvalidMetric(
-                f"the strut between the hubs {a} and {b} is in no triangle: lengths do not tell the shape"
-            )
+            raise InvalidMetric(f"{strut} is in no triangle: lengths do not tell the shape")
         if count > 2:
-            raise InvalidMetric(
-                f"the strut between the hubs {a} and {b} is in {count} triangles: give the faces, in .json"
-            )
+            raise InvalidMetric(f"{strut} is in {count} triangles: give the faces, in .json")
     return np.array(_turned_alike(found, at))
 
 

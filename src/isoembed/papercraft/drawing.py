@@ -157,7 +157,8 @@ def drawn(
     vertices = unfolding.vertices
     if numbers and vertices is None:
         raise InvalidParameter("numbers are those of the faces of a solid, and this net knows none")
-    material = material or Material()
+    if not isinstance(material := material or Material(), Material):
+        raise InvalidParameter(f"material is {material!r}, not an isoembed.papercraft.Material")
     beyond = _beyond(material)
     layout = laid_out(unfolding, paper, scale=scale, size=size, beyond=beyond)
     if material.thickness:

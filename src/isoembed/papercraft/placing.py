@@ -10,6 +10,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
+from isoembed.gluing.polygon import is_number
 from isoembed.papercraft.fitting import best_turn, compact_turn
 from isoembed.papercraft.islands import cut_along, partition, parts
 from isoembed.papercraft.packing import packed
@@ -114,7 +115,7 @@ def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
     """The name and value of the scale or size, if there is one."""
     given = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
     for name, value in given:
-        if not 0 < value < np.inf:
+        if not is_number(value) or not 0 < value < np.inf:
             raise InvalidParameter(f"{name} is {value!r}, not a positive finite number of mm")
     if len(given) == 2:
         raise InvalidParameter(
