@@ -114,6 +114,10 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             "how large the solid is: give a scale or a size",
         ),
         (["cube.ply", "-o", "a.json", "--objective", "pages"], "--objective pages is for nets on pages"),
+        (
+            ["cube.ply", "-o", "a.svg", "--glue"],
+            "unrecognized arguments: --glue (see 'isoembed unfold --help')",
+        ),
         (["cube.ply", "-o", "a.svg", "--size", "25cm"], "argument --size: '25cm' is not a number (see"),
         (["cube.ply", "-o", "a.svg", "--kerf", "0,15"], "'0,15' is not a number: write a point for"),
         (["cube.ply", "-o", "a.svg", "--cut", "0-0"], "cut[0] (0, 0) is no edge between two faces"),

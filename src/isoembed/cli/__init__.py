@@ -56,11 +56,12 @@ class Parser(argparse.ArgumentParser):
         print_out(message.removesuffix("\n"))
 
     def parse_known_args(self, *args: Any, **options: Any) -> Any:
-        """Parse, and answer a mistyped option with the most similar one of this command."""
+        """Parse, and refuse an unknown option, with the most similar one and the help of this command."""
         found, rest = super().parse_known_args(*args, **options)
         for word in rest:
             name = word.partition("=")[0]
-            if name.startswith("--") and (question := did_you_mean(name, self._option_string_actions)):
+            if name.startswith("--"):
+                question = did_you_mean(name, self._option_string_actions)
                 self.error(f"unrecognized arguments: {name}{question}")
         return found, rest
 
