@@ -233,6 +233,22 @@ def test_cuts_are_few(seed):
     assert cuts.count <= np.ceil(sum(length * count for _, length, count in lengths) / 6) + 1
 
 
+def test_cuts_that_fill_bars_exactly():
+    """The longest first take five bars: three of 8 + 3, one of 3 + 3 + 2 + 2 + 2, and one of 2."""
+    cuts = CutList.of([("A", 8.0, 3), ("B", 3.0, 5), ("C", 2.0, 4)], 12.0)
+    assert {bar.struts: bar.count for bar in cuts.bars} == {
+        ("A", "C", "C"): 2,
+        ("A", "B"): 1,
+        ("B", "B", "B", "B"): 1,
+    }
+
+
+def test_cuts_of_hundreds_of_types():
+    lengths = [(f"{k}", 0.4 + 0.003 * k, 2) for k in range(300)]
+    cuts = CutList.of(lengths, 6.0)
+    assert sawn(cuts) == {name: 2 for name, _, _ in lengths}
+
+
 def test_more_types_than_letters():
     vertices, faces = zoo.random_hull(14, 1)
     table = strut_table(surface(vertices, faces))

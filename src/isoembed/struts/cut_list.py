@@ -13,6 +13,7 @@ from isoembed.errors import InvalidParameter
 
 ROUNDING = 1e-9  # of a bar: struts that fill it exactly fit
 GAIN = 1e-6  # of a bar, of a further pattern at least; linear programs are solved to 1e-7
+TYPES = 40  # at most, for which patterns are sought: some seconds
 PARTS = 27720  # of a bar, to which sizes are rounded up; all numbers up to 12 divide it
 
 
@@ -71,8 +72,8 @@ class CutList:
         """Find few bars.
 
         The longest struts are cut first, each from the first bar that has room.  That takes at most 11/9
-        of the fewest bars, and one (Dosa, 2007).  Fewer are then sought among the patterns of the linear
-        relaxation (Gilmore and Gomory, 1961).
+        of the fewest bars, and one (Dosa, 2007).  Of up to 40 types, fewer are then sought among the
+        patterns of the linear relaxation (Gilmore and Gomory, 1961).
 
         Parameters
         ----------
@@ -94,7 +95,7 @@ class CutList:
                 f"a strut of type {name} is {length:.6g} long: none is cut from a bar of {stock:.6g}"
             )
         packed = _first_fit(sizes, counts)
-        if len(packed) > np.ceil(sizes @ counts - ROUNDING):
+        if len(falling) <= TYPES and len(packed) > np.ceil(sizes @ counts - ROUNDING):
             packed = _generated(sizes, counts, packed)
         alike = Counter(tuple(pattern) for pattern in packed.tolist())
         bars = []
