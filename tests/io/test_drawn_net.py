@@ -1,6 +1,8 @@
 """Nets from drawings: the solid comes back from the lines of the file, ours or anybody's."""
 
 import math
+import time
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -12,7 +14,9 @@ import zoo
 from isoembed import Embedding, InvalidMetric, InvalidParameter, PolyhedralMetric
 from isoembed.gallery import Ergosphere, triangulate
 from isoembed.gluing import unfold
-from isoembed.io import FileError
+from isoembed.gluing.drawn_lines import Line
+from isoembed.gluing.line_graph import LineGraph
+from isoembed.io import FileError, svg_lines
 from isoembed.io.input_file import InputFile
 from isoembed.io.net import read_net
 from isoembed.io.svg_lines import read_svg_lines
@@ -195,6 +199,67 @@ def test_refusals(tmp_path, body, sentence):
 def test_files_that_are_refused(tmp_path, text, sentence):
     with pytest.raises(FileError, match=sentence):
         read(tmp_path, text)
+
+
+LONG = 200_000
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        f'style="{"a" * LONG}"',
+        f'data-angle="{"1" * LONG}x"',
+        f'transform="{"a" * LONG}"',
+        f'transform="{"a(" * LONG}"',
+    ],
+)
+def test_long_attributes_take_no_longer_for_each_letter(tmp_path, said):
+    begin = time.process_time()
+    with pytest.raises((FileError, InvalidParameter)):
+        read(tmp_path, svg(f'<path d="M0 0L1 0L1 1z" {said}/>'))
+    assert time.process_time() - begin < 5  # a minute and more where it is the square
+
+
+def test_slanted_lines_between_whole_numbers(tmp_path):
+    # (10, 10) . (10, 10) over the square of the rounded length is less than 1.
+    marks = {"a": ((5, 2), (2, 5)), "b": ((8, 5), (5, 8))}
+    numbers = "".join(
+        f'<text x="{x}" y="{y}" font-size="1" text-anchor="middle">{text}</text>'
+        for text, places in marks.items()
+        for x, y in places
+    )
+    net = read(tmp_path, svg(square(0, 0) + '<path id="fold" d="M0 0L10 10"/>' + numbers))
+    solid = isoembed.embed(net)
+    assert (solid.triangulation.n_vertices, solid.area) == (3, pytest.approx(100))
+
+
+def test_a_few_lines_that_are_used_many_times(tmp_path, monkeypatch):
+    groups = "".join(f'<g id="a{k}">' + f'<use href="#a{k + 1}"/>' * 10 + "</g>" for k in range(20))
+    monkeypatch.setattr(svg_lines, "MOST_READ", 1000)
+    with pytest.raises(FileError, match="draws more than 1000 elements: no net needs as many"):
+        read(tmp_path, svg(f'<defs>{groups}</defs><use href="#a0"/>'))
+
+
+def test_crossings_are_those_of_all_pairs():
+    rng = np.random.default_rng(0)
+    found = 0
+    for _ in range(200):
+        ends = rng.integers(0, 8, (4, 2, 2)).astype(float)
+        pieces = [Line(some, "cut") for some in ends if (some[0] != some[1]).any()]
+        crosses = any(
+            np.prod([np.linalg.det([b - a, p - a]) for p in other]) < -1e-9
+            and np.prod([np.linalg.det([other[1] - other[0], p - other[0]]) for p in (a, b)]) < -1e-9
+            for (a, b), other in combinations([one.points for one in pieces], 2)
+        )
+        # Where three lines meet in a corner of one, they are cut there first.
+        try:
+            LineGraph.of(pieces, 0.0)
+        except InvalidMetric as error:
+            assert crosses == ("cross" in str(error))
+            found += 1
+        else:
+            assert not crosses
+    assert 20 < found < 180
 
 
 def test_sides_of_different_lengths_with_one_number_are_named(tmp_path):
