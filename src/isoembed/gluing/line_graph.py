@@ -163,8 +163,8 @@ def _check_crossings(points: Floats, edges: np.ndarray) -> None:
         crossing = turns(points[a], points[b], u) * turns(points[a], points[b], v) < 0
         crossing &= turns(u, v, points[a]) * turns(u, v, points[b]) < 0
         if crossing.any():
-            one, other = sorted((e, int(others[np.argmax(crossing)])))
-            raise InvalidMetric(f"the lines {_said(points[edges[one]])} and {_said(points[edges[other]])} cross")
+            one, other = edges[sorted((e, int(others[np.argmax(crossing)])))]
+            raise InvalidMetric(f"the lines {_said(points[one])} and {_said(points[other])} cross")
 
 
 def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:

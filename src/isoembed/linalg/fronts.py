@@ -121,6 +121,7 @@ def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: 
     part = below * k
     free = np.asarray(room)
     left, right = free[part : 2 * part].reshape(below, k), free[:part].reshape(below, k)
+    spare = free[2 * part :]
     scaled: Number[:, ::1] = left
     columns: Number[:, ::1] = right
     for j in range(k):
@@ -133,7 +134,7 @@ def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: 
         bottom = min(top + BLOCK, below)
         for start in range(top, below, 64):
             end = min(start + BLOCK, below)
-            tile = free[2 * part : 2 * part + (bottom - top) * (end - start)].reshape(bottom - top, end - start)
+            tile = spare[: (bottom - top) * (end - start)].reshape(bottom - top, end - start)
             np.dot(left[top:bottom], right[start:end].T, tile)
             product: Number[:, ::1] = tile
             for r in range(bottom - top):
