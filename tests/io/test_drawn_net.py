@@ -16,7 +16,7 @@ from isoembed.gallery import Ergosphere, triangulate
 from isoembed.gluing import unfold
 from isoembed.gluing.drawn_lines import Line
 from isoembed.gluing.line_graph import LineGraph
-from isoembed.io import FileError, svg_lines
+from isoembed.io import FileError, dxf_lines, svg_lines
 from isoembed.io.input_file import InputFile
 from isoembed.io.net import read_net
 from isoembed.io.svg_lines import read_svg_lines
@@ -384,6 +384,47 @@ def test_blocks_and_paragraphs_of_dxf(tmp_path, dxf):
     assert volume(read_net(tmp_path / "net.dxf", tolerance=1e-6)) == pytest.approx(1000, rel=1e-6)
 
 
+def test_rows_and_columns_of_a_block(tmp_path, dxf):
+    document = dxf.new("R2010", units=4)
+    document.blocks.new("A").add_line((0, 0), (1, 0))
+    grid = {"row_count": 2, "column_count": 3, "row_spacing": 5, "column_spacing": 7}
+    document.modelspace().add_blockref("A", (0, 0), dxfattribs=grid)
+    document.saveas(tmp_path / "net.dxf")
+    with InputFile(tmp_path / "net.dxf") as file:
+        begins = [line.points[0].tolist() for line in dxf_lines.read_dxf_lines(file).lines]
+    assert sorted(begins) == [[x, y] for x in (0, 7, 14) for y in (0, 5)]
+
+
+def test_blocks_that_are_inserted_many_times(tmp_path, dxf, monkeypatch):
+    document = dxf.new("R2010")
+    document.blocks.new("B0").add_line((0, 0), (1, 0))
+    for k in range(1, 9):
+        block = document.blocks.new(f"B{k}")
+        for x in range(10):
+            block.add_blockref(f"B{k - 1}", (x, 0))
+    document.modelspace().add_blockref("B8", (0, 0))
+    document.saveas(tmp_path / "net.dxf")
+    monkeypatch.setattr(dxf_lines, "MOST_READ", 50)
+    with pytest.raises(FileError, match="draws more than 50 entities: no net needs as many"):
+        read_net(tmp_path / "net.dxf")
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda space: space.add_blockref("missing", (0, 0)),
+        lambda space: space.add_lwpolyline([(0, 0, 1e30), (1, 0, 0)], format="xyb"),
+        lambda space: space.add_spline([(0, 0)] * 4),
+    ],
+)
+def test_entities_of_dxf_that_are_damaged(tmp_path, dxf, draw):
+    document = dxf.new("R2010")
+    draw(document.modelspace())
+    document.saveas(tmp_path / "net.dxf")
+    with pytest.raises(FileError, match=r"net.dxf is not a readable DXF file"):
+        read_net(tmp_path / "net.dxf")
+
+
 def test_curves_of_dxf_are_sampled(tmp_path, dxf):
     document = dxf.new("R2010", units=4)
     space = document.modelspace()
@@ -392,10 +433,8 @@ def test_curves_of_dxf_are_sampled(tmp_path, dxf):
     space.add_arc((0, 0), 20, 0, 180)
     space.add_lwpolyline([(-20, 0, 1.0), (20, 0, 0.0)], format="xyb")  # a half circle
     document.saveas(tmp_path / "net.dxf")
-    from isoembed.io.dxf_lines import read_dxf_lines
-
     with InputFile(tmp_path / "net.dxf") as file:
-        circle, line, arc, bulge = read_dxf_lines(file).lines
+        circle, line, arc, bulge = dxf_lines.read_dxf_lines(file).lines
     assert circle.is_circle and circle.is_closed
     assert line.points.tolist() == [[-20, 0], [20, 0]]
     for curve, radius in ((circle, 10), (arc, 20), (bulge, 20)):
