@@ -9,6 +9,7 @@ import isoembed
 import zoo
 from isoembed import Aim, PolyhedralMetric
 from isoembed.errors import InvalidParameter, NotEmbedded
+from isoembed.gallery import Ergosphere, triangulate
 from isoembed.io import read_metric, read_surface
 
 NUMBERS = Path(__file__).parents[3] / "shared" / "trials" / "numbers"
@@ -113,3 +114,12 @@ def test_steffens_flexible_surface_is_found_near_a_pose_and_named(noise):
 @pytest.mark.shared
 def test_steffens_lengths_have_a_rigid_surface_that_is_found_without_a_pose():
     assert isoembed.certify(isoembed.embed(read_metric(NUMBERS / "04_steffen.json"))).certified
+
+
+def test_others_lie_on_the_answer():
+    # The tails of the two are as heavy on either side but for what they differ by: their axes point apart.
+    surface = isoembed.embed(PolyhedralMetric.from_mesh(*triangulate(Ergosphere(), 200)))
+    assert surface.others
+    for other in surface.others:
+        apart = np.linalg.norm(other.vertices - surface.vertices, axis=1).max()
+        assert apart == pytest.approx(other.distance(surface) * surface.metric.mean_length)

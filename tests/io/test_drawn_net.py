@@ -1,6 +1,8 @@
 """Nets from drawings: the solid comes back from the lines of the file, ours or anybody's."""
 
 import math
+import time
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -12,7 +14,9 @@ import zoo
 from isoembed import Embedding, InvalidMetric, InvalidParameter, PolyhedralMetric
 from isoembed.gallery import Ergosphere, triangulate
 from isoembed.gluing import unfold
-from isoembed.io import FileError
+from isoembed.gluing.drawn_lines import Line
+from isoembed.gluing.line_graph import LineGraph
+from isoembed.io import FileError, dxf_lines, svg_lines
 from isoembed.io.input_file import InputFile
 from isoembed.io.net import read_net
 from isoembed.io.svg_lines import read_svg_lines
@@ -197,6 +201,67 @@ def test_files_that_are_refused(tmp_path, text, sentence):
         read(tmp_path, text)
 
 
+LONG = 200_000
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        f'style="{"a" * LONG}"',
+        f'data-angle="{"1" * LONG}x"',
+        f'transform="{"a" * LONG}"',
+        f'transform="{"a(" * LONG}"',
+    ],
+)
+def test_long_attributes_take_no_longer_for_each_letter(tmp_path, said):
+    begin = time.process_time()
+    with pytest.raises((FileError, InvalidParameter)):
+        read(tmp_path, svg(f'<path d="M0 0L1 0L1 1z" {said}/>'))
+    assert time.process_time() - begin < 5  # a minute and more where it is the square
+
+
+def test_slanted_lines_between_whole_numbers(tmp_path):
+    # (10, 10) . (10, 10) over the square of the rounded length is less than 1.
+    marks = {"a": ((5, 2), (2, 5)), "b": ((8, 5), (5, 8))}
+    numbers = "".join(
+        f'<text x="{x}" y="{y}" font-size="1" text-anchor="middle">{text}</text>'
+        for text, places in marks.items()
+        for x, y in places
+    )
+    net = read(tmp_path, svg(square(0, 0) + '<path id="fold" d="M0 0L10 10"/>' + numbers))
+    solid = isoembed.embed(net)
+    assert (solid.triangulation.n_vertices, solid.area) == (3, pytest.approx(100))
+
+
+def test_a_few_lines_that_are_used_many_times(tmp_path, monkeypatch):
+    groups = "".join(f'<g id="a{k}">' + f'<use href="#a{k + 1}"/>' * 10 + "</g>" for k in range(20))
+    monkeypatch.setattr(svg_lines, "MOST_READ", 1000)
+    with pytest.raises(FileError, match="draws more than 1000 elements: no net needs as many"):
+        read(tmp_path, svg(f'<defs>{groups}</defs><use href="#a0"/>'))
+
+
+def test_crossings_are_those_of_all_pairs():
+    rng = np.random.default_rng(0)
+    found = 0
+    for _ in range(200):
+        ends = rng.integers(0, 8, (4, 2, 2)).astype(float)
+        pieces = [Line(some, "cut") for some in ends if (some[0] != some[1]).any()]
+        crosses = any(
+            np.prod([np.linalg.det([b - a, p - a]) for p in other]) < -1e-9
+            and np.prod([np.linalg.det([other[1] - other[0], p - other[0]]) for p in (a, b)]) < -1e-9
+            for (a, b), other in combinations([one.points for one in pieces], 2)
+        )
+        # Where three lines meet in a corner of one, they are cut there first.
+        try:
+            LineGraph.of(pieces, 0.0)
+        except InvalidMetric as error:
+            assert crosses == ("cross" in str(error))
+            found += 1
+        else:
+            assert not crosses
+    assert 20 < found < 180
+
+
 def test_sides_of_different_lengths_with_one_number_are_named(tmp_path):
     longer = NUMBERED.replace(square(30, 10), '<path d="M30 10h10.5v10h-10.5z"/>')
     with pytest.raises(InvalidMetric, match=r"number [be] are 1\d(\.5)? and 1\d(\.5)? mm long, from"):
@@ -319,6 +384,47 @@ def test_blocks_and_paragraphs_of_dxf(tmp_path, dxf):
     assert volume(read_net(tmp_path / "net.dxf", tolerance=1e-6)) == pytest.approx(1000, rel=1e-6)
 
 
+def test_rows_and_columns_of_a_block(tmp_path, dxf):
+    document = dxf.new("R2010", units=4)
+    document.blocks.new("A").add_line((0, 0), (1, 0))
+    grid = {"row_count": 2, "column_count": 3, "row_spacing": 5, "column_spacing": 7}
+    document.modelspace().add_blockref("A", (0, 0), dxfattribs=grid)
+    document.saveas(tmp_path / "net.dxf")
+    with InputFile(tmp_path / "net.dxf") as file:
+        begins = [line.points[0].tolist() for line in dxf_lines.read_dxf_lines(file).lines]
+    assert sorted(begins) == [[x, y] for x in (0, 7, 14) for y in (0, 5)]
+
+
+def test_blocks_that_are_inserted_many_times(tmp_path, dxf, monkeypatch):
+    document = dxf.new("R2010")
+    document.blocks.new("B0").add_line((0, 0), (1, 0))
+    for k in range(1, 9):
+        block = document.blocks.new(f"B{k}")
+        for x in range(10):
+            block.add_blockref(f"B{k - 1}", (x, 0))
+    document.modelspace().add_blockref("B8", (0, 0))
+    document.saveas(tmp_path / "net.dxf")
+    monkeypatch.setattr(dxf_lines, "MOST_READ", 50)
+    with pytest.raises(FileError, match="draws more than 50 entities: no net needs as many"):
+        read_net(tmp_path / "net.dxf")
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda space: space.add_blockref("missing", (0, 0)),
+        lambda space: space.add_lwpolyline([(0, 0, 1e30), (1, 0, 0)], format="xyb"),
+        lambda space: space.add_spline([(0, 0)] * 4),
+    ],
+)
+def test_entities_of_dxf_that_are_damaged(tmp_path, dxf, draw):
+    document = dxf.new("R2010")
+    draw(document.modelspace())
+    document.saveas(tmp_path / "net.dxf")
+    with pytest.raises(FileError, match=r"net.dxf is not a readable DXF file"):
+        read_net(tmp_path / "net.dxf")
+
+
 def test_curves_of_dxf_are_sampled(tmp_path, dxf):
     document = dxf.new("R2010", units=4)
     space = document.modelspace()
@@ -327,10 +433,8 @@ def test_curves_of_dxf_are_sampled(tmp_path, dxf):
     space.add_arc((0, 0), 20, 0, 180)
     space.add_lwpolyline([(-20, 0, 1.0), (20, 0, 0.0)], format="xyb")  # a half circle
     document.saveas(tmp_path / "net.dxf")
-    from isoembed.io.dxf_lines import read_dxf_lines
-
     with InputFile(tmp_path / "net.dxf") as file:
-        circle, line, arc, bulge = read_dxf_lines(file).lines
+        circle, line, arc, bulge = dxf_lines.read_dxf_lines(file).lines
     assert circle.is_circle and circle.is_closed
     assert line.points.tolist() == [[-20, 0], [20, 0]]
     for curve, radius in ((circle, 10), (arc, 20), (bulge, 20)):

@@ -18,6 +18,7 @@ from isoembed.evidence import Evidence
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.curvature import deficits as vertex_deficits
 from isoembed.progress.stages import Log
+from isoembed.surface.alignment import aligned
 
 MOTIONS = 4  # softest motions, along which others are sought
 FAR = 0.05  # mean edge lengths: on rough bodies there are too many farther away
@@ -46,13 +47,20 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
         return min(surfaces, key=lambda surface: surface.residual)
     if len(different) > 1:
         different.sort(key=lambda s: (is_convex and s.surface.concave_edges.any(), s.surface.fine_roughness))
+    others = [_turned_to(different[0], other) for other in different[1:]]
     if not searched:
-        return different[0]._with_others(different[1:])
+        return different[0]._with_others(others)
     from isoembed.aim.nearby_realizations import NEAR, SOFTEST, sought  # convex bodies do without
 
     said = sought(SOFTEST, NEAR)
-    found = different[0]._with_others(different[1:], Evidence("searched", said))
+    found = different[0]._with_others(others, Evidence("searched", said))
     return found._with_message(f"{found.message}; {said}")
+
+
+def _turned_to(answer: Embedding, other: Embedding) -> Embedding:
+    """Another realization where it is nearest to the answer: of near ones, principal axes may point apart."""
+    vertices = aligned(other.vertices, answer.vertices, other.metric.space)
+    return Embedding(other.metric, vertices, method=other.method, tolerance=other.tolerance)
 
 
 def with_neighbors(embedding: Embedding, log: Log) -> Embedding:

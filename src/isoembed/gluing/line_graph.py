@@ -116,6 +116,8 @@ def _edges(lines: Sequence[Line], near: float) -> tuple[Floats, dict[Side, Line]
     points = every[names]
     number = number.ravel()
     edges: dict[Side, Line] = {}
+    by_x = np.argsort(points[:, 0], kind="stable")
+    x = points[by_x, 0]
     first = 0
     for line in lines:
         way = number[first : first + len(line.points)]
@@ -125,12 +127,14 @@ def _edges(lines: Sequence[Line], near: float) -> tuple[Floats, dict[Side, Line]
                 continue
             step = points[b] - points[a]
             length = float(np.hypot(*step))
-            part = (points - points[a]) @ step / length**2
-            off = np.abs((points[:, 0] - points[a, 0]) * step[1] - (points[:, 1] - points[a, 1]) * step[0])
-            inside = np.flatnonzero(
-                (off <= near * length) & (part * length > near) & ((1 - part) * length > near)
-            )
-            stops = [a, *inside[np.argsort(part[inside])].tolist(), b]
+            low, high = sorted([points[a, 0], points[b, 0]])
+            some = by_x[np.searchsorted(x, low - near) : np.searchsorted(x, high + near, side="right")]
+            some = some[(some != a) & (some != b)]  # rounding may put b before itself
+            away = points[some] - points[a]
+            along = away @ step / length
+            off = np.abs(away[:, 0] * step[1] - away[:, 1] * step[0])
+            inside = np.flatnonzero((off <= near * length) & (along > near) & (length - along > near))
+            stops = [a, *some[inside[np.argsort(along[inside])]].tolist(), b]
             for u, v in pairwise(stops):
                 known = edges.get((min(u, v), max(u, v)))
                 if known is None or line.purpose == CUT:
@@ -146,14 +150,21 @@ def _check_crossings(points: Floats, edges: np.ndarray) -> None:
         u, v = b - a, c - a
         return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
-    for e, (a, b) in enumerate(edges.tolist()):
-        apart = (edges != a).all(axis=1) & (edges != b).all(axis=1)
-        apart[: e + 1] = False
-        crossing = turns(points[a], points[b], starts) * turns(points[a], points[b], ends) < 0
-        crossing &= turns(starts, ends, points[a]) * turns(starts, ends, points[b]) < 0
-        if (crossing & apart).any():
-            other = int(np.argmax(crossing & apart))
-            raise InvalidMetric(f"the lines {_said(points[[a, b]])} and {_said(points[edges[other]])} cross")
+    # From left to right: those that cross an edge and begin no farther left begin before it ends.
+    left, right = np.minimum(starts[:, 0], ends[:, 0]), np.maximum(starts[:, 0], ends[:, 0])
+    order = np.argsort(left, kind="stable")
+    until = np.searchsorted(left[order], right[order], side="right")
+    for k, e in enumerate(order.tolist()):
+        others = order[k + 1 : until[k]]
+        a, b = edges[e]
+        apart = (edges[others] != a).all(axis=1) & (edges[others] != b).all(axis=1)
+        others = others[apart]
+        u, v = starts[others], ends[others]
+        crossing = turns(points[a], points[b], u) * turns(points[a], points[b], v) < 0
+        crossing &= turns(u, v, points[a]) * turns(u, v, points[b]) < 0
+        if crossing.any():
+            one, other = edges[sorted((e, int(others[np.argmax(crossing)])))]
+            raise InvalidMetric(f"the lines {_said(points[one])} and {_said(points[other])} cross")
 
 
 def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:
@@ -182,13 +193,14 @@ def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:
 
 def _check_apart(points: Floats, faces: list[list[int]], outer: list[list[int]]) -> None:
     """Refuse an outline inside of a face."""
+    firsts = points[[other[0] for other in outer]]
     for face in faces:
         corners = points[face]
-        low, high = corners.min(axis=0), corners.max(axis=0)
         own = set(face)
-        for other in outer:
-            v = points[other[0]]
-            if own.isdisjoint(other) and (v > low).all() and (v < high).all() and is_inside(v, corners):
+        within = ((firsts > corners.min(axis=0)) & (firsts < corners.max(axis=0))).all(axis=1)
+        for k in np.flatnonzero(within).tolist():
+            v = firsts[k]
+            if own.isdisjoint(outer[k]) and is_inside(v, corners):
                 raise InvalidMetric(
                     f"there is an outline inside of another, at {_at(v)}: sheets with holes cannot be glued, "
                     "and frames are to be removed"

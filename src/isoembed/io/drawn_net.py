@@ -21,8 +21,7 @@ from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 
 SNAP = 1e-6  # of the drawing: ends as near are one where they do not meet to the digits
-MEET = 1e-9  # of the drawing: the rounding of transformations
-UNITS = 4.0  # of the last digit, by which lengths between rounded points may differ
+UNITS = 4.0  # of the last digit, by which rounded points and lengths between them may differ
 NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
 ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
 SAME_PERIMETER = 1e-3  # curves of a D-form: they are sampled
@@ -72,8 +71,7 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     lines = undashed(_without_kerf(_without_holes(lines), 0.0 if seams else drawing.kerf), near)
     if not any(line.purpose == FOLD for line in lines):  # layers do not tell what is cut and what folded
         lines = [replace(line, purpose="") for line in lines]
-    least = max(MEET * size, 2 * drawing.unit, drawing.error, tolerance or 0.0)
-    graph = _graph(lines, least, near)
+    graph = _graph(lines, max(UNITS * drawing.unit, tolerance or 0.0), near)
     if not graph.faces:
         raise FileError(f"{name} has no closed outlines: its lines enclose nothing")
     quiet = tolerance is None

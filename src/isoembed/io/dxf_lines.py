@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ PROPERTIES = ("kerf", "error")
 FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_NESTED = 10  # blocks
+MOST_READ = 100_000  # entities, each as often as it is inserted: a few blocks in blocks make billions
 DAMAGED = (ValueError, KeyError, IndexError, AttributeError, TypeError, OverflowError)
 """What ezdxf raises of damaged files, besides errors of its own."""
 
@@ -54,13 +55,21 @@ def read_dxf_lines(file: InputFile) -> Lines:
     ezdxf = ezdxf_for(f"reading {file}")
     text = file.data.decode("utf-8", errors="surrogateescape")
     try:
-        document = ezdxf.read(io.StringIO(text.replace("\r\n", "\n")))
+        return _drawn(ezdxf, ezdxf.read(io.StringIO(text.replace("\r\n", "\n"))), str(file))
+    except FileError:
+        raise
     except (ezdxf.DXFError, *DAMAGED) as error:
         raise FileError(f"{file} is not a readable DXF file: {first_line(error)}") from None
+
+
+def _drawn(ezdxf: Any, document: Any, file: str) -> Lines:
+    """What a document draws."""
     # Of a drawing without a unit, as old programs write them, ezdxf says 0.
     unit = ezdxf.units.conversion_factor(document.units, ezdxf.units.MM) if document.units else 1.0
     lines, numbers, values = [], [], [np.zeros(1)]
-    entities = [*_entities(document.modelspace(), 0, str(file))]
+    entities = [*islice(_entities(document.modelspace(), 0, file), MOST_READ + 1)]
+    if len(entities) > MOST_READ:
+        raise FileError(f"{file} draws more than {MOST_READ} entities: no net needs as many")
     any_numbers = any(entity.dxf.layer.lower() == NUMBERS for entity in entities)
     for entity in entities:
         layer, kind = entity.dxf.layer.lower(), entity.dxftype()
@@ -86,7 +95,7 @@ def read_dxf_lines(file: InputFile) -> Lines:
         color = str(entity.dxf.get("true_color", entity.dxf.color))
         lines.append(Line(points, purpose, color, _angle(entity), kind == "CIRCLE", path.has_curves))
     properties = dict(document.header.custom_vars.properties)
-    said = [_millimeters(properties, name, str(file)) for name in PROPERTIES]
+    said = [_millimeters(properties, name, file) for name in PROPERTIES]
     return Lines(tuple(lines), tuple(numbers), unit * last_unit(np.concatenate(values)), *said)
 
 
@@ -108,7 +117,8 @@ def _entities(space: Any, depth: int, name: str) -> Iterator[Any]:
     for entity in space:
         kind = entity.dxftype()
         if kind == "INSERT":
-            yield from _entities(entity.virtual_entities(), depth + 1, name)
+            for one in entity.multi_insert() if entity.mcount > 1 else [entity]:  # rows and columns
+                yield from _entities(one.virtual_entities(), depth + 1, name)
         elif kind in CURVES or kind in ("TEXT", "MTEXT"):
             yield entity
 

@@ -19,6 +19,7 @@ from isoembed.io.svg_path import LARGEST, number, path_points
 
 MOST_BYTES = 50_000_000
 MOST_NESTED = 50  # elements, and uses of others by them
+MOST_READ = 100_000  # elements, each as often as it is used: a few lines of uses of uses make billions
 PIXEL = 25.4 / 96  # mm
 UNITS = {
     "": PIXEL,
@@ -33,7 +34,7 @@ UNITS = {
 UNDRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern", "metadata", "title", "desc", "style"}
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 HREF = "{http://www.w3.org/1999/xlink}href"
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"  # no second way to read it: the time is linear
 CURVED = re.compile("[CcSsQqTtAa]")
 ANCHORS = {"start": 0.5, "middle": 0.0, "end": -0.5}
 WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in sizes of the font
@@ -98,6 +99,7 @@ class _Reader:
         self.numbers: list[Number] = []
         self.values: list[Floats] = []
         self.steps = 1  # whose rounding adds up, along a path of relative coordinates
+        self.read = 0  # elements
         self.any_numbers = any(_label(e) == NUMBERS for e in by_id.values())
 
     def walk(self, element: Element, style: _Style, depth: int) -> None:
@@ -107,6 +109,9 @@ class _Reader:
             return
         if depth > MOST_NESTED:
             raise FileError(f"{self.name} has elements nested more than {MOST_NESTED} deep")
+        self.read += 1
+        if self.read > MOST_READ:
+            raise FileError(f"{self.name} draws more than {MOST_READ} elements: no net needs as many")
         style = self._styled(element, style)
         if not style.shown:
             return
@@ -146,8 +151,8 @@ class _Reader:
         return value
 
     def _styled(self, element: Element, style: _Style) -> _Style:
-        said = dict(re.findall(r"([\w-]+)\s*:\s*([^;]+)", element.get("style", "")))
-        said = {key: value.strip() for key, value in said.items()}
+        pairs = (part.partition(":") for part in element.get("style", "").split(";"))
+        said = {key.strip(): value.strip() for key, _, value in pairs if value.strip()}
 
         def of(key: str) -> str | None:
             return said.get(key, element.get(key))
@@ -275,7 +280,7 @@ def _transform(text: str, name: str) -> Floats:
     matrix = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     if not text.strip():
         return matrix
-    calls = re.findall(r"(\w+)\s*\(([^)]*)\)", text)
+    calls = re.findall(r"\b(\w++)\s*+\(([^()]*+)\)", text)
     for kind, inside in calls:
         given = [number(x) for x in re.findall(NUMBER, inside)]
         one = _matrix(kind, given)

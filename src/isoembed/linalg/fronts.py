@@ -52,7 +52,7 @@ def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) ->
 
 @cython.ccall
 @cython.nogil
-@cython.exceptval(check=False)
+@cython.exceptval(-1, check=False)
 def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: Number[::1]) -> cython.bint:
     """Eliminate k of m columns; whether every pivot was larger than the least and not zero."""
     for first in range(0, k, 64):
@@ -110,13 +110,18 @@ def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int
 
 @cython.cfunc
 @cython.with_gil
-@cython.exceptval(check=False)
-def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: Number[::1]) -> cython.void:
-    """Eliminate a block of columns from all rows below, by products of matrices."""
+@cython.exceptval(-1, check=False)
+def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: Number[::1]) -> cython.int:
+    """Eliminate a block of columns from all rows below, by products of matrices; 0.
+
+    The matrices are so small that no library works on one with several threads, which would wait for each
+    other, and for those of other branches.
+    """
     k, below = last - first, m - last
     part = below * k
     free = np.asarray(room)
     left, right = free[part : 2 * part].reshape(below, k), free[:part].reshape(below, k)
+    spare = free[2 * part :]
     scaled: Number[:, ::1] = left
     columns: Number[:, ::1] = right
     for j in range(k):
@@ -126,14 +131,17 @@ def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: 
             columns[i, j] = front[at + last + i]
             scaled[i, j] = front[at + last + i] * factor
     for top in range(0, below, 64):
-        bottom, width = min(top + BLOCK, below), below - top
-        whole = free[2 * part : 2 * part + (bottom - top) * width].reshape(bottom - top, width)
-        np.dot(left[top:bottom], right[top:].T, whole)
-        product: Number[:, ::1] = whole
-        for r in range(bottom - top):
-            y = beginning(last + top + r, m) - r
-            for i in range(r, width):
-                front[y + i] -= product[r, i]
+        bottom = min(top + BLOCK, below)
+        for start in range(top, below, 64):
+            end = min(start + BLOCK, below)
+            tile = spare[: (bottom - top) * (end - start)].reshape(bottom - top, end - start)
+            np.dot(left[top:bottom], right[start:end].T, tile)
+            product: Number[:, ::1] = tile
+            for r in range(bottom - top):
+                y = beginning(last + top + r, m) - top - r
+                for i in range(max(start, top + r), end):
+                    front[y + i] -= product[r, i - start]
+    return 0
 
 
 def eliminate(
@@ -180,7 +188,7 @@ def eliminate(
 
 @cython.cfunc
 @cython.nogil
-@cython.exceptval(check=False)
+@cython.exceptval(-2, check=False)
 def _eliminate(
     starts: ConstInt[::1],
     ends: ConstInt[::1],

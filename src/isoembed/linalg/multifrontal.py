@@ -47,7 +47,8 @@ class Fronts:
         self._branches, self._top = cut(nodes, indptr, indices)
         rooms = sorted(branch.nodes.room for branch in self._branches)[-thread_count() :]
         passed = sum(triangle(branch.beyond.size) for branch in self._branches)
-        self.needs = 8 * (nodes.entries + passed + max(sum(rooms), self._top.nodes.room))
+        # What branches pass on is there twice while the top is eliminated: from each, and in one array.
+        self.needs = 8 * (nodes.entries + passed + max(sum(rooms), passed + self._top.nodes.room))
 
     def factor(self, data: Floats, *, single: bool = False) -> FrontalFactors:
         """Factorize the matrix with these entries, and keep the factors in single precision if asked to.
