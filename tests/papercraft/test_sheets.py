@@ -316,3 +316,21 @@ def test_a_tab_does_not_reach_across_a_slit_into_the_sheet():
     outline = np.array([[0, 0], [100, 0], [100, 60], *slit, [0, 60]], dtype=float)
     assert list(tabs([outline], [((0, 3), (0, 8))])) == [(0, 8)]
     assert not tabs([outline], [((0, 3), (0, 6))])
+
+
+def test_a_tab_does_not_meet_a_corner_that_is_near_its_own():
+    """A slit ends a fifth of a millimeter beside the corner at which the tab begins."""
+    outline = np.array(
+        [
+            [56.47, 9.06],
+            [47.306, 46.528],
+            [54.953, 53.718],
+            [47.424, 46.405],
+            [58.104, 53.124],
+            [65, 60],
+            [0, 60],
+            [0, 0],
+        ]
+    )
+    (((_, k), top),) = tabs([outline], [((0, 0), (0, 6))]).items()
+    assert is_simple(np.insert(outline, k + 1, top, axis=0))

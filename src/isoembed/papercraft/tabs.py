@@ -15,7 +15,7 @@ SLANT = np.radians(55.0)  # of a leg against the side, at most
 BESIDE, BETWEEN = 0.45, 0.8  # of the angle beside a side: with room for another tab, and for none
 SHRINK = 0.85
 CLEAR = 1.1  # a tab so much deeper would not meet anything either
-OFF = 0.03  # of a leg; there it meets others that end in the same corner
+OFF = 1e-3  # of a leg; there it meets others that end in the same corner
 
 Side = tuple[int, int]
 
@@ -78,12 +78,17 @@ def _deepest(
     ends = np.array([start, end])
     if depth < LEAST:
         return 0.0, ends
-    close = [some.near(np.vstack([ends, top(CLEAR * depth)])) for some in (segments, others)]
+    rims, pieces = (some.near(np.vstack([ends, top(CLEAR * depth)])) for some in (segments, others))
+    joined = (rims[:, :, None] == ends).all(axis=3).any(axis=(1, 2))
     while depth >= LEAST:
-        piece = _piece(ends, top(CLEAR * depth))
+        deeper = top(CLEAR * depth)
+        piece, whole = _piece(ends, deeper), np.vstack([ends, deeper[::-1]])
         # Across a narrow slit it meets no side of a sheet, and is inside of it.
-        if not any(overlaps(piece, some) for some in close) and not any(
-            is_inside(piece.mean(axis=0), sheet) for sheet in outlines
+        if (
+            not overlaps(piece, rims[joined])
+            and not overlaps(piece, pieces)
+            and not overlaps(whole, rims[~joined])
+            and not any(is_inside(piece.mean(axis=0), sheet) for sheet in outlines)
         ):
             return depth, top(depth)
         depth *= SHRINK
