@@ -109,38 +109,53 @@ def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int
 
 
 @cython.cfunc
-@cython.with_gil
+@cython.nogil
 @cython.exceptval(-1, check=False)
 def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: Number[::1]) -> cython.int:
     """Eliminate a block of columns from all rows below, by products of matrices; 0.
 
-    The matrices are so small that no library works on one with several threads, which would wait for each
-    other, and for those of other branches.
+    In the room are the columns, the scaled columns and a product, one after the other.
     """
     k, below = last - first, m - last
     part = below * k
-    free = np.asarray(room)
-    left, right = free[part : 2 * part].reshape(below, k), free[:part].reshape(below, k)
-    spare = free[2 * part :]
-    scaled: Number[:, ::1] = left
-    columns: Number[:, ::1] = right
     for j in range(k):
         at = beginning(first + j, m) - first - j
         factor: Number = 1.0 / front[at + first + j]
         for i in range(below):
-            columns[i, j] = front[at + last + i]
-            scaled[i, j] = front[at + last + i] * factor
+            room[i * k + j] = front[at + last + i]
+            room[part + i * k + j] = front[at + last + i] * factor
     for top in range(0, below, 64):
         bottom = min(top + BLOCK, below)
         for start in range(top, below, 64):
             end = min(start + BLOCK, below)
-            tile = spare[: (bottom - top) * (end - start)].reshape(bottom - top, end - start)
-            np.dot(left[top:bottom], right[start:end].T, tile)
-            product: Number[:, ::1] = tile
+            if _multiply(room, part, k, top, bottom, start, end) < 0:
+                return -1
+            width = end - start
             for r in range(bottom - top):
                 y = beginning(last + top + r, m) - top - r
+                x = 2 * part + r * width - start
                 for i in range(max(start, top + r), end):
-                    front[y + i] -= product[r, i - start]
+                    front[y + i] -= room[x + i]
+    return 0
+
+
+@cython.cfunc
+@cython.with_gil
+@cython.exceptval(-1, check=False)
+def _multiply(
+    room: Number[::1], part: Int, k: Int, top: Int, bottom: Int, start: Int, end: Int
+) -> cython.int:
+    """Multiply scaled columns by columns in the `room`; 0.
+
+    The matrices are so small that no library works on one with several threads, which would wait for each
+    other, and for those of other branches.
+    """
+    free = np.asarray(room)
+    np.dot(
+        free[part + top * k : part + bottom * k].reshape(bottom - top, k),
+        free[start * k : end * k].reshape(end - start, k).T,
+        free[2 * part : 2 * part + (bottom - top) * (end - start)].reshape(bottom - top, end - start),
+    )
     return 0
 
 
