@@ -69,7 +69,7 @@ class Compile(build_ext):
             part.replace(kept)
         else:
             made.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(kept, made)
+            shutil.copy(kept, made)  # new, so that it takes the place of a later one in the tree
 
     @staticmethod
     def _digest(ext: Extension) -> str:

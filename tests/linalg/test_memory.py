@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import tracemalloc
 
 import numpy as np
 import pytest
@@ -161,22 +160,6 @@ print(needs, status("VmHWM") - before)
     # Beside the factors there are the matrix, several times, and vectors.
     assert needs < taken + 4 * MB
     assert taken < 1.3 * needs + 20 * MB
-
-
-def test_what_branches_pass_on_is_there_twice():
-    matrix, order = grid(400)
-    solver = analyze(matrix, order)
-    assert solver._fronts._branches
-    lower = matrix.data[solver._source]
-    solver._fronts.factor(lower)
-    tracemalloc.start()
-    try:
-        solver._fronts.factor(lower)
-        taken = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    # Beside it there are the room to multiply and the entries of the top.
-    assert solver.needs < taken < 1.03 * solver.needs
 
 
 def test_numbers_of_bytes_are_readable():

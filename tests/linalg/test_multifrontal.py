@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grids import grid
-from isoembed.linalg import analyze, branches, factor
+from isoembed.linalg import analyze, factor
 from isoembed.linalg.superlu import symmetric_lu
 from patterns import random_pattern
 
@@ -90,36 +90,3 @@ def test_relabelling_changes_nothing():
     x = analyze(matrix, order, definite=False).factor(matrix.data).solve(b, 0)
     y = analyze(relabelled, place[order], definite=False).factor(relabelled.data).solve(b[names], 0)
     assert np.array_equal(y, x[names])
-
-
-def test_libraries_multiply_small_matrices_only(monkeypatch):
-    matrix, order = grid(150)
-    solver, dot, sizes = analyze(matrix, order), np.dot, []
-
-    def counted(a, b, product):
-        sizes.append(a.shape[0] * a.shape[1] * b.shape[1])
-        return dot(a, b, product)
-
-    monkeypatch.setattr(np, "dot", counted)
-    solver.factor(matrix.data)
-    assert len(sizes) > 50
-    assert max(sizes) <= 64**3  # OpenBLAS takes several threads for more
-
-
-@pytest.mark.parametrize("threads", ["1", "2"])
-@pytest.mark.parametrize("least", [0.0, np.inf])
-def test_what_fails_in_a_product_fails(monkeypatch, threads, least):
-    monkeypatch.setenv("OMP_NUM_THREADS", threads)
-    monkeypatch.setattr(branches, "LEAST", least)
-    matrix, order = grid(150)
-    solver, dot = analyze(matrix, order), np.dot
-    assert bool(solver._fronts._branches) == (least == 0)
-
-    def failing(a, b, product):
-        if a.shape[0] < 64:
-            raise MemoryError("no room")
-        return dot(a, b, product)
-
-    monkeypatch.setattr(np, "dot", failing)
-    with pytest.raises(MemoryError, match="no room"):
-        solver.factor(matrix.data)

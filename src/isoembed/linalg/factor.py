@@ -125,7 +125,7 @@ class Solver:
                     f"the matrix is not positive definite: diagonal entry {k} is {least:.3g}"
                 )
         self._require_memory()
-        single = single and self._fronts.entries > SINGLE_ENTRIES
+        single = single and self._fronts.nodes.entries > SINGLE_ENTRIES
         numeric = self._fronts.factor(matrix.data, single=single)
         scale = np.sqrt(diagonal) if self.definite else matrix.sizes()
         b, x = _refuse_growth(numeric, scale, scale)

@@ -30,7 +30,6 @@ def room_to_multiply(front, m):
 
 
 @cython.ccall
-@cython.nogil
 @cython.exceptval(check=False)
 def beginning(j: Int, m: Int) -> Int:
     """Where row j of a triangle of m rows begins."""
@@ -38,7 +37,6 @@ def beginning(j: Int, m: Int) -> Int:
 
 
 @cython.ccall
-@cython.nogil
 @cython.exceptval(check=False)
 def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) -> cython.void:
     """Add a triangle to a front of m rows, at these of its rows, which rise."""
@@ -51,9 +49,7 @@ def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) ->
 
 
 @cython.ccall
-@cython.nogil
-@cython.exceptval(-1, check=False)
-def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: Number[::1]) -> cython.bint:
+def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: object) -> cython.bint:
     """Eliminate k of m columns; whether every pivot was larger than the least and not zero."""
     for first in range(0, k, 64):
         last = min(first + BLOCK, k)
@@ -66,7 +62,6 @@ def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: Num
 
 
 @cython.cfunc
-@cython.nogil
 @cython.exceptval(check=False)
 def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int, least: Real) -> cython.bint:
     """Eliminate some columns, four at a time, from themselves and from the rows below, up to `end`."""
@@ -109,54 +104,29 @@ def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int
 
 
 @cython.cfunc
-@cython.nogil
-@cython.exceptval(-1, check=False)
-def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: Number[::1]) -> cython.int:
-    """Eliminate a block of columns from all rows below, by products of matrices; 0.
-
-    In the room are the columns, the scaled columns and a product, one after the other.
-    """
+def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: object) -> object:
+    """Eliminate a block of columns from all rows below, by products of matrices."""
     k, below = last - first, m - last
     part = below * k
+    left, right = room[part : 2 * part].reshape(below, k), room[:part].reshape(below, k)
+    scaled: Number[:, ::1] = left
+    columns: Number[:, ::1] = right
     for j in range(k):
         at = beginning(first + j, m) - first - j
         factor: Number = 1.0 / front[at + first + j]
         for i in range(below):
-            room[i * k + j] = front[at + last + i]
-            room[part + i * k + j] = front[at + last + i] * factor
+            columns[i, j] = front[at + last + i]
+            scaled[i, j] = front[at + last + i] * factor
     for top in range(0, below, 64):
-        bottom = min(top + BLOCK, below)
-        for start in range(top, below, 64):
-            end = min(start + BLOCK, below)
-            if _multiply(room, part, k, top, bottom, start, end) < 0:
-                return -1
-            width = end - start
-            for r in range(bottom - top):
-                y = beginning(last + top + r, m) - top - r
-                x = 2 * part + r * width - start
-                for i in range(max(start, top + r), end):
-                    front[y + i] -= room[x + i]
-    return 0
-
-
-@cython.cfunc
-@cython.with_gil
-@cython.exceptval(-1, check=False)
-def _multiply(
-    room: Number[::1], part: Int, k: Int, top: Int, bottom: Int, start: Int, end: Int
-) -> cython.int:
-    """Multiply scaled columns by columns in the `room`; 0.
-
-    The matrices are so small that no library works on one with several threads, which would wait for each
-    other, and for those of other branches.
-    """
-    free = np.asarray(room)
-    np.dot(
-        free[part + top * k : part + bottom * k].reshape(bottom - top, k),
-        free[start * k : end * k].reshape(end - start, k).T,
-        free[2 * part : 2 * part + (bottom - top) * (end - start)].reshape(bottom - top, end - start),
-    )
-    return 0
+        bottom, width = min(top + BLOCK, below), below - top
+        whole = room[2 * part : 2 * part + (bottom - top) * width].reshape(bottom - top, width)
+        np.dot(left[top:bottom], right[top:].T, whole)
+        product: Number[:, ::1] = whole
+        for r in range(bottom - top):
+            y = beginning(last + top + r, m) - r
+            for i in range(r, width):
+                front[y + i] -= product[r, i]
+    return None
 
 
 def eliminate(
@@ -166,104 +136,65 @@ def eliminate(
     data: ConstReal[::1],
     L: Stored[::1],
     stack: Number[::1],
-    passed: Number[::1],
     least: Real,
 ):
     """Fill L; the number of negative pivots, or -1 where one is zero or not larger than the least.
 
-    What the last supernode leaves for the rows below it is at the beginning of the stack.
-
     Parameters
     ----------
     nodes : Supernodes
-        Those without columns stand for what was eliminated elsewhere.
     indptr, indices, data
         The lower triangle in compressed columns.
     L, stack : ndarray
         Filled in; room for the fronts that wait.
-    passed : ndarray
-        The triangles that supernodes without columns pass on, one after the other.
     least : float
     """
     starts: ConstInt[::1] = nodes.starts
     ends: ConstInt[::1] = nodes.ends
     children: ConstInt[::1] = nodes.children
     rows: ConstInt32[::1] = nodes.rows
-    place: Int[::1] = np.empty(nodes.height, dtype=np.int64)  # in the front, of its rows
+    place: Int[::1] = np.empty(indptr.shape[0] - 1, dtype=np.int64)  # in the front, of its rows
     places: Int[::1] = np.empty(nodes.widest, dtype=np.int64)
-    room: Number[::1] = room_to_multiply(np.asarray(stack), nodes.widest)
+    room = room_to_multiply(np.asarray(stack), nodes.widest)
     waiting: Int[::1] = np.empty(starts.shape[0], dtype=np.int64)  # supernodes, in the order of the stack
-    with cython.nogil:
-        found = _eliminate(
-            starts, ends, children, rows, indptr, indices, data, L, stack, passed, least, place, places, room,
-            waiting,
-        )  # fmt: skip
-    return found  # noqa: RET504 - with the lock of the interpreter
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(-2, check=False)
-def _eliminate(
-    starts: ConstInt[::1],
-    ends: ConstInt[::1],
-    children: ConstInt[::1],
-    rows: ConstInt32[::1],
-    indptr: ConstInt32[::1],
-    indices: ConstInt32[::1],
-    data: ConstReal[::1],
-    L: Stored[::1],
-    stack: Number[::1],
-    passed: Number[::1],
-    least: Real,
-    place: Int[::1],
-    places: Int[::1],
-    room: Number[::1],
-    waiting: Int[::1],
-) -> Int:
     waits: Int = 0
     top: Int = 0
     done: Int = 0
-    taken: Int = 0
     negative: Int = 0
     for s in range(starts.shape[0] - 1):
         k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
         m = k + below
+        for i in range(k):
+            place[starts[s] + i] = i
+        for i in range(below):
+            place[rows[ends[s] + i]] = k + i
         size = beginning(m, m)
         front: Number[::1] = stack[top : top + size]
+        front[:] = 0.0
+        for j in range(k):
+            at = beginning(j, m) - j
+            for p in range(indptr[starts[s] + j], indptr[starts[s] + j + 1]):
+                front[at + place[indices[p]]] = data[p]
         bottom = top
-        if k == 0:
-            front[:] = passed[taken : taken + size]
-            taken += size
-        else:
-            for i in range(k):
-                place[starts[s] + i] = i
-            for i in range(below):
-                place[rows[ends[s] + i]] = k + i
-            front[:] = 0.0
-            for j in range(k):
-                at = beginning(j, m) - j
-                for p in range(indptr[starts[s] + j], indptr[starts[s] + j + 1]):
-                    front[at + place[indices[p]]] = data[p]
-            for _ in range(children[s]):
-                waits -= 1
-                c = waiting[waits]
-                count = ends[c + 1] - ends[c]
-                for i in range(count):
-                    places[i] = place[rows[ends[c] + i]]
-                extend(front, m, stack[bottom - beginning(count, count) : bottom], places[:count])
-                bottom -= beginning(count, count)
-            if not eliminate_columns(front, k, m, least, room):
-                return -1
-            for j in range(k):
-                at = beginning(j, m)
-                pivot: Number = front[at]
-                scale: Number = 1.0 / pivot
-                negative += pivot < 0
-                L[done] = pivot
-                for i in range(1, m - j):
-                    L[done + i] = front[at + i] * scale
-                done += m - j
+        for _ in range(children[s]):
+            waits -= 1
+            c = waiting[waits]
+            count = ends[c + 1] - ends[c]
+            for i in range(count):
+                places[i] = place[rows[ends[c] + i]]
+            extend(front, m, stack[bottom - beginning(count, count) : bottom], places[:count])
+            bottom -= beginning(count, count)
+        if not eliminate_columns(front, k, m, least, room):
+            return -1
+        for j in range(k):
+            at = beginning(j, m)
+            pivot: Number = front[at]
+            scale: Number = 1.0 / pivot
+            negative += pivot < 0
+            L[done] = pivot
+            for i in range(1, m - j):
+                L[done + i] = front[at + i] * scale
+            done += m - j
         at = beginning(k, m)
         for i in range(size - at):
             stack[bottom + i] = front[at + i]
@@ -273,82 +204,41 @@ def _eliminate(
     return negative
 
 
-def forward(nodes: object, L: Stored[::1], x: Real[:, ::1]):
-    """Solve with L D for every row of x, (columns, n), in its place."""
+def substitute(nodes: object, L: Stored[::1], x: Real[:, ::1]):
+    """Solve for every row of x, (columns, n), in its place."""
     starts: ConstInt[::1] = nodes.starts
     ends: ConstInt[::1] = nodes.ends
     rows: ConstInt32[::1] = nodes.rows
     v: Real[::1] = np.empty(nodes.widest)
-    with cython.nogil:
-        _all_forward(starts, ends, rows, L, x, v)
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def _all_forward(
-    starts: ConstInt[::1],
-    ends: ConstInt[::1],
-    rows: ConstInt32[::1],
-    L: Stored[::1],
-    x: Real[:, ::1],
-    v: Real[::1],
-) -> cython.void:
+    count = starts.shape[0] - 1
     done: Int = 0
-    for s in range(starts.shape[0] - 1):
+    for s in range(count):
         own, end = starts[s], ends[s]
         k, below = starts[s + 1] - own, ends[s + 1] - end
-        if k > 0:
-            for c in range(x.shape[0]):
-                for i in range(k):
-                    v[i] = x[c, own + i]
-                for i in range(below):
-                    v[k + i] = 0.0
-                _forward(L, done, k, k + below, v, x, c, own)
-                for i in range(below):
-                    x[c, rows[end + i]] += v[k + i]
+        for c in range(x.shape[0]):
+            for i in range(k):
+                v[i] = x[c, own + i]
+            for i in range(below):
+                v[k + i] = 0.0
+            _forward(L, done, k, k + below, v, x, c, own)
+            for i in range(below):
+                x[c, rows[end + i]] += v[k + i]
         done += beginning(k, k + below)
-
-
-def back(nodes: object, L: Stored[::1], x: Real[:, ::1]):
-    """Solve with the transpose of L for every row of x, (columns, n), in its place."""
-    starts: ConstInt[::1] = nodes.starts
-    ends: ConstInt[::1] = nodes.ends
-    rows: ConstInt32[::1] = nodes.rows
-    v: Real[::1] = np.empty(nodes.widest)
-    with cython.nogil:
-        _all_back(starts, ends, rows, L, x, v)
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def _all_back(
-    starts: ConstInt[::1],
-    ends: ConstInt[::1],
-    rows: ConstInt32[::1],
-    L: Stored[::1],
-    x: Real[:, ::1],
-    v: Real[::1],
-) -> cython.void:
-    done: Int = L.shape[0]
-    for s in range(starts.shape[0] - 2, -1, -1):
+    for s in range(count - 1, -1, -1):
         own, end = starts[s], ends[s]
         k, below = starts[s + 1] - own, ends[s + 1] - end
         done -= beginning(k, k + below)
-        if k > 0:
-            for c in range(x.shape[0]):
-                for i in range(k):
-                    v[i] = x[c, own + i]
-                for i in range(below):
-                    v[k + i] = x[c, rows[end + i]]
-                _back(L, done, k, k + below, v)
-                for i in range(k):
-                    x[c, own + i] = v[i]
+        for c in range(x.shape[0]):
+            for i in range(k):
+                v[i] = x[c, own + i]
+            for i in range(below):
+                v[k + i] = x[c, rows[end + i]]
+            _back(L, done, k, k + below, v)
+            for i in range(k):
+                x[c, own + i] = v[i]
 
 
 @cython.cfunc
-@cython.nogil
 @cython.exceptval(check=False)
 def _forward(
     L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1], x: Real[:, ::1], row: Int, own: Int
@@ -375,7 +265,6 @@ def _forward(
 
 
 @cython.cfunc
-@cython.nogil
 @cython.exceptval(check=False)
 def _back(L: Stored[::1], start: Int, k: Int, m: Int, v: Real[::1]) -> cython.void:
     """Solve with the transpose of L for the first k of m numbers, the others being known."""

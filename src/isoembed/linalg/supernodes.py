@@ -40,8 +40,6 @@ class Supernodes(NamedTuple):
     ends : ndarray of int64, shape (S + 1,)
         The rows below the columns of supernode s are ``rows[ends[s] : ends[s + 1]]``, sorted.
     rows : ndarray of int32
-    height : int
-        Number of rows: of columns, and of rows below the last supernode where this is a part.
     entries : int
         Of L, with the zeros that are stored.
     widest : int
@@ -54,16 +52,9 @@ class Supernodes(NamedTuple):
     children: Indices
     ends: Indices
     rows: Indices32
-    height: int
     entries: int
     widest: int
     room: int
-
-    @classmethod
-    def of(cls, starts: Indices, children: Indices, ends: Indices, rows: Indices32) -> Supernodes:
-        """Supernodes with the room that they need."""
-        height = int(starts[-1]) + (int(ends[-1] - ends[-2]) if len(ends) > 1 else 0)
-        return cls(starts, children, ends, rows, height, *_sizes(starts, children, ends))
 
 
 def find_supernodes(indptr: ConstInt32[::1], indices: ConstInt32[::1], elimination: Elimination):
@@ -82,10 +73,23 @@ def find_supernodes(indptr: ConstInt32[::1], indices: ConstInt32[::1], eliminati
         for j in range(starts[s], starts[s + 1]):
             home[j] = s
         ends[s + 1] = ends[s] + counts[starts[s + 1] - 1] - 1
+    entries: Int = 0
+    widest: Int = 0
+    waiting: Int = 0
+    room: Int = 0
+    ready: Int[::1] = np.zeros(count, dtype=np.int64)  # entries that the children pass on
     for s in range(count):
-        if ends[s + 1] > ends[s]:
+        k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
+        m = k + below
+        entries += k * m - k * (k - 1) // 2
+        widest = max(widest, m)
+        room = max(room, waiting + m * (m + 1) // 2)
+        passed = below * (below + 1) // 2
+        waiting += passed - ready[s]
+        if below > 0:
             above[s] = home[parent[starts[s + 1] - 1]]
             children[above[s]] += 1
+            ready[above[s]] += passed
     # Row i has entries in the supernodes of its entries in A, and in those on the way up to its own.
     place: Int[::1] = inverse(order)
     rows: Int32[::1] = np.empty(ends[count], dtype=np.int32)
@@ -101,47 +105,9 @@ def find_supernodes(indptr: ConstInt32[::1], indices: ConstInt32[::1], eliminati
                 rows[end[s]] = i
                 end[s] += 1
                 s = above[s]
-    return Supernodes.of(*map(np.asarray, (starts, children, ends, rows)))
-
-
-def _sizes(starts: ConstInt[::1], children: ConstInt[::1], ends: ConstInt[::1]):
-    """The entries of L, the rows of the largest front, and the room for fronts."""
-    entries: Int = 0
-    widest: Int = 0
-    room: Int = 0
-    top: Int = 0
-    waits: Int = 0
-    waiting: Int[::1] = np.empty(starts.shape[0], dtype=np.int64)
-    for s in range(starts.shape[0] - 1):
-        k, below = starts[s + 1] - starts[s], ends[s + 1] - ends[s]
-        m = k + below
-        entries += k * m - k * (k - 1) // 2
-        widest = max(widest, m)
-        room = max(room, top + m * (m + 1) // 2)
-        for _ in range(children[s] if k > 0 else 0):
-            waits -= 1
-            top -= waiting[waits]
-        waiting[waits] = below * (below + 1) // 2
-        top += waiting[waits]
-        waits += 1
-    return entries, widest, room
-
-
-def subtrees(starts: ConstInt[::1], ends: ConstInt[::1], rows: ConstInt32[::1]):
-    """Of each supernode its parent, the first one below it, and the cost of all below and of itself."""
-    count = starts.shape[0] - 1
-    home: Int32[::1] = np.repeat(np.arange(count, dtype=np.int32), np.diff(np.asarray(starts)))
-    above: Int32[::1] = np.full(count, NONE, dtype=np.int32)
-    first: Int32[::1] = np.arange(count, dtype=np.int32)
-    costs: Real[::1] = np.zeros(count)
-    for s in range(count):
-        costs[s] += _cost(starts[s + 1] - starts[s], ends[s + 1] - ends[s])
-        if ends[s + 1] > ends[s]:
-            p = home[rows[ends[s]]]
-            above[s] = p
-            first[p] = min(first[p], first[s])
-            costs[p] += costs[s]
-    return np.asarray(above), np.asarray(first), np.asarray(costs)
+    return Supernodes(
+        np.asarray(starts), np.asarray(children), np.asarray(ends), np.asarray(rows), entries, widest, room
+    )
 
 
 @cython.cfunc

@@ -10,7 +10,6 @@ might spoil is left to the other way.
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.linalg.threads import in_threads
 from isoembed.surface.fit_loops import fewest, weigh
 
 NEAR = 0.5  # squared edges: a point p has the weight 1 / (NEAR + |p|^2)
@@ -29,8 +28,7 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
     counts, (abscissas, ordinates) = np.diff(indptr), charts.T.copy()
     done = np.zeros(len(counts), dtype=np.bool_)
     fits = np.flatnonzero((fewest(degree) <= counts) & (counts <= MAX_POINTS))
-
-    def fit(first: int) -> None:
+    for first in range(0, len(fits), SIDE_BY_SIDE):
         mine = fits[first : first + SIDE_BY_SIDE]
         k = np.arange(counts[mine].max())[:, None]
         there = k < counts[mine]
@@ -43,6 +41,4 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
         done[mine] = sound
         there &= sound
         weights[at[there]] = w[there]
-
-    in_threads(fit, range(0, len(fits), SIDE_BY_SIDE))
     return done
