@@ -69,6 +69,8 @@ def test_the_nearest_may_be_one_that_was_not_met():
     metric = PolyhedralMetric.from_mesh(x, faces)
     assert not isoembed.embed(metric).surface.concave_edges.any()
     dented = isoembed.embed(metric, method=Aim(which=x + 1e-3))
+    again = isoembed.embed(metric, method=Aim(which=x @ zoo.rotation(1).T - 2.0))
+    np.testing.assert_allclose(again.vertices, dented.vertices, rtol=0, atol=1e-9)  # wherever x stands
     assert dented.volume == pytest.approx(1 - 0.05 / 3, abs=1e-12)
     assert not isoembed.embed(metric, method=Aim(which="convex")).surface.concave_edges.any()
 

@@ -19,6 +19,8 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.curvature import deficits as vertex_deficits
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import aligned
+from isoembed.surface.measures import outward
+from isoembed.surface.principal_axes import standard_position
 
 MOTIONS = 4  # softest motions, along which others are sought
 FAR = 0.05  # mean edge lengths: on rough bodies there are too many farther away
@@ -162,7 +164,8 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
         )
         if not end.converged:
             end = anneal(system, end.vertices, metric.lengths, recorder, max_iterations=30)
-    found = Embedding(metric, end.vertices, method=target.method, tolerance=target.tolerance)
+    vertices = standard_position(metric.faces, outward(metric.faces, end.vertices))
+    found = Embedding(metric, vertices, method=target.method, tolerance=target.tolerance)
     return found if found.converged else None
 
 

@@ -1,4 +1,4 @@
-"""Folds that are drawn as dashes, put together."""
+"""Dashed lines: folds reconstructed from their dashes."""
 
 from collections.abc import Sequence
 from dataclasses import replace

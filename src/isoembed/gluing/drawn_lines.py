@@ -1,4 +1,4 @@
-"""Lines and numbers of a drawn net, as files of drawings hold them."""
+"""Vector drawings of nets: polylines by layer, and side numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Edges that are cut or kept where a surface is unfolded, as the user chooses."""
+"""Constraints of an edge unfolding: edges that must or must not be cut."""
 
 from __future__ import annotations
 

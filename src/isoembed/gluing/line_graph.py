@@ -1,4 +1,4 @@
-"""Planar graph of drawn lines: what they enclose is a face, and sheets are faces that hang together."""
+"""Planar straight-line graph of a drawing: faces, and sheets as connected faces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Search for sheets without overlaps: which faces stay together."""
+"""Search for edge unfoldings without overlap: few sheets, short cuts, strips or single faces."""
 
 from __future__ import annotations
 

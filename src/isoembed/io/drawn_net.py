@@ -1,4 +1,4 @@
-"""Nets from the lines of a drawing: sheets, folds, and sides matched by numbers, colors, folds or lengths."""
+"""Nets from vector drawings: sheets, folds, and sides matched by numbers, colors, angles or lengths."""
 
 from __future__ import annotations
 

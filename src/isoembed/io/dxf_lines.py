@@ -1,4 +1,4 @@
-"""Lines and numbers of DXF files, in millimeters, through ezdxf."""
+"""DXF input: polylines and side numbers in millimeters, through ezdxf."""
 
 from __future__ import annotations
 

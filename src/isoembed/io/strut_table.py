@@ -1,4 +1,4 @@
-"""Strut tables in CSV, as metrics: the hubs that each strut joins, and lengths of struts or of types."""
+"""Strut tables in CSV as polyhedral metrics: hubs of each strut, lengths by strut or by type."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines and numbers of SVG files, in millimeters."""
+"""SVG input: polylines and side numbers in millimeters."""
 
 from __future__ import annotations
 

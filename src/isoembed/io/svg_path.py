@@ -1,4 +1,4 @@
-"""Points on the paths of SVG: lines exactly, curves sampled."""
+"""SVG path data: polylines of line segments, Bezier curves and elliptical arcs."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""Exception of factorizations that a matrix does not have."""
+"""Exception for singular matrices and failed factorizations."""
 
 
 class SingularMatrix(ArithmeticError):  # noqa: N818  (named for what it says, as InvalidMetric is)

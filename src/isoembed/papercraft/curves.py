@@ -1,4 +1,4 @@
-"""SVG output of D-forms: two outlines to cut on the curve itself, with marks that meet."""
+"""SVG output of D-forms: two outlines as elliptical arcs and lines, with alignment marks."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""Drawing of a paper net in layers: outlines to cut, folds, glued areas, and what is only read."""
+"""Drawing of a paper net in layers: cut, mountain, valley, seam, glue, engrave."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rotation of a plane figure that fits best into a rectangle."""
+"""Fit of a polygon into a rectangle: best rotation and largest scale."""
 
 from __future__ import annotations
 

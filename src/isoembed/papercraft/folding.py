@@ -1,4 +1,4 @@
-"""Folding of a net: its faces in space with a share of the fold angles."""
+"""Partial folding of a net: positions of its faces at a fraction of the fold angles."""
 
 from __future__ import annotations
 

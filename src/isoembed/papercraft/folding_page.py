@@ -1,4 +1,4 @@
-"""Page for the browser: a net that is folded along a slider, with its drawing beside it."""
+"""Browser page of a net: folding with a slider, and the drawing beside it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is around the sheets on each page: ruler, legend, page number, corner marks."""
+"""Page margins: ruler, legend, page number, corner marks."""
 
 from __future__ import annotations
 

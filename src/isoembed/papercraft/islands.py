@@ -1,4 +1,4 @@
-"""Islands: sheets that are larger than a page, cut along folds into pieces that fit."""
+"""Islands: partition of sheets larger than a page by cuts along folds."""
 
 from __future__ import annotations
 

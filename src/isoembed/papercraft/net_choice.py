@@ -1,4 +1,4 @@
-"""The net of a surface that takes the fewest pages."""
+"""Search for the net with the fewest pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers of faces, in the middle of each."""
+"""Face numbers: placement inside the faces of a net."""
 
 from __future__ import annotations
 

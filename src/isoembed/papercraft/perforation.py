@@ -1,4 +1,4 @@
-"""Perforated folds: dashes that begin and end with material."""
+"""Perforated folds: dashes that leave material at both ends."""
 
 import numpy as np
 

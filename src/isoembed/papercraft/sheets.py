@@ -1,4 +1,4 @@
-"""Printable nets in SVG, PDF and DXF, and pages that show how they are folded."""
+"""Output of nets in SVG, PDF, DXF and as browser pages."""
 
 from __future__ import annotations
 

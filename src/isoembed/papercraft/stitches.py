@@ -1,4 +1,4 @@
-"""Holes for stitches, equally many on both sides of a seam."""
+"""Stitching holes: equal numbers on both sides of a seam."""
 
 from collections.abc import Sequence
 

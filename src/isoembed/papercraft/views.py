@@ -1,4 +1,4 @@
-"""Line drawing of a solid from two sides, with the numbers of its faces and without hidden lines."""
+"""Hidden-line drawing of a solid from two sides, with face numbers."""
 
 from __future__ import annotations
 
