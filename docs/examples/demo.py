@@ -32,6 +32,6 @@ print(f"  largest length error  {surface.residual:.1e} of the mean edge length")
 print(f"  inverted vertices     {report['convexity']['inverted_vertices']}")
 print(f"  int H dA              {found:.8f}, with H = (k1 + k2)/2")
 print(f"  smooth ellipsoid      {EXACT:.8f} ({found / EXACT - 1:+.1e}, second order in the edge length)")
-print(f"  time                  {sum(stage.seconds for stage in surface.stages):.1f} s")
+print(f"  time                  {sum(stage.seconds for stage in surface.stages):.2f} s")
 for name in ("metric.npz", "surface.ply", "surface.png", "report.json"):
     print(f"wrote {folder / name}")
