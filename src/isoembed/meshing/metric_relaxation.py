@@ -74,7 +74,18 @@ class MetricMesh:
     @property
     def is_cone(self) -> Mask:
         """Whether a triangle (F,) belongs to a cone over a boundary."""
-        return np.asarray((self.tables.faces >= len(self.u) - self.apexes).any(axis=1))
+        return np.asarray((self.tables.faces >= self.n_vertices).any(axis=1))
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices but for apexes."""
+        return len(self.u) - self.apexes
+
+    def delaunay(self) -> MetricMesh:
+        """The same vertices, connected anew."""
+        self._flip_roughly()
+        self._flip(np.ones(len(self.u), dtype=bool))
+        return self
 
     def relaxed(self, density: Cells | None) -> MetricMesh:
         """The best of all meshes on the way to angles within the window.
@@ -85,7 +96,7 @@ class MetricMesh:
             Wanted vertices per area, up to a factor; by default even.
         """
         mesh, everywhere = self, np.ones(len(self.u), dtype=bool)
-        everywhere[: self.boundary] = everywhere[len(self.u) - self.apexes :] = False
+        everywhere[: self.boundary] = everywhere[self.n_vertices :] = False
         best, least = mesh, np.inf
         for sweep in range(31):  # thirty sweeps of all vertices
             mesh._flip_roughly()
@@ -117,8 +128,7 @@ class MetricMesh:
     def _flip_roughly(self) -> None:
         """Flip to Delaunay by lengths from the metric at the vertices alone."""
         q = np.zeros((len(self.u), 3, 3))
-        inner = slice(0, len(self.u) - self.apexes)
-        q[inner] = self.tensor(self.u[inner])
+        q[: self.n_vertices] = self.tensor(self.u[: self.n_vertices])
         self._measure_roughly(q)
         for _ in range(FLIP_ROUNDS):
             if len(flip_to_delaunay(self.u, self.tables.views)) == 0:
@@ -134,7 +144,7 @@ class MetricMesh:
     @property
     def _legs(self) -> Mask:
         """Whether a half-edge (3F,) joins a vertex to the apex of a cone."""
-        begins = self.tables.corners >= len(self.u) - self.apexes
+        begins = self.tables.corners >= self.n_vertices
         return np.asarray(begins | begins[self.tables.twins])
 
     def _measure(self, h: Indices) -> int:

@@ -19,6 +19,11 @@ ALONG = 2048  # samples of the metric along a circle
 STRIP = np.sqrt(3.0) / 4.0  # width of the cells of vertices on a boundary, over the edge length
 
 
+def even_points(cells: Cells, k: int) -> Floats:
+    """Directions (k, 3) without chance, with the density of the cells."""
+    return cells.spread(fibonacci_lattice(k))
+
+
 @dataclass(frozen=True, eq=False)
 class ZoneLayout:
     """Places for the vertices of a triangulation of a zone in a metric.
@@ -33,12 +38,15 @@ class ZoneLayout:
         Takes unit vectors (n, 3) and returns the area over that of the unit sphere (n,).
     density : callable
         Takes unit vectors (n, 3) and returns the wanted vertices per area (n,), up to a factor.
+    is_ring : bool
+        Whether the two circles are one curve of the surface, a torus.
     """
 
     zone: Zone
     tensor: Callable[[Floats], Floats]
     area: Callable[[Floats], Floats]
     density: Callable[[Floats], Floats]
+    is_ring: bool = False
 
     @property
     def circles(self) -> tuple[float, ...]:
@@ -48,24 +56,32 @@ class ZoneLayout:
     def vertices(self, size: float) -> float:
         """Number of vertices with edges of this length where the density is one."""
         whole, around = self._measures
-        triangles, sides = 2.0 / np.sqrt(3.0) * whole / size**2, around / size
-        return float(triangles + 0.5 * sides + 2 - len(self.circles))
+        return float(2.0 / np.sqrt(3.0) * whole / size**2 + 0.5 * around / size + self._characteristic)
 
     def size(self, n: int) -> float:
         """Length of edges where the density is one if there are n vertices: the inverse of `vertices`."""
         whole, around = self._measures
         a, b = 2.0 / np.sqrt(3.0) * whole, 0.5 * around
-        inner = n - 2 + len(self.circles)
+        inner = n - self._characteristic
         return float((b + np.sqrt(b * b + 4.0 * a * inner)) / (2.0 * inner))
 
-    def mesh(self, n: int, distances: Callable[[Floats, Floats], Floats]) -> MetricMesh:
+    def mesh(
+        self,
+        n: int,
+        distances: Callable[[Floats, Floats], Floats],
+        points: Callable[[Cells, int], Floats] = even_points,
+    ) -> MetricMesh:
         """Triangulation with n vertices in the zone, closed by cones, that is not yet relaxed.
+
+        The vertices of a ring's second circle are those of the first, and are not counted.
 
         Parameters
         ----------
         n : int
         distances : callable
             As of a `MetricMesh`.
+        points : callable
+            Takes the wanted vertices on cells and a number k and returns k directions inside the zone.
 
         Raises
         ------
@@ -73,22 +89,30 @@ class ZoneLayout:
             The boundaries alone need more vertices.
         """
         size = self.size(n)
-        rims = [self._rim(theta, size, k * GOLDEN) for k, theta in enumerate(self.circles)]
+        # In a narrow band vertices opposite to each other would make squares.
+        turns = (0.0, 0.0 if self.is_ring else GOLDEN)
+        rims = [self._rim(theta, size, turn) for theta, turn in zip(self.circles, turns, strict=False)]
         boundary = sum(map(len, rims))
-        if boundary > n:
+        inner = n - (len(rims[0]) if self.is_ring else boundary)
+        if inner < 0:
             raise InvalidParameter(
                 f"{n} vertices are too few: of nearly equilateral triangles {boundary} would be on the boundary"
             )
-        inner = self._inside(size).spread(fibonacci_lattice(n - boundary))
-        apexes = [[[0.0, 0.0, z]] for z, theta in zip((1.0, -1.0), self.zone, strict=True) if 0 < theta < np.pi]
-        u = np.concatenate([*rims, inner, *apexes])
+        apexes = [(0.0, 0.0, z) for z, theta in zip((1.0, -1.0), self.zone, strict=True) if 0 < theta < np.pi]
+        u = np.concatenate([*rims, points(self._inside(size), inner), apexes])
         return MetricMesh.hull(u, self.tensor, distances, boundary, len(apexes))
+
+    @property
+    def _characteristic(self) -> int:
+        """Vertices less edges plus triangles."""
+        return 2 - len(self.circles)
 
     @cached_property
     def _measures(self) -> tuple[float, float]:
-        """Area and length of the boundaries in units that have one vertex each, up to a factor."""
+        """Area and length of the boundaries where the density is one, as many vertices elsewhere."""
         whole = Cells.of(self._wanted, (ROWS, ROWS), zone=self.zone).integral()
-        return whole, sum(float(self._circle(theta)[1].mean()) * 2.0 * np.pi for theta in self.circles)
+        boundaries = () if self.is_ring else self.circles
+        return whole, sum(float(self._circle(theta)[1].mean()) * 2.0 * np.pi for theta in boundaries)
 
     def _wanted(self, u: Floats) -> Floats:
         return self.area(u) * self.density(u)

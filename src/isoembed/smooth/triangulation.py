@@ -189,7 +189,7 @@ def _checked_zone(zone: tuple[float, float]) -> Zone:
 def _measured(mesh: MetricMesh, unit: float, space: Space) -> SphereMesh:
     """A relaxed mesh without its cones, in the user's unit."""
     inside = ~mesh.is_cone
-    u = mesh.u[: len(mesh.u) - mesh.apexes]
+    u = mesh.u[: mesh.n_vertices]
     triangulation = Triangulation(mesh.tables.faces[inside])
     lengths = unit * mesh.tables.face_lengths[inside].ravel()[triangulation.edge_sides.max(axis=1)]
     try:
