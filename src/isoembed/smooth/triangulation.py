@@ -166,7 +166,7 @@ def _triangulated_zone(
 
     layout = ZoneLayout(zone, tensor, area, density)
     if size is not None:
-        n = _checked_number(layout.vertices(1.02 * size / unit), size)
+        n = _checked_number(layout.vertices(size / unit / 1.02), size)
     assert n is not None
     mesh = layout.mesh(n, partial(geodesic_lengths, own))
     return _measured(mesh.relaxed(Cells.of(density, (256, 64), zone=zone) if grading else None), unit, space)
