@@ -10,7 +10,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
 from isoembed.meshing.metric_relaxation import MetricMesh
-from isoembed.meshing.sphere import directions_at, fibonacci_lattice
+from isoembed.meshing.sphere import angles_of, directions_at, fibonacci_lattice
 from isoembed.meshing.spreading import WHOLE, Cells, Zone, cell_centers, roundest_axis
 from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
 from isoembed.meshing.zone import ZoneLayout
@@ -44,6 +44,11 @@ class SphereMesh:
     def faces(self) -> Indices:
         """(F, 3): the triangles."""
         return self.metric.faces
+
+    @property
+    def polar(self) -> tuple[Floats, Floats]:
+        """theta and phi (V,) of the vertices: on a disc, radius and angle of its polar coordinates."""
+        return angles_of(self.directions)
 
     @cached_property
     def angles(self) -> tuple[float, float]:
