@@ -2,9 +2,10 @@
 
     python benchmarks/hyperbolic_discs.py [--radii R ...] [--waves N ...] [--vertices N ...]
 
-For every radius and number of waves it prints int k1^2 + k2^2 dA of the sheet of least bending that is found from
-a saddle with these waves; the waves that it has; that of the periodic Amsler surface, an isometric immersion of the
-disc that consists of 2 n sectors between straight lines [1]_; and the bound 2 int |K| dA = 4 pi (cosh R - 1).
+For every radius and number of waves n it prints int k1^2 + k2^2 dA of the sheet of least bending found
+from a saddle with these waves; the waves that it has; that of the periodic Amsler surface, an isometric
+immersion of the disc that consists of 2 n sectors between straight lines [1]_; and the bound
+2 int abs(K) dA = 4 pi (cosh R - 1).
 
 References
 ----------

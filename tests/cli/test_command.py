@@ -387,8 +387,14 @@ def test_triangulate_makes_discs_and_bands(run):
         (["--disc", 0, -1], "the radius must be positive, not -1"),
         (["--disc", 0, 1, "--zone", 0, 1], "--zone does not go with a --disc"),
         (["grid.npz", "--disc", 0, 1], "the input grid.npz does not go with a --disc"),
-        (["--disc", 0, 1, "--spacetime", "kerr", "--surface", "horizon"], "--disc does not go with a --spacet"),
-        (["--spacetime", "kerr", "--surface", "horizon", "--zone", 2, 1], "two angles with 0 <= start < stop"),
+        (
+            ["--disc", 0, 1, "--spacetime", "kerr", "--surface", "horizon"],
+            "--disc does not go with a --spacet",
+        ),
+        (
+            ["--spacetime", "kerr", "--surface", "horizon", "--zone", 2, 1],
+            "two angles with 0 <= start < stop",
+        ),
         ([], "which metric? Give a GRID, a --spacetime and a --surface, or a --disc"),
     ],
 )

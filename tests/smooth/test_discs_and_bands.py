@@ -175,7 +175,7 @@ def test_bands_of_horizons_embed():
         (ROUND, {"zone": (1.0, 0.5)}, InvalidParameter, r"two angles with 0 <= start < stop <= pi, not \(1"),
         (ROUND, {"zone": (0.0, 4.0)}, InvalidParameter, r"not \(0.0, 4.0\)"),
         (ROUND, {"zone": (0.0, 1e-9), "vertices": 5}, InvalidParameter, "at least 12, not 5"),
-        (ROUND, {"zone": (1.0, 1.02)}, InvalidParameter, "are too few: of nearly equilateral triangles"),
+        (ROUND, {"zone": (1.0, 1.02)}, InvalidParameter, "are too few: nearly equilateral triangles"),
         (
             AngleMetric(lambda r, phi: (1.0, 0.0, 0.5 * np.sin(r) ** 2)),
             {"zone": (0.0, 1.0)},

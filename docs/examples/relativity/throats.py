@@ -1,7 +1,7 @@
 """Embedding diagrams of throats.
 
-Equatorial planes of black holes, through the throat to the other side: Schwarzschild, Reissner and Nordström with
-Q = 0.9 M, and Kerr with a = 0.9 M. Each is the sheet of least bending with the lengths of the plane.
+Equatorial planes of black holes, through the throat to the other side: Schwarzschild, Reissner and Nordström
+with Q = 0.9 M, and Kerr with a = 0.9 M. Each is the sheet of least bending with the lengths of the plane.
 """
 
 import numpy as np

@@ -1,10 +1,8 @@
 """A sheet that swells.
 
-A disc whose center swells more than its edge: three states of a film, each the surface of least bending with the
-lengths of its metric.
+A disc whose center swells more than its edge: three states of a film, each the surface of least bending with
+the lengths of its metric.
 """
-
-import numpy as np
 
 import isoembed
 from isoembed.plot import Panel, frames_of, panels, write_animation

@@ -84,9 +84,7 @@ def _integrals(surface: Surface | ZoneSurface) -> str:
     """Words on what a surface encloses, or how much it is bent."""
     if isinstance(surface, Surface):
         return f"volume {surface.volume:.12g}, int H dA {surface.integrated_mean_curvature:.12g}"
-    return (
-        f"int k1^2 + k2^2 dA {surface.second_form_energy:.12g}, int H^2 dA {surface.bending_energy:.12g}"
-    )
+    return f"int k1^2 + k2^2 dA {surface.second_form_energy:.12g}, int H^2 dA {surface.bending_energy:.12g}"
 
 
 def _meshed(options: argparse.Namespace) -> tuple[Surface | ZoneSurface, Any, Any]:

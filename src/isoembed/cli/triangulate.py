@@ -21,7 +21,19 @@ EXAMPLES = (
     "isoembed triangulate --spacetime kerr --spin 0.5 --surface horizon --vertices 500 -o metric.npz",
     "isoembed triangulate --disc -1 1.5 --vertices 500 -o hyperbolic.npz",
 )
-USUAL = ("spacetime", "surface", "mass", "spin", "disc", "zone", "vertices", "size", "grading", "output", "quiet")
+USUAL = (
+    "spacetime",
+    "surface",
+    "mass",
+    "spin",
+    "disc",
+    "zone",
+    "vertices",
+    "size",
+    "grading",
+    "output",
+    "quiet",
+)
 """The options that ``--help`` lists."""
 
 
@@ -86,9 +98,7 @@ def run(options: argparse.Namespace) -> int:
             metric, name = read_metric_grid(options.input), options.input
         else:
             raise UsageError("which metric? Give a GRID, a --spacetime and a --surface, or a --disc")
-    mesh = triangulate_metric(
-        metric, options.vertices, size=options.size, grading=options.grading, zone=zone
-    )
+    mesh = triangulate_metric(metric, options.vertices, size=options.size, grading=options.grading, zone=zone)
     write_atomically({options.output: metric_writer(options.output, mesh.metric, directions=mesh.directions)})
     least, largest = np.degrees(mesh.angles)
     print_aside(
@@ -104,9 +114,9 @@ def _disc(curvature: float, radius: float) -> tuple[TwoMetric, Zone, str]:
     if not radius > 0.0:
         raise UsageError(f"--disc: the radius must be positive, not {radius:g}")
     if curvature > 0.0 and radius * np.sqrt(curvature) >= np.pi:
+        most = np.pi / np.sqrt(curvature)
         raise UsageError(
-            f"--disc: with curvature {curvature:g} the radius must be less than {np.pi / np.sqrt(curvature):.6g}, "
-            f"not {radius:g}"
+            f"--disc: with curvature {curvature:g} the radius must be less than {most:.6g}, not {radius:g}"
         )
     space = Space(curvature)
     metric = AngleMetric(lambda theta, phi: (radius**2, 0.0, space.sn(radius * theta) ** 2))

@@ -1,8 +1,8 @@
 """Closed-form surfaces.
 
-``SURFACES`` offers them by name; the fields of each dataclass are its options. A closed surface of genus 0 knows
-its points and curvatures exactly, and its area, volume and int H dA to rounding, for meshes to be compared with; a
-surface with boundary and a torus, their points, area, and integrals of H^2 and of k1^2 + k2^2.
+``SURFACES`` offers them by name; the fields of each dataclass are its options. A closed surface of genus 0
+knows its points and curvatures exactly, and its area, volume and int H dA to rounding, for meshes to be
+compared with; a surface with boundary, and a torus, its points, area, and integrals of H^2 and k1^2 + k2^2.
 """
 
 from isoembed.gallery.bent import Bean, BentTube

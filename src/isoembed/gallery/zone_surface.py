@@ -17,30 +17,40 @@ NEAREST = 1e-6  # sin(theta) to which derivatives by phi are taken at a pole
 class ZoneSurface(ClosedForm):
     """The image of a zone of the unit sphere, known in closed form: a disc, a band, or a torus.
 
-    A direction is a pair of polar angles, theta within `zone` and phi.  Subclasses are as those of a `Surface`.
+    A direction is a pair of polar angles, theta within `zone` and phi.
     """
 
     is_ring: ClassVar[bool] = False
 
     @property
     @abstractmethod
+    def _zone(self) -> tuple[float, float]:
+        """The `zone`."""
+
+    @property
+    @abstractmethod
+    def _integrals(self) -> tuple[float, float, float]:
+        """Area, in units of ``_unit``, and the integrals of H^2 and k1^2 + k2^2."""
+
+    @property
     def zone(self) -> tuple[float, float]:
         """Range of theta: from 0 that of a disc."""
+        return self._zone
 
     @property
-    @abstractmethod
     def area(self) -> float:
         """Area of the smooth surface, in length^2."""
+        return self._integrals[0] * self._unit * self._unit
 
     @property
-    @abstractmethod
     def bending_energy(self) -> float:
         """Integral of H^2 dA with H = (k1 + k2) / 2."""
+        return self._integrals[1]
 
     @property
-    @abstractmethod
     def second_form_energy(self) -> float:
         """Integral of k1^2 + k2^2 dA."""
+        return self._integrals[2]
 
     @abstractmethod
     def _polar(self, theta: Floats, phi: Floats) -> tuple[Floats, Floats, Floats]:
@@ -103,20 +113,13 @@ class Cap(ZoneOfRevolution):
         return self.radius
 
     @property
-    def zone(self) -> tuple[float, float]:
+    def _zone(self) -> tuple[float, float]:
         return 0.0, self.angle
 
     @property
-    def area(self) -> float:
-        return self.bending_energy * self.radius * self.radius
-
-    @property
-    def bending_energy(self) -> float:
-        return 2.0 * pi * (1.0 - cos(self.angle))
-
-    @property
-    def second_form_energy(self) -> float:
-        return 2.0 * self.bending_energy
+    def _integrals(self) -> tuple[float, float, float]:
+        whole = 2.0 * pi * (1.0 - cos(self.angle))
+        return whole, whole, 2.0 * whole
 
     def _meridian(self, theta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         sin, cosine = np.sin(theta), np.cos(theta)
@@ -145,21 +148,14 @@ class Cone(ZoneOfRevolution):
         return self.outer
 
     @property
-    def zone(self) -> tuple[float, float]:
+    def _zone(self) -> tuple[float, float]:
         return self.inner / self.outer, 1.0
 
     @property
-    def area(self) -> float:
+    def _integrals(self) -> tuple[float, float, float]:
         ratio = self.inner / self.outer
-        return pi * self.slope * (1.0 - ratio * ratio) * self.outer * self.outer
-
-    @property
-    def bending_energy(self) -> float:
-        return 0.25 * self.second_form_energy
-
-    @property
-    def second_form_energy(self) -> float:
-        return 2.0 * pi * (1.0 / self.slope - self.slope) * log(self.outer / self.inner)
+        squares = 2.0 * pi * (1.0 / self.slope - self.slope) * -log(ratio)
+        return pi * self.slope * (1.0 - ratio * ratio), 0.25 * squares, squares
 
     def _meridian(self, theta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         fall = sqrt((1.0 - self.slope) * (1.0 + self.slope))
@@ -177,9 +173,8 @@ class Catenoid(ZoneOfRevolution):
 
     def _check(self) -> None:
         if self.height > 10.0 * self.waist:
-            raise ValueError(
-                f"{self.name}: height must be at most 10 times the waist, {10.0 * self.waist:.6g}, not {self.height}"
-            )
+            most = 10.0 * self.waist
+            raise ValueError(f"{self.name}: height must be at most 10 waist = {most:.6g}, not {self.height}")
 
     @property
     def _unit(self) -> float:
@@ -191,20 +186,12 @@ class Catenoid(ZoneOfRevolution):
         return 0.5 * self.height / self.waist
 
     @property
-    def zone(self) -> tuple[float, float]:
+    def _zone(self) -> tuple[float, float]:
         return 0.25 * pi, 0.75 * pi
 
     @property
-    def area(self) -> float:
-        return pi * (2.0 * self._end + sinh(2.0 * self._end)) * self.waist * self.waist
-
-    @property
-    def bending_energy(self) -> float:
-        return 0.0
-
-    @property
-    def second_form_energy(self) -> float:
-        return 8.0 * pi * tanh(self._end)
+    def _integrals(self) -> tuple[float, float, float]:
+        return pi * (2.0 * self._end + sinh(2.0 * self._end)), 0.0, 8.0 * pi * tanh(self._end)
 
     def _meridian(self, theta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         turn = self._end / (0.25 * pi)
@@ -217,7 +204,9 @@ class Enneper(ZoneSurface):
     """Enneper's minimal surface (u - u^3/3 + u v^2, -v + v^3/3 - u^2 v, u^2 - v^2) over a disc."""
 
     name: ClassVar[str] = "enneper"
-    radius: float = option(0.8, "radius of the disc of u and v, at most 1.7: from 3^(1/2) on it crosses itself", positive)
+    radius: float = option(
+        0.8, "radius of the disc of u and v, at most 1.7: from 3^(1/2) on it crosses itself", positive
+    )
 
     def _check(self) -> None:
         if self.radius > 1.7:
@@ -228,21 +217,13 @@ class Enneper(ZoneSurface):
         return 1.0
 
     @property
-    def zone(self) -> tuple[float, float]:
+    def _zone(self) -> tuple[float, float]:
         return 0.0, 1.0
 
     @property
-    def area(self) -> float:
+    def _integrals(self) -> tuple[float, float, float]:
         s = self.radius**2
-        return pi * s * (1.0 + s + s * s / 3.0)
-
-    @property
-    def bending_energy(self) -> float:
-        return 0.0
-
-    @property
-    def second_form_energy(self) -> float:
-        return 8.0 * pi * self.radius**2 / (1.0 + self.radius**2)
+        return pi * s * (1.0 + s + s * s / 3.0), 0.0, 8.0 * pi * s / (1.0 + s)
 
     def _polar(self, theta: Floats, phi: Floats) -> tuple[Floats, Floats, Floats]:
         w = self.radius * theta * np.exp(1j * phi)  # u + i v
@@ -273,21 +254,14 @@ class Torus(ZoneOfRevolution):
         return self.ring
 
     @property
-    def zone(self) -> tuple[float, float]:
+    def _zone(self) -> tuple[float, float]:
         return 0.25 * pi, 0.75 * pi
 
     @property
-    def area(self) -> float:
-        return 4.0 * pi**2 * self.ring * self.tube
-
-    @property
-    def bending_energy(self) -> float:
+    def _integrals(self) -> tuple[float, float, float]:
         t = self.tube / self.ring
-        return pi**2 / (t * sqrt((1.0 - t) * (1.0 + t)))
-
-    @property
-    def second_form_energy(self) -> float:
-        return 4.0 * self.bending_energy  # the integral of K is 0
+        bending = pi**2 / (t * sqrt((1.0 - t) * (1.0 + t)))
+        return 4.0 * pi**2 * t, bending, 4.0 * bending  # the integral of K is 0
 
     def _meridian(self, theta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         t, turn = self.tube / self.ring, 4.0 * (theta - 0.25 * pi)

@@ -58,7 +58,7 @@ class ZoneSurface(Protocol):
 
     @property
     def is_ring(self) -> bool:
-        """Whether the two circles of latitude at the ends of the zone are one curve, in one parametrization."""
+        """Whether the circles at both ends of the zone are one curve, parametrized alike."""
 
     def point(self, directions: ArrayLike) -> Floats:
         """Points (n, 3), in the unit of the user."""

@@ -1,4 +1,4 @@
-"""Triangulations of a zone of the sphere of directions: a disc about a pole, or a band between two circles."""
+"""Triangulations of a zone of the sphere: a disc about a pole, or a band between two circles."""
 
 from __future__ import annotations
 
@@ -94,9 +94,9 @@ class ZoneLayout:
         rims = [self._rim(theta, size, turn) for theta, turn in zip(self.circles, turns, strict=False)]
         boundary = sum(map(len, rims))
         inner = n - (len(rims[0]) if self.is_ring else boundary)
-        if inner < 0:
+        if inner < 1:
             raise InvalidParameter(
-                f"{n} vertices are too few: of nearly equilateral triangles {boundary} would be on the boundary"
+                f"{n} vertices are too few: nearly equilateral triangles have {boundary} on boundaries"
             )
         apexes = [(0.0, 0.0, z) for z, theta in zip((1.0, -1.0), self.zone, strict=True) if 0 < theta < np.pi]
         u = np.concatenate([*rims, points(self._inside(size), inner), apexes])

@@ -47,7 +47,7 @@ class SphereMesh:
 
     @property
     def polar(self) -> tuple[Floats, Floats]:
-        """theta and phi (V,) of the vertices: on a disc, radius and angle of its polar coordinates."""
+        """Theta and phi (V,) of the vertices: on a disc, radius and angle of its polar coordinates."""
         return angles_of(self.directions)
 
     @cached_property

@@ -85,7 +85,7 @@ class AngleMetric:
 class ChartMetric:
     """A metric on a disc or a band of the plane, whose components in x and y are given by a function.
 
-    The point (x, y) is that in the direction with theta = (x^2 + y^2)^(1/2), less than pi, and tan(phi) = y / x.
+    The point (x, y) is in the direction with theta = (x^2 + y^2)^(1/2), less than pi, and tan(phi) = y / x.
 
     Attributes
     ----------
