@@ -30,7 +30,7 @@ def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
     """
     u = spread_directions(surface, np.random.default_rng(seed).random((CANDIDATES * n, 2)))
     density = vertex_density(surface, u)
-    total = 4.0 * np.pi * surface._radius**2 / np.mean(1.0 / density)
+    total = 4.0 * np.pi * surface._radius**2 / float(np.mean(1.0 / density))
     return u[least_crowded(surface._points(u), density, total, n)]
 
 
