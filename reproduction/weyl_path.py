@@ -18,7 +18,8 @@ from scipy.integrate import solve_ivp
 from isoembed import embed
 from isoembed.gallery import Ellipsoid
 from isoembed.meshing.sphere import fibonacci_directions
-from isoembed.smooth import AxisymmetricEmbedding, PulledBack, embed_smooth, triangulate_metric
+from isoembed.plot import Panel, Scale, placed_figure
+from isoembed.smooth import AxisymmetricEmbedding, PulledBack, SphereMesh, embed_smooth, triangulate_metric
 from isoembed.surface.alignment import aligned
 from reproduction import plots
 from reproduction.arrays import Floats, Indices
@@ -41,9 +42,11 @@ WAIST = 0.45  # of the Ricci flow's first metric, exp(2 w) times the round one w
 MODES = 32
 SHOWN = (0.0, 0.1, 0.25, 0.5, 0.8)  # times of the flow, over that at which the surface vanishes
 LATE = (0.9, 0.99)  # likewise, between which its rate is measured
+DRAWN = 1000  # vertices of its surfaces in the film
+END_OF_FILM = 0.95  # likewise; later the surface is too small to be seen
 
 
-def study(*, sizes: Sequence[float], vertices: int) -> Section:
+def study(*, sizes: Sequence[float], vertices: int, images: int) -> Section:
     """The path of ellipsoids, the surface of revolution, and a Ricci flow.
 
     Parameters
@@ -52,6 +55,8 @@ def study(*, sizes: Sequence[float], vertices: int) -> Section:
         Mean edge lengths h, falling, of the polyhedra on the ellipsoid (2, 2, 3).
     vertices : int
         Of the polyhedron of example 6.2.
+    images : int
+        Of the film of the Ricci flow.
     """
     path = [_along(t) for t in TIMES]
     meshes = [_polyhedron(h) for h in sizes]
@@ -60,13 +65,19 @@ def study(*, sizes: Sequence[float], vertices: int) -> Section:
     revolution = _revolution(vertices)
     flow = RicciFlow.solved()
     frames = [_frame(flow, share) for share in SHOWN]
+    mesh = triangulate_metric(PulledBack(_identity), DRAWN)
+    filmed = [flow.embedded(share, mesh) for share in np.linspace(0, END_OF_FILM, images).tolist()]
     late = [flow.deviation(share) for share in LATE]
     rate = float(np.diff(np.log(late))[0] / np.diff(np.log1p(-np.array(LATE)))[0])
     frame = frames[2]
     smooth = flow.embedded_by_harmonics(frame["share"])
     return Section.of(
         "weyl-path",
-        figures={"weyl-path": picture(meshes, flow), "ricci-flow": film(flow)},
+        figures={
+            "weyl-path": picture(meshes, flow),
+            "ricci-flow": meridians(flow),
+            "ricci-flow-film": film(filmed),
+        },
         numbers={
             "path": path,
             "polyhedra": meshes,
@@ -75,6 +86,7 @@ def study(*, sizes: Sequence[float], vertices: int) -> Section:
             "flow": frames,
             "rate": rate,
             "by_harmonics": smooth,
+            "film": [{"share": one.share, "away": one.away} for one in filmed],
         },
         path=path,
         worst=max(one["error"] for one in path),
@@ -93,6 +105,8 @@ def study(*, sizes: Sequence[float], vertices: int) -> Section:
         apart=abs(smooth - frame["mean_curvature"]),
         share=frame["share"],
         waist=WAIST,
+        images=images,
+        away=max(one.away for one in filmed),
     )
 
 
@@ -290,14 +304,50 @@ class RicciFlow:
 
     def embedded_by_harmonics(self, share: float) -> float:
         """Integral of H dA of the spectral embedding, which is given the tensor at unit vectors only."""
-        w = self.w(share)
+        return embed_smooth(Conformal(self.w(share))).integrated_mean_curvature
 
-        class Conformal:
-            def tensor(self, u: Floats) -> Floats:
-                factor = np.exp(2 * legendre.legval(u[:, 2], w))
-                return np.asarray(factor[:, None, None] * (np.eye(3) - u[:, :, None] * u[:, None, :]))
+    def embedded(self, share: float, mesh: SphereMesh) -> Embedded:
+        """The surface at a time over `end` by harmonics, drawn with the triangles of a mesh."""
+        found = embed_smooth(Conformal(self.w(share)))
+        u, profile = mesh.directions, self.profile(share)
+        theta = np.arccos(u[:, 2])
+        around = u[:, :2] / np.sin(theta)[:, None]
+        exact = np.column_stack([profile.rho(theta)[:, None] * around, profile.z(theta)])
+        vertices = aligned(found.points(u), exact)
+        radius = np.sqrt(profile.area / (4 * pi))
+        away = float(np.linalg.norm(vertices - exact, axis=1).max() / radius)
+        return Embedded(share, Panel(vertices, mesh.faces, radius * found.mean_curvature(u)), away)
 
-        return embed_smooth(Conformal()).integrated_mean_curvature
+
+@dataclass(frozen=True, eq=False)
+class Conformal:
+    """The metric exp(2 w) times the round one, w by coefficients in Legendre polynomials of cos(theta)."""
+
+    w: Floats
+
+    def tensor(self, u: Floats) -> Floats:
+        """At unit vectors u (n, 3)."""
+        factor = np.exp(2 * legendre.legval(u[:, 2], self.w))
+        return np.asarray(factor[:, None, None] * (np.eye(3) - u[:, :, None] * u[:, None, :]))
+
+
+@dataclass(frozen=True, eq=False)
+class Embedded:
+    """A surface of the flow.
+
+    Attributes
+    ----------
+    share : float
+        Time over that at which the surface vanishes.
+    panel : Panel
+        The surface, colored by mean curvature times areal radius.
+    away : float
+        The largest distance from the surface of revolution, over the areal radius.
+    """
+
+    share: float
+    panel: Panel
+    away: float
 
 
 def _frame(flow: RicciFlow, share: float) -> dict[str, Any]:
@@ -341,7 +391,7 @@ def _extremes(profile: AxisymmetricEmbedding) -> tuple[float, float]:
     return float(K.min()), float(K.max())
 
 
-def film(flow: RicciFlow) -> Figure:
+def meridians(flow: RicciFlow) -> Figure:
     """Meridians of the flow's surfaces, side by side."""
     figure = plots.blank(2.6)
     axes = figure.subplots(1, len(SHOWN), sharex=True, sharey=True)
@@ -354,3 +404,13 @@ def film(flow: RicciFlow) -> Figure:
         ax.set_title(f"t = {share:g} T", color=plots.INK, fontsize=plots.TEXT)
         plots.bare(ax)
     return figure
+
+
+def film(surfaces: Sequence[Embedded]) -> list[Figure]:
+    """The flow's surfaces one after the other, all to one scale."""
+    scale = Scale.of([one.panel for one in surfaces])
+    label = "mean curvature times areal radius"
+    return [
+        placed_figure(one.panel, label=label, caption=f"t = {one.share:.2f} T", scale=scale)
+        for one in surfaces
+    ]
