@@ -12,16 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from isoembed.relativity import (
-    FoundHorizon,
-    constant_expansion,
-    embed_surface,
-    find_horizon,
-    wang_yau,
-)
+from isoembed.relativity import embed_surface, find_horizon
 from reproduction import plots
 from reproduction.arrays import Floats
-from reproduction.head_on import END
+from reproduction.head_on import END, outside, rate
 from reproduction.published import Published, rows
 from reproduction.section import Section
 from reproduction.two_punctures import DEGREES, TwoPunctures
@@ -67,9 +61,7 @@ def study(*, distances: Sequence[float], expansions: Sequence[float], momenta: S
             "shooting",
         )
     )
-    near = _outside(expansions)
-    a, b = near[-2:]
-    below = [one["limit"] - one["wang_yau"] for one in (a, b)]
+    near = outside(head_on(FAST, NEAR), expansions)
     every = [one for found in sequences.values() for one in found]
     convergence = [_convergence(n) for n in (8, 12, 16, 20, 24, DEGREES)]
     return Section.of(
@@ -89,10 +81,9 @@ def study(*, distances: Sequence[float], expansions: Sequence[float], momenta: S
         moving=ends[1:],
         convergence=convergence,
         near=near,
-        first=near[0],
-        last=b,
-        below=below[1],
-        rate=float(np.log(below[0] / below[1]) / np.log(a["c"] / b["c"])),
+        last=near[-1],
+        below=near[-1]["limit"] - near[-1]["wang_yau"],
+        rate=rate(near),
         penrose=max(one["mass"] * sqrt(one["number"]) / one["infinity"] for one in every),
         half=max(abs(one["liu_yau"] / one["mass"] - 2) for one in every if one["d"] >= 1),
         distance=NEAR,
@@ -205,34 +196,6 @@ def appearance(P: float) -> float:  # noqa: N803
         d, s = np.array(trace[-5:]).T
         end = float(np.linalg.solve(s[:, None] ** np.array([0, 2, 3, 4, 5])[: len(s)], d)[0])
     return end
-
-
-def _outside(expansions: Sequence[float]) -> list[dict[str, float]]:
-    """Energies of surfaces of constant expansion outside of the common horizon, from far to near."""
-    holes = head_on(FAST, NEAR)
-    outer = find_horizon(holes)
-    energy = embed_surface(outer.data()).energies.liu_yau
-    assert energy is not None
-    radius, guess, records = sqrt(outer.area / (4 * pi)), outer.surface, []
-    for c in sorted(expansions):
-        found = constant_expansion(holes, c / radius, guess)
-        guess = found.surface
-        data = found.data()
-        surface = embed_surface(data)
-        given = surface.energies.liu_yau
-        assert given is not None
-        least = wang_yau(data, "optimal", embedding=surface.embedding)
-        records.append(
-            {
-                "c": c,
-                "radius": sqrt(found.area / (4 * pi)),
-                "liu_yau": given.value,
-                "wang_yau": least.energy.value,
-                "second": float(least.least_second_derivative or 0.0),
-                "limit": energy.value,
-            }
-        )
-    return records[::-1]
 
 
 def _convergence(degrees: int) -> dict[str, float]:

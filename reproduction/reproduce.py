@@ -21,6 +21,7 @@ from reproduction import (
     flexible,
     head_on,
     horizon_mass,
+    hyperbolic_torus,
     inverted_vertex,
     mean_curvature,
     regularized_continuation,
@@ -165,6 +166,7 @@ STUDIES = (
         full={"steps": 60, "stacked": 5, "starts": 60},
         quick={"steps": 20, "stacked": 2, "starts": 5},
     ),
+    Study("hyperbolic-torus", hyperbolic_torus.study, full={}, quick={}),
 )
 """In the order of the report."""
 

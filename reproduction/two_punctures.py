@@ -10,20 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
 from isoembed.relativity import ThreeGeometry
 from reproduction.arrays import Floats
 
-Numbers = NDArray[Any]  # real, or complex for derivatives by the complex step
-
 DEGREES = 28  # along t = 1 / xi and along mu
 STEPS = 20  # of Newton's method, which needs 3 to 6
-STEP = 1e-30  # of derivatives: its square is nothing beside 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,44 +117,60 @@ class TwoPunctures:
         (m, n), (u, v), d = self.masses, self.correction(at), self.distance
         return float(m * (1 + u + n / (2 * d))), float(n * (1 + v + m / (2 * d)))
 
-    def distances(self, x: Numbers) -> tuple[Numbers, Numbers]:
-        """r_+ and r_- (n,) at points x (n, 3), which may be complex."""
-        rho2, z = x[:, 0] ** 2 + x[:, 1] ** 2, x[:, 2]
-        return np.sqrt(rho2 + (z - 0.5 * self.distance) ** 2), np.sqrt(rho2 + (z + 0.5 * self.distance) ** 2)
+    def distances(self, x: Floats) -> tuple[Floats, Floats]:
+        """r_+ and r_- (n,) at points x (n, 3)."""
+        above, below = (np.linalg.norm(x - z * self._axis, axis=1) for z in (1, -1))
+        return above, below
 
-    def correction(self, x: Numbers) -> Numbers:
+    def correction(self, x: Floats) -> Floats:
         """The function u (n,)."""
-        above, below = self.distances(x)
+        t, along, across = self._expanded(*self.distances(x))
+        return np.asarray(t * np.einsum("nj,nj->n", along @ self.coefficients, across))
+
+    def conformal_factor(self, x: Floats) -> Floats:
+        """The function psi (n,)."""
+        (above, below), (m, n) = self.distances(x), self.masses
+        return np.asarray(1 + 0.5 * m / above + 0.5 * n / below + self.correction(x))
+
+    def gradient(self, x: Floats) -> Floats:
+        """``d_k gamma_ij`` (n, 3, 3, 3)."""
+        (above, below), (m, n), c = self.distances(x), self.masses, self.coefficients
+        d_above, d_below = (x - self._axis) / above[:, None], (x + self._axis) / below[:, None]
+        t, along, across = self._expanded(above, below)
+        u_over_t = np.einsum("nj,nj->n", along @ c, across)
+        by_t = u_over_t + 2 * t * np.einsum("nj,nj->n", along[:, :-1] @ legendre.legder(c), across)
+        by_mu = t * np.einsum("nj,nj->n", along @ legendre.legder(c, axis=1), across[:, :-1])
+        by_above = -0.5 * m / above**2 - (by_t * t**2 + by_mu) / self.distance
+        by_below = -0.5 * n / below**2 - (by_t * t**2 - by_mu) / self.distance
+        psi = 1 + 0.5 * m / above + 0.5 * n / below + t * u_over_t
+        slopes = 4 * psi[:, None] ** 3 * (by_above[:, None] * d_above + by_below[:, None] * d_below)
+        return np.asarray(slopes[:, :, None, None] * np.eye(3))
+
+    def _expanded(self, above: Floats, below: Floats) -> tuple[Floats, Floats, Floats]:
+        """The coordinate t = 1 / xi (n,), and the polynomials in 2 t - 1 and in mu (n, degrees)."""
         t, mu = self.distance / (above + below), (below - above) / self.distance
         n = len(self.coefficients) - 1
-        along = legendre.legvander(2 * t - 1, n) @ self.coefficients
-        return np.asarray(t * np.einsum("nk,nk->n", along, legendre.legvander(mu, n)))
+        return t, legendre.legvander(2 * t - 1, n), legendre.legvander(mu, n)
 
-    def conformal_factor(self, x: Numbers) -> Numbers:
-        """The function psi (n,)."""
-        above, below = self.distances(x)
-        m, n = self.masses
-        return 1 + 0.5 * m / above + 0.5 * n / below + self.correction(x)
+    @property
+    def _axis(self) -> Floats:
+        """The place of the upper hole."""
+        return np.array([0.0, 0.0, 0.5 * self.distance])
 
     def conformal_curvature(self, x: Floats) -> Floats:
         """``A_ij`` (n, 3, 3), the sum of ``3 / (2 r^2) (P_i n_j + n_i P_j - (delta_ij - n_i n_j) P . n)``."""
         A, axis = np.zeros((len(x), 3, 3)), np.array([0.0, 0.0, 1.0])
-        for P, place in zip(self.momenta, (0.5, -0.5), strict=True):
-            away = x - place * self.distance * axis
-            r = np.linalg.norm(away, axis=1)[:, None, None]
-            n = away[:, :, None] / r
+        for P, z, distances in zip(self.momenta, (1, -1), self.distances(x), strict=True):
+            r = distances[:, None, None]
+            n = (x - z * self._axis)[:, :, None] / r
             mixed = n * axis
             A += 1.5 * P / r**2 * (mixed + mixed.transpose(0, 2, 1))
             A -= 1.5 * P / r**2 * n[:, 2:] * (np.eye(3) - n * n.transpose(0, 2, 1))
         return A
 
-    def metric(self, x: Numbers) -> Numbers:
+    def metric(self, x: Floats) -> Floats:
         """``gamma_ij`` (n, 3, 3)."""
         return (self.conformal_factor(x) ** 4)[:, None, None] * np.eye(3)
-
-    def gradient(self, x: Floats) -> Floats:
-        """``d_k gamma_ij`` (n, 3, 3, 3)."""
-        return np.stack([self.metric(x + 1j * STEP * along).imag / STEP for along in np.eye(3)], axis=1)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """``K_ij`` (n, 3, 3)."""
