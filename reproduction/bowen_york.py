@@ -1,4 +1,4 @@
-"""Quasi-local energies through a head-on merger: Bowen and York's slices of holes that move toward each other.
+"""Quasi-local energies through a head-on merger: Bowen and York's slices of moving holes.
 
 D. Pook-Kolb, B. Zhao, L. Andersson, B. Krishnan and S.-T. Yau, arXiv:2308.10906; B. Zhao, L. Andersson and
 S.-T. Yau, arXiv:2406.10751.
@@ -32,7 +32,10 @@ THEIRS = {  # by the program TwoPunctures, 40 x 40 x 4 points, to the places tha
     "fast": "1.02137200",  # mass at infinity, momenta 0.5, distance 0.5
     "single": "1.499323",  # of one hole of bare mass and momentum 1; 80 points
 }
-FIRST, STOPS = 0.7, 10  # distance from which a common horizon is followed to its end, and how often it is found
+FIRST, STOPS = (
+    0.7,
+    10,
+)  # distance from which a common horizon is followed to its end, and how often it is found
 SMALL = 0.02  # a momentum at which the mass is close to second order
 
 
@@ -91,7 +94,7 @@ def study(*, distances: Sequence[float], expansions: Sequence[float], momenta: S
     )
 
 
-def head_on(P: float, distance: float) -> TwoPunctures:  # noqa: N803 (the momentum)
+def head_on(P: float, distance: float) -> TwoPunctures:
     """Two equal holes with momenta P toward each other."""
     return TwoPunctures.solved(HALF, (-P, P), distance)
 
@@ -138,14 +141,14 @@ def _published() -> list[Published]:
     return masses
 
 
-def _one_hole(P: float) -> tuple[float, float]:  # noqa: N803
+def _one_hole(P: float) -> tuple[float, float]:
     """What a momentum adds to the mass at infinity and to that of the horizon, over its square; m = 1."""
     hole = TwoPunctures.solved((1.0, 0.0), (P, 0.0), 1.0)
     return hole.source / P**2, (find_horizon(hole).irreducible_mass - 1) / P**2
 
 
 def by_quadrature(holes: TwoPunctures, nodes: int = 60) -> float:
-    """The mass at infinity of equal holes, by spherical coordinates about the upper one in its half of space."""
+    """The mass at infinity of equal holes, in spherical coordinates about one in its half of space."""
     x, weights = np.polynomial.legendre.leggauss(nodes)
     x, weights = 0.5 * (x + 1), 0.5 * weights
     b, total = 0.5 * holes.distance, 0.0
@@ -161,7 +164,7 @@ def by_quadrature(holes: TwoPunctures, nodes: int = 60) -> float:
     return sum(holes.masses) + 2 * total / (16 * pi)
 
 
-def _energies(P: float, distance: float) -> dict[str, Any]:  # noqa: N803
+def _energies(P: float, distance: float) -> dict[str, Any]:
     """Masses of the horizon that no other one encloses."""
     holes = head_on(P, distance)
     found = find_horizon(holes)
@@ -181,7 +184,7 @@ def _energies(P: float, distance: float) -> dict[str, Any]:  # noqa: N803
     }
 
 
-def appearance(P: float) -> float:  # noqa: N803
+def appearance(P: float) -> float:
     """The distance of the holes at which the common horizon appears, where its stability s vanishes.
 
     The distance is a smooth function of s with no linear term, ``d = D - a s^2 - b s^3 ...``.

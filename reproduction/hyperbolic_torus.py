@@ -35,9 +35,9 @@ VERTICES = (
     ("0.152", "0.2539", "-0.23985732806740791506457015735734"),
     ("-0.03", "0.0606", "0.64396456614136038886542316026992"),
 )
-FACES = np.array(
-    "017 021 036 049 053 064 078 085 092 124 137 146 158 165 183 238 263 274 287 296 347 354 459 569".split()
-)
+FACES = """
+    017 021 036 049 053 064 078 085 092 124 137 146 158 165 183 238 263 274 287 296 347 354 459 569
+"""
 DIGITS = 50  # of the sums of angles
 DECIMALS = 2  # of the heights with which Newton's method begins
 STEP = 1e-6  # of differences
@@ -91,7 +91,7 @@ def coordinates() -> Floats:
 
 def triangles() -> Indices:
     """The faces (24, 3)."""
-    return np.array([[int(letter) for letter in face] for face in FACES])
+    return np.array([[int(letter) for letter in face] for face in FACES.split()])
 
 
 def hyperbolic(klein: Floats, faces: Indices) -> PolyhedralMetric:
@@ -100,9 +100,9 @@ def hyperbolic(klein: Floats, faces: Indices) -> PolyhedralMetric:
 
 
 def closure(faces: Indices) -> Decimal:
-    """How far angles are from sums of 2 pi, in 50 digits: the product of all ``cos + i sin`` at a vertex, less 1.
+    """How far angles are from sums of 2 pi, in 50 digits: products of ``cos + i sin`` at a vertex, less 1.
 
-    The angle at a of a triangle a, b, c has the cosine of ``b + <a, b> a`` and ``c + <a, c> a`` on the hyperboloid.
+    The angle at a of a triangle a, b, c is that of ``b + <a, b> a`` and ``c + <a, c> a`` on the hyperboloid.
     """
     with localcontext() as context:
         context.prec = DIGITS
@@ -120,7 +120,7 @@ def closure(faces: Indices) -> Decimal:
 
 
 def _on_hyperboloid(x: tuple[Decimal, ...]) -> tuple[Decimal, ...]:
-    w = 1 / (1 - sum(a * a for a in x)).sqrt()
+    w = 1 / (1 - sum((a * a for a in x), Decimal(0))).sqrt()
     return (*(w * a for a in x), w)
 
 

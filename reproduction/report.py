@@ -81,7 +81,7 @@ class Made:
 
 
 def rendered(figure: Figure | Sequence[Figure]) -> Image:
-    """Draw a figure, the same bytes every time: as vectors, or as pixels if it has many parts; several as a film."""
+    """Draw a figure, the same bytes every time: as vectors, or as pixels if it has many parts; or a film."""
     from matplotlib import rc_context
 
     if isinstance(figure, Sequence):
@@ -110,9 +110,7 @@ def _film(figures: Sequence[Figure]) -> bytes:
         images.append(Pillow.fromarray(pixels).quantize(128, method=Pillow.Quantize.FASTOCTREE))
     times = [round(1000 * IMAGE)] * (len(images) - 1) + [round(1000 * REST)]
     buffer = BytesIO()
-    images[0].save(
-        buffer, format="GIF", save_all=True, append_images=images[1:], duration=times, loop=0
-    )
+    images[0].save(buffer, format="GIF", save_all=True, append_images=images[1:], duration=times, loop=0)
     return buffer.getvalue()
 
 

@@ -16,7 +16,7 @@ CHAPTERS = Path(__file__).parent / "chapters"
 
 @dataclass(frozen=True)
 class Illustration:
-    """A figure or the images of a film, the name of its file without the ending, and a caption of plain text."""
+    """A figure or the images of a film, the name of its file without the ending, and a plain caption."""
 
     name: str
     caption: str

@@ -1,15 +1,13 @@
 """Slices with two black holes in motion along their axis: Bowen and York's, by a spectral method.
 
-M. Ansorg, B. Bruegmann and W. Tichy, arXiv:gr-qc/0404056, in the prolate coordinates from which theirs are made:
-xi = (r_+ + r_-) / d and mu = (r_- - r_+) / d, r_+ and r_- the distances from the holes and d theirs.
+M. Ansorg, B. Bruegmann and W. Tichy, arXiv:gr-qc/0404056, in the prolate coordinates that theirs are made of:
+xi = (r_+ + r_-) / d and mu = (r_- - r_+) / d, r_+ and r_- the distances from the holes.
 """
 
-# ruff: noqa: N806 (A, K, P, T as in the paper)
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import pi
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -25,7 +23,7 @@ STEPS = 20  # of Newton's method, which needs 3 to 6
 class TwoPunctures:
     """The slice ``gamma_ij = psi^4 delta_ij``, ``K_ij = psi^-2 A_ij`` of two holes at z = d / 2 and - d / 2.
 
-    ``psi = 1 + sum_k m_k / (2 r_k) + u``, and Hamilton's constraint is ``Laplace(u) = - A_ij A_ij psi^-7 / 8``.
+    ``psi = 1 + sum_k m_k / (2 r_k) + u``, and the constraint is ``Laplace(u) = - A_ij A_ij psi^-7 / 8``.
 
     Attributes
     ----------
@@ -55,9 +53,8 @@ class TwoPunctures:
     ) -> TwoPunctures:
         """The slice, by collocation at Gauss's nodes and Newton's method.
 
-        In t and mu, ``r_+ r_- Laplace(u)`` is ``t^2 ((1 - t^2) u_t)_t + ((1 - mu^2) u_mu)_mu``: with the regular
-        singular points at its ends, the equation picks the solution that is regular there and vanishes at t = 0,
-        which is infinity.
+        In t and mu, ``r_+ r_- Laplace(u)`` is ``t^2 ((1 - t^2) u_t)_t + ((1 - mu^2) u_mu)_mu``.
+        It is singular at all ends: polynomials pick the solution that is regular there, and 0 at infinity.
         """
         x, weights = legendre.leggauss(degrees)
         t, mu = 0.5 * (x[:, None] + 1), x
@@ -150,7 +147,8 @@ class TwoPunctures:
         """The coordinate t = 1 / xi (n,), and the polynomials in 2 t - 1 and in mu (n, degrees)."""
         t, mu = self.distance / (above + below), (below - above) / self.distance
         n = len(self.coefficients) - 1
-        return t, legendre.legvander(2 * t - 1, n), legendre.legvander(mu, n)
+        along, across = (np.asarray(legendre.legvander(x, n), dtype=np.float64) for x in (2 * t - 1, mu))
+        return t, along, across
 
     @property
     def _axis(self) -> Floats:
@@ -186,6 +184,6 @@ class TwoPunctures:
 def _polynomials(x: Floats) -> tuple[Floats, Floats, Floats]:
     """Legendre polynomials at as many points, and their first two derivatives."""
     n = len(x)
-    values = legendre.legvander(x, n - 1)
-    slopes = np.vstack([legendre.legder(np.eye(n)), np.zeros((1, n))])
+    values = np.asarray(legendre.legvander(x, n - 1), dtype=np.float64)
+    slopes = np.vstack([legendre.legder(np.eye(n)), np.zeros((1, n))]).astype(np.float64)
     return values, values @ slopes, values @ slopes @ slopes

@@ -38,6 +38,22 @@ THEIRS = {  # example 6.2 as their notebook printed it: order 1, h = 0.1, steps 
     "metric": "1.795e-01",
     "L2": "7.961e-03",
 }
+ELEMENTS = (  # example 6.1 at t = 1 by their method, run with NGSolve: order, unknowns, errors of r and of g
+    (1, 945, 2.0864e-1, 1.2758e-1),
+    (1, 1866, 1.0714e-1, 7.0183e-2),
+    (1, 3651, 5.3812e-2, 3.8801e-2),
+    (2, 3762, 6.1588e-2, 1.0250e-1),
+    (2, 7446, 3.1757e-2, 5.3422e-2),
+    (2, 14586, 1.6020e-2, 2.6743e-2),
+    (3, 8457, 2.2747e-3, 3.8324e-3),
+    (3, 16746, 8.6078e-4, 1.3976e-3),
+    (3, 32811, 2.9483e-4, 4.6302e-4),
+)
+AGAIN = {
+    "unknowns": 4188,
+    "L2": "9.29e-03",
+    "initial": "1.280e-02",
+}  # example 6.2 so, to be compared with THEIRS
 WAIST = 0.45  # of the Ricci flow's first metric, exp(2 w) times the round one with w = WAIST P_2(cos(theta))
 MODES = 32
 SHOWN = (0.0, 0.1, 0.25, 0.5, 0.8)  # times of the flow, over that at which the surface vanishes
@@ -63,6 +79,16 @@ def study(*, sizes: Sequence[float], vertices: int, images: int) -> Section:
     h, errors = np.log([[one["h"], one["error"]] for one in meshes]).T
     order = float(np.polyfit(h, errors, 1)[0])
     revolution = _revolution(vertices)
+    elements = [
+        {
+            "order": k,
+            "unknowns": n,
+            "L2": L2,
+            "metric": defect,
+            "ours": _at_the_sphere(n // 3) if k == 1 else None,
+        }
+        for k, n, L2, defect in ELEMENTS
+    ]
     flow = RicciFlow.solved()
     frames = [_frame(flow, share) for share in SHOWN]
     mesh = triangulate_metric(PulledBack(_identity), DRAWN)
@@ -83,6 +109,7 @@ def study(*, sizes: Sequence[float], vertices: int, images: int) -> Section:
             "polyhedra": meshes,
             "order": order,
             "revolution": revolution,
+            "elements": elements,
             "flow": frames,
             "rate": rate,
             "by_harmonics": smooth,
@@ -96,6 +123,10 @@ def study(*, sizes: Sequence[float], vertices: int, images: int) -> Section:
         order=order,
         one=revolution,
         theirs=THEIRS,
+        again=AGAIN,
+        elements=[{**one, "ours": f"{one['ours']:.2e}" if one["ours"] else ""} for one in elements],
+        linear=elements[2],
+        cubic=elements[-1],
         frames=frames,
         area_error=max(abs(one["area_error"]) for one in frames),
         rate=rate,
@@ -153,6 +184,23 @@ def _polyhedron(h: float) -> dict[str, Any]:
     }
 
 
+def _at_the_sphere(vertices: int) -> float:
+    """The error of example 6.1 at t = 1 by a polyhedron, in L2 of the ellipsoid, lifted along rays."""
+    A, B = linear_map(0.0), linear_map(1.0)
+
+    def ellipsoid(p: Floats) -> Floats:
+        return np.tile(A, (len(p), 1, 1))
+
+    def sphere(p: Floats) -> Floats:
+        return np.tile(B, (len(p), 1, 1))
+
+    mesh = triangulate_metric(PulledBack(ellipsoid), vertices)
+    found = embed(mesh.measured(PulledBack(sphere)), method="alexandrov")
+    exact = mesh.directions @ B.T
+    at = aligned(found.vertices, exact)
+    return errors_of_elements(mesh.directions, found.faces, at, lambda p: p @ B.T, sphere, ellipsoid)[0]
+
+
 def profile_of_revolution(p: Floats) -> Floats:
     """The surface at t = 1 of example 6.2, at points p of the unit sphere."""
     q = -0.32 + 0.48 * (1 - p[:, 2] ** 2) ** 2
@@ -203,9 +251,11 @@ def _revolution(vertices: int) -> dict[str, Any]:
 
 
 def errors_of_elements(
-    u: Floats, faces: Indices, vertices: Floats, surface: Map, differential: Map
+    u: Floats, faces: Indices, vertices: Floats, surface: Map, differential: Map, reference: Map | None = None
 ) -> tuple[float, float]:
     """Errors in L2 of linear elements and of their metric, over the unit sphere and in its metric.
+
+    Or over a surface with the differential `reference`, and in its metric.
 
     The triangles have the corners u (V, 3) on the sphere, to which their points are projected, and `vertices`
     (V, 3) of the embedding; `surface` and `differential` are the exact map.
@@ -219,7 +269,8 @@ def errors_of_elements(
         size = np.linalg.norm(x, axis=1)
         p = x / size[:, None]
         lifted = (sides - np.einsum("fix,fx->fi", sides, p)[..., None] * p[:, None]) / size[:, None, None]
-        G = np.einsum("fix,fjx->fij", lifted, lifted)
+        based = lifted if reference is None else np.einsum("fxy,fiy->fix", reference(p), lifted)
+        G = np.einsum("fix,fjx->fij", based, based)
         pushed = np.einsum("fxy,fiy->fix", differential(p), lifted)
         D = np.linalg.solve(G, metric_h - np.einsum("fix,fjx->fij", pushed, pushed))
         dA = 0.5 * weight * np.sqrt(np.linalg.det(G))

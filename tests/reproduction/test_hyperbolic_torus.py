@@ -13,7 +13,9 @@ def test_the_section():
     check_section(section)
     assert section.numbers["closure"] < 1e-30
     assert np.abs(section.numbers["deficits"]).max() < 1e-14
-    assert all(one["agrees"] and abs(one["ours"] - one["second"]) < 2e-15 for one in section.numbers["heights"])
+    assert all(
+        one["agrees"] and abs(one["ours"] - one["second"]) < 2e-15 for one in section.numbers["heights"]
+    )
 
 
 def test_a_vertex_that_is_moved_opens_the_angles_or_makes_faces_cross():

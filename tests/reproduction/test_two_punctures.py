@@ -29,11 +29,14 @@ def test_the_constraint_holds_at_points_between_the_nodes():
     x = np.random.default_rng(1).uniform(0.2, 1.5, (30, 3))
     steps = np.array([1, 2, 3])[:, None] * np.eye(3)[:, None] * h  # (axis, step, 3)
     weights = np.array([3 / 2, -3 / 20, 1 / 90])
-    laplacian = sum(
-        w * (holes.correction(x + s) - 2 * holes.correction(x) + holes.correction(x - s))
-        for axis in steps
-        for w, s in zip(weights, axis, strict=True)
-    ) / h**2
+    laplacian = (
+        sum(
+            w * (holes.correction(x + s) - 2 * holes.correction(x) + holes.correction(x - s))
+            for axis in steps
+            for w, s in zip(weights, axis, strict=True)
+        )
+        / h**2
+    )
     A = holes.conformal_curvature(x)
     source = (A**2).sum(axis=(1, 2)) * holes.conformal_factor(x) ** -7 / 8
     assert np.abs(laplacian + source).max() < 1e-6 * source.max()
