@@ -218,17 +218,33 @@ def picture(sequences: dict[float, list[dict[str, Any]]], near: Sequence[dict[st
     left, right = figure.subplots(1, 2)
     plots.dress(left, "distance d of the holes", "mass", "outermost horizons of equal holes")
     for (P, found), style in plots.styled(sequences.items()):
-        d = np.array([one["d"] for one in found])
-        for key, line, name in (("mass", "-", "$M_{irr}$"), ("liu_yau", "--", "half of Kijowski-Liu-Yau")):
-            size = 1.0 if key == "mass" else 0.5
-            mass = np.array([size * one["number"] * one[key] for one in found])
-            left.plot(d, mass, linestyle=line, label=f"P = {P:g}, {name}", **style)
-        left.plot(d, [one["infinity"] for one in found], color=style["color"], linewidth=0.8, linestyle=":")
+        for number in (2, 1):  # of horizons: the area jumps where they get a common one
+            part = [one for one in found if one["number"] == number]
+            d = [one["d"] for one in part]
+            irreducible = [number * one["mass"] for one in part]
+            half = [0.5 * number * one["liu_yau"] for one in part]
+            left.plot(d, irreducible, **style, label=f"P = {P:g}, $M_{{irr}}$" if number == 1 else "")
+            left.plot(
+                d,
+                half,
+                **style,
+                linestyle="--",
+                fillstyle="none",
+                label="half of Kijowski-Liu-Yau" if (P, number) == (SLOW, 1) else "",
+            )
+        left.plot(
+            [one["d"] for one in found],
+            [one["infinity"] for one in found],
+            color=style["color"],
+            linestyle=":",
+            linewidth=0.8,
+        )
+    left.set_ylim(top=1.55)
     left.set_xscale("log")
     ticks = (0.4, 0.6, 1.0, 2.0, 4.0)
     left.set_xticks(ticks, [f"{x:g}" for x in ticks])
     left.set_xticks([], minor=True)
-    plots.legend(left)
+    plots.legend(left, loc="upper right")
     plots.dress(
         right,
         "expansion times the horizon's areal radius",

@@ -171,7 +171,7 @@ def picture(klein: Floats, faces: Indices) -> Figure:
     """Sections of the surface at equal steps of height in Klein's ball, whose lines are straight."""
     from matplotlib.patches import Circle
 
-    figure = plots.blank(2.8 * SECTIONS / 4)
+    figure = plots.blank(4.4)
     levels = np.linspace(klein[:, 2].min(), klein[:, 2].max(), SECTIONS + 2)[1:-1]
     for ax, level in zip(figure.subplots(2, SECTIONS // 2).flat, levels, strict=True):
         for triangle in klein[faces]:
