@@ -22,7 +22,7 @@ from reproduction.section import Section
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# In Klein's ball, as the paper gives them: x and y have four decimals, the heights solve for angles of 2 pi.
+# In Klein's ball, from the paper's notebook: x and y have four decimals, the heights make the angles 2 pi.
 VERTICES = (
     ("0.7315", "0.0202", "0.28688022781563440615364787558404"),
     ("-0.316", "0.5792", "-0.2252919753182150895621576631383"),
