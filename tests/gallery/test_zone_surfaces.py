@@ -143,6 +143,19 @@ def test_too_few_vertices_for_the_boundaries():
         triangulate(Cone(1.0, 0.99, 1.0), 20)
 
 
+def test_vertices_beyond_a_boundary_are_refused():
+    surface = Cap()
+    layout = ZoneLayout(
+        surface.zone, surface._tensor, surface._area_density, lambda u: np.ones(len(u)), surface.is_ring
+    )
+    with pytest.raises(InvalidParameter, match="30 vertices are too few for this metric: triangles cross"):
+        layout.mesh(
+            30,
+            lambda u, v: np.ones(len(u)),
+            lambda cells, k: directions_at(np.cos(np.full(k, 1.5)), 1.0 * np.arange(k)),
+        )
+
+
 def test_number_and_size_of_edges_are_inverse():
     for name in ("cap", "cone", "torus"):
         surface = SURFACES[name]()

@@ -11,7 +11,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.metric_relaxation import MetricMesh
-from isoembed.meshing.sphere import GOLDEN, directions_at, fibonacci_lattice
+from isoembed.meshing.sphere import GOLDEN, angles_of, directions_at, fibonacci_lattice
 from isoembed.meshing.spreading import Cells, Zone
 
 ROWS = 256  # of cells, on which the wanted vertices are sampled
@@ -86,7 +86,7 @@ class ZoneLayout:
         Raises
         ------
         InvalidParameter
-            The boundaries alone need more vertices.
+            The boundaries alone need more vertices, or triangles would cross one.
         """
         size = self.size(n)
         # In a narrow band vertices opposite to each other would make squares.
@@ -94,13 +94,18 @@ class ZoneLayout:
         rims = [self._rim(theta, size, turn) for theta, turn in zip(self.circles, turns, strict=False)]
         boundary = sum(map(len, rims))
         inner = n - (len(rims[0]) if self.is_ring else boundary)
-        if inner < 1:
+        if inner < 0:
             raise InvalidParameter(
                 f"{n} vertices are too few: nearly equilateral triangles have {boundary} on boundaries"
             )
         apexes = [(0.0, 0.0, z) for z, theta in zip((1.0, -1.0), self.zone, strict=True) if 0 < theta < np.pi]
-        u = np.concatenate([*rims, points(self._inside(size), inner), apexes])
-        return MetricMesh.hull(u, self.tensor, distances, boundary, len(apexes))
+        between = points(self._wanted_cells, inner) if inner else np.empty((0, 3))
+        u = np.concatenate([*rims, self._inside(between, size), apexes])
+        mesh = MetricMesh.hull(u, self.tensor, distances, boundary, len(apexes))
+        cones = mesh.tables.faces[mesh.is_cone]
+        if ((cones >= boundary) & (cones < mesh.n_vertices)).any():
+            raise InvalidParameter(f"{n} vertices are too few for this metric: triangles cross the boundary")
+        return mesh
 
     @property
     def _characteristic(self) -> int:
@@ -110,12 +115,14 @@ class ZoneLayout:
     @cached_property
     def _measures(self) -> tuple[float, float]:
         """Area and length of the boundaries where the density is one, as many vertices elsewhere."""
-        whole = Cells.of(self._wanted, (ROWS, ROWS), zone=self.zone).integral()
+        whole = self._wanted_cells.integral()
         boundaries = () if self.is_ring else self.circles
         return whole, sum(float(self._circle(theta)[1].mean()) * 2.0 * np.pi for theta in boundaries)
 
-    def _wanted(self, u: Floats) -> Floats:
-        return self.area(u) * self.density(u)
+    @cached_property
+    def _wanted_cells(self) -> Cells:
+        """The wanted vertices over the area of the unit sphere."""
+        return Cells.of(lambda u: self.area(u) * self.density(u), (ROWS, ROWS), zone=self.zone)
 
     def _circle(self, theta: float) -> Floats:
         """Speeds (2, n) of theta and phi at even steps along a circle, in local edge lengths."""
@@ -135,12 +142,17 @@ class ZoneLayout:
         phi = np.interp(fractions, along / along[-1], np.linspace(0.0, 2.0 * np.pi, ALONG + 1))
         return directions_at(np.full(count, np.cos(theta)), phi)
 
-    def _inside(self, size: float) -> Cells:
-        """The wanted vertices over the area of the unit sphere, without the cells of those on boundaries."""
-        (start, stop), cuts = self.zone, []
-        for theta in self.zone:
-            has_rim = theta in self.circles
-            cuts.append(STRIP * size / float(self._circle(theta)[0].mean()) if has_rim else 0.0)
-        shrunk = min(1.0, 0.5 * (stop - start) / max(sum(cuts), 1e-300))  # a band of two rows of triangles
-        zone = start + shrunk * cuts[0], stop - shrunk * cuts[1]
-        return Cells.of(self._wanted, (ROWS, ROWS), zone=zone)
+    def _inside(self, u: Floats, size: float) -> Floats:
+        """Directions (k, 3) of the zone, moved out of the cells of the vertices on its boundaries."""
+        start, stop = self.zone
+        theta, phi = angles_of(u)
+        widths = np.zeros((2, len(u)))
+        for width, end in zip(widths, self.zone, strict=True):
+            if end in self.circles:
+                at = 2.0 * np.pi / ALONG * (np.arange(ALONG) + 0.5)
+                width[:] = STRIP * size / np.interp(phi, at, self._circle(end)[0], period=2.0 * np.pi)
+        # Half of a band is left where it is as narrow as a triangle.
+        widths *= np.minimum(1.0, 0.5 * (stop - start) / np.maximum(widths.sum(axis=0), 1e-300))
+        before, after = widths
+        theta = start + before + (theta - start) * (1.0 - (before + after) / (stop - start))
+        return directions_at(np.cos(theta), phi)

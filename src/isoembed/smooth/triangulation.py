@@ -120,7 +120,8 @@ def triangulate_metric(
     flips, is relaxed by its edge lengths: to optimal Delaunay triangulations, then to centroidal Voronoi
     tessellations, first everywhere, then with geodesic lengths about angles outside of 35-100 degrees, until
     there are none.  The best of all these meshes is returned; where the vertices are too few for the metric's
-    sharpest features it misses the window.  Vertices on a boundary are spread evenly along it, and stay.
+    sharpest features it misses the window.  Vertices on a boundary are spread evenly along it, and
+    stay; cones over the boundaries, with legs so long that no flip touches them, make the mesh a sphere.
     """
     if (vertices is None) == (size is None):
         given = "neither" if size is None else "both"
