@@ -28,6 +28,7 @@ CONVERTERS = {
     ".amf": "PrusaSlicer",
 }
 """Free programs that export meshes of formats that are not read."""
+DRAWINGS = (".svg", ".dxf")
 
 
 def read_metric(
@@ -110,6 +111,8 @@ def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> T
     """
     if source == "-":
         return _tables(json.read_standard_input(), "standard input", merge)
+    if input_ending(source) in DRAWINGS:
+        raise FileError(f"{source} is a net: glue it first, with 'isoembed glue {source} -o surface.ply'")
     if (program := CONVERTERS.get(input_ending(source))) and input_ending(source) not in FORMATS:
         raise FileError(
             f"{source} is of a format that is not read: open it with {program}, and export it as .stl or .obj"
