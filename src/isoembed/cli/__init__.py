@@ -211,7 +211,9 @@ def _run(options: argparse.Namespace) -> int:
         ):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
-        print_error("; ".join([str(error), *notes]))
+        for note in notes:
+            print_error(note, "note")
+        print_error(str(error))
         return WRONG
     for note in () if quiet else notes:
         print_error(note, "note")
