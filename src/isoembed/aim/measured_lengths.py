@@ -87,14 +87,16 @@ def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
     with log.stage("fit within errors") as recorder:
         fit = fit_within_errors(measured, errors, start, recorder)
     found = measured_surface(measured, fit, exact.method, exact.tolerance)
-    if not found.converged or (
-        exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness
-    ):
+    if exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness:
         return exact
+    digits = f"the errors are those of the last digit of the lengths, {rounding:.1e} of the mean edge length"
+    if not found.converged:
+        if not exact.converged:
+            return exact
+        return exact._with_message(f"{exact.message}; {found.message}; {digits}")
     said = (
-        f"{found.message}; the errors are those of the last digit of the lengths, {rounding:.1e} of "
-        f"the mean edge length: the surface that has them exactly is "
-        f"{'rougher' if exact.converged else 'not found'}; errors of zero insist on it"
+        f"{found.message}; {digits}: the surface that has them exactly is "
+        f"{'rougher' if exact.converged else 'not found'}; errors of zero take the lengths as exact"
     )
     return found._with_others([exact] if exact.converged else [])._with_message(said)
 

@@ -211,9 +211,7 @@ def _run(options: argparse.Namespace) -> int:
         ):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
-        for note in notes:
-            print_error(note, "note")
-        print_error(str(error))
+        print_error(f"{error} (note: {'; '.join(notes)})" if notes else str(error))
         return WRONG
     for note in () if quiet else notes:
         print_error(note, "note")

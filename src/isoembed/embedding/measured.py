@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.special import chdtri
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
+from isoembed.proof.certificate import Certificate
 
 SIGNIFICANCE = 1e-3
 """Of the chi-square test: the true surface fails it at most once in a thousand."""
@@ -73,6 +75,13 @@ class MeasuredSurface(Embedding):
     def converged(self) -> bool:
         """Whether the lengths, measured on these vertices, agree with those of the metric (chi-square)."""
         return self.chi_square <= self.chi_square_limit
+
+    @cached_property
+    def _certificate(self) -> Certificate:
+        """None: a certificate is of exact lengths."""
+        return Certificate(
+            False, "not certified: the surface is fitted to measured lengths, and has none of them exactly"
+        )
 
     def _sentence(self) -> str:
         off = self._standardized
