@@ -356,6 +356,54 @@ def test_surface_writes_the_mesh(run):
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 2, rtol=1e-14)
 
 
+def test_surface_has_sheets_and_a_torus(run):
+    status, out, _ = run("surface", "enneper", "--radius", 0.5, "--vertices", 60, "-o", "m.npz")
+    assert status == 0
+    assert "int k1^2 + k2^2 dA 5.02654824574, int H^2 dA 0" in out  # 8 pi / 5
+    assert len(read_metric("m.npz", any_surface=True).triangulation.boundaries) == 1
+    assert run("surface", "torus", "--vertices", 80, "-o", "t.npz")[0] == 0
+    assert read_metric("t.npz", any_surface=True).triangulation.genus == 1
+
+
+def test_triangulate_makes_discs_and_bands(run):
+    assert run("triangulate", "--disc", -1, 1, "--vertices", 50, "-o", "d.npz")[0] == 0
+    with np.load("d.npz") as archive:
+        u, edges, lengths = (archive[name] for name in ("directions", "edges", "lengths"))
+    r, phi = np.arccos(u[:, 2]), np.arctan2(u[:, 1], u[:, 0])
+    assert r.max() == pytest.approx(1)
+    x = np.stack([np.cosh(r), np.sinh(r) * np.cos(phi), np.sinh(r) * np.sin(phi)], axis=1)
+    d = x[edges[:, 0]] - x[edges[:, 1]]
+    exact = np.arccosh(1 + 0.5 * (d[:, 1] ** 2 + d[:, 2] ** 2 - d[:, 0] ** 2))
+    np.testing.assert_allclose(lengths, exact, rtol=1e-6)
+    horizon = ("--spacetime", "kerr", "--spin", 0.95, "--surface", "horizon", "--zone", 1.0, 2.0)
+    assert run("triangulate", *horizon, "--vertices", 60, "-o", "b.npz")[0] == 0
+    assert len(read_metric("b.npz", any_surface=True).triangulation.boundaries) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--disc", 1, 4], "with curvature 1 the radius must be less than 3.14159, not 4"),
+        (["--disc", 0, -1], "the radius must be positive, not -1"),
+        (["--disc", 0, 1, "--zone", 0, 1], "--zone does not go with a --disc"),
+        (["grid.npz", "--disc", 0, 1], "the input grid.npz does not go with a --disc"),
+        (
+            ["--disc", 0, 1, "--spacetime", "kerr", "--surface", "horizon"],
+            "--disc does not go with a --spacet",
+        ),
+        (
+            ["--spacetime", "kerr", "--surface", "horizon", "--zone", 2, 1],
+            "two angles with 0 <= start < stop",
+        ),
+        ([], "which metric? Give a GRID, a --spacetime and a --surface, or a --disc"),
+    ],
+)
+def test_triangulate_refuses(run, arguments, sentence):
+    status, _, err = run("triangulate", *arguments, "--vertices", 50, "-o", "m.npz")
+    assert status == 2
+    assert sentence in err
+
+
 def test_surface_draws_irregular_triangles(run):
     options = ("--degree", 2, "--order", 2, "--amplitude", 0.35, "--vertices", 200)
     seeds = {
