@@ -89,6 +89,7 @@ def read_svg_lines(file: InputFile) -> Lines:
         tuple(reader.numbers),
         unit * scale * math.sqrt(reader.steps),
         *said,
+        root.get("data-any-surface") is not None,
     )
 
 
