@@ -395,6 +395,14 @@ class Embedding:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
 
+    def _length_derivatives(self) -> Any:
+        """What has `jvp` and `vjp` by the lengths; raises InvalidMetric of a surface with boundary or handles."""
+        from isoembed.surface.derivatives import LengthDerivatives
+
+        t, normalized = self.triangulation, self.metric.normalized
+        t.check_sphere()  # elsewhere J is not square, rigid motions apart
+        return LengthDerivatives.of(t, self.vertices / self.metric.unit, normalized.lengths, normalized.space)
+
     @cached_property
     def _smallest_singular_value(self) -> float:
         """See `Sensitivity.smallest_singular_value`; raises InvalidMetric."""

@@ -14,6 +14,7 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
+from isoembed.sheets.derivatives import SheetDerivatives
 from isoembed.surface.measures import face_normals
 from isoembed.surface.surface import Surface
 
@@ -73,7 +74,7 @@ class SheetSurface(Surface):
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    Derivatives, deviations and comparisons are about closed surfaces of genus 0
+    Deviations and comparisons are about closed surfaces of genus 0
     and raise `InvalidMetric`; so does the volume of a surface with boundary.  That has no outside: it is not
     mirrored, and the sign of its mean curvature depends on the side from which the triangles are
     counterclockwise.
@@ -145,6 +146,10 @@ class SheetEmbedding(Embedding):
         if self.heights is None or not self.converged:
             return super()._certificate
         return certify(self.metric, self.vertices, self.heights)
+
+    def _length_derivatives(self) -> SheetDerivatives:
+        """Derivatives by the lengths and by what is given at the boundary."""
+        return SheetDerivatives.of(self)
 
     @property
     def _reported(self) -> Mapping[str, Any]:
