@@ -156,18 +156,13 @@ class SheetDerivatives:
         cls, metric: PolyhedralMetric, lengths: LengthConstraints, x: Floats, tensions: Floats
     ) -> SheetDerivatives:
         n, count = x.size, len(tensions)
-        J, stress = lengths.jacobian(x), tensions / metric.lengths
-        form = 2 * BendingEnergy(metric).form
-        size = max(float(form.diagonal().mean()), 1.0)
-        B = kron((form + _laplacian(lengths, stress)) / size, eye_array(3))
-        rigid = csr_array(_rigid_motions(x))
-        K = block_array([[B, J.T, rigid.T], [J, None, None], [rigid, None, None]])
-        forces = (J.T @ diags_array(stress) - bending_force_derivative(metric, x)) / size
+        factor, scale = bending_factor(BendingEnergy(metric), lengths, x, tensions)
+        pulled = lengths.jacobian(x).T @ diags_array(tensions / metric.lengths)
+        forces = (pulled - bending_force_derivative(metric, x)) / scale
         by_lengths = block_array([[forces], [eye_array(count)], [csr_array((6, count))]], format="csr")
-        none = csr_array((K.shape[0], 0))
-        return cls(
-            factor_general(K), eye_array(n, K.shape[0], format="csr"), by_lengths, none, csr_array((n, 0)), (0,)
-        )
+        size = by_lengths.shape[0]
+        place, none = eye_array(n, size, format="csr"), csr_array((size, 0))
+        return cls(factor, place, by_lengths, none, csr_array((n, 0)), (0,))
 
     def jvp(self, changes: Floats) -> Floats:
         """How the vertices move, (..., V, 3), when the lengths change, (..., E)."""
@@ -208,6 +203,20 @@ class SheetDerivatives:
         if held is not None:
             found = found + held.T @ rows.T
         return np.asarray(found.T.reshape(*gradient.shape[:-2], *shape))
+
+
+def bending_factor(
+    energy: BendingEnergy, lengths: LengthConstraints, x: Floats, tensions: Floats
+) -> tuple[Factor, float]:
+    """Factors of the equations of least bending: changes of forces over a scale, lengths and rigid motions.
+
+    The unknowns are motions of the vertices, changes of the tensions over that scale, and six that are zero.
+    """
+    J, form = lengths.jacobian(x), 2 * energy.form
+    scale = max(float(form.diagonal().mean()), 1.0)
+    B = kron((form + _laplacian(lengths, tensions / lengths.lengths)) / scale, eye_array(3))
+    rigid = csr_array(_rigid_motions(x))
+    return factor_general(block_array([[B, J.T, rigid.T], [J, None, None], [rigid, None, None]])), scale
 
 
 def _laplacian(lengths: LengthConstraints, weights: Floats) -> csr_array:

@@ -11,18 +11,18 @@ from isoembed.arrays import Floats
 from isoembed.errors import NotEmbedded
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.acceptance import LineSearch, contraction
 from isoembed.nonlinear.newton import newton
-from isoembed.nonlinear.stopping import short_step
+from isoembed.nonlinear.stopping import below, short_step
 from isoembed.progress.stages import Log
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.convex_cap import with_heights
-from isoembed.sheets.derivatives import BALANCED, SheetDerivatives
-from isoembed.sheets.least_bending import LeastBending, balanced
+from isoembed.sheets.derivatives import BALANCED, SheetDerivatives, bending_factor
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.surface import SheetEmbedding
 
 STEPS = 30  # of Newton's method at most
+EXACT = 1e-14  # largest residual of lengths and forces, in mean edge lengths, that ends it
 SETTLED = 1e-7  # mean edge lengths: a longer step left means that no minimum was found
 
 
@@ -58,10 +58,8 @@ def nearby_sheet(sheet: SheetEmbedding, metric: PolyhedralMetric, boundary: Floa
             x = with_heights(normalized, x, heights / unit, recorder)
             known["heights"] = frozen(np.array(heights))
         elif sheet.tensions is not None:
-            start = LeastBending(x, sheet.tensions * unit, np.inf)
-            bent = balanced(BendingEnergy(normalized), LengthConstraints(normalized), start, recorder)
-            x = bent.vertices
-            known |= {"tensions": frozen(bent.multipliers / unit), "imbalance": bent.imbalance}
+            x, tensions, imbalance = _least_bending(normalized, x, sheet.tensions * unit)
+            known |= {"tensions": frozen(tensions / unit), "imbalance": imbalance}
         else:
             if boundary is not None:
                 x = x.copy()
@@ -74,6 +72,32 @@ def nearby_sheet(sheet: SheetEmbedding, metric: PolyhedralMetric, boundary: Floa
     if not is_found:
         raise NotEmbedded(found.message, found)
     return found
+
+
+def _least_bending(metric: PolyhedralMetric, start: Floats, tensions: Floats) -> tuple[Floats, Floats, float]:
+    """Vertices and tensions in balance near given ones, and the imbalance that is left."""
+    energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
+    n, scale = start.size, max(2 * float(energy.form.diagonal().mean()), 1.0)
+
+    def unbalanced(unknowns: Floats) -> Floats:
+        x, y = unknowns[:n].reshape(-1, 3), scale * unknowns[n:]
+        forces = (2 * (energy.form @ x) + lengths.forces(x, y)) / scale
+        return np.concatenate([forces.ravel(), lengths.residuals(x)])
+
+    def solve(unknowns: Floats, missed: Floats) -> Floats:
+        factor, _ = bending_factor(energy, lengths, unknowns[:n].reshape(-1, 3), scale * unknowns[n:])
+        return factor.solve(np.append(missed, np.zeros(6)))[: len(missed)]
+
+    found = newton(
+        np.append(start, tensions / scale),
+        unbalanced,
+        solve,
+        contraction(1.0),
+        converged=below(EXACT * metric.mean_length),
+        max_iterations=STEPS,
+    ).point
+    imbalance = float(np.abs(found.residual[:n]).max())
+    return found.x[:n].reshape(-1, 3), scale * found.x[n:], imbalance
 
 
 def _least_squares(metric: PolyhedralMetric, start: Floats) -> tuple[Floats, bool]:
