@@ -25,9 +25,9 @@ def realization(surface: Embedding) -> Callable[..., jax.Array]:
     callable
         Takes lengths (E,), in the order of the metric's edges, and returns vertices (V, 3), turned and moved
         onto those of the surface, as `isoembed.autodiff.realization.Realization` does.  Where heights (B,) or
-        positions (B, 3) are given at a boundary, ``boundary=`` takes others.  It may be transformed by `jax.jit`, `jax.grad` and `jax.vmap`, which goes
-        through a batch one by one; derivatives are first ones.  The factors of the last lengths are kept:
-        a backward pass takes two solves.
+        positions (B, 3) are given at a boundary, ``boundary=`` takes others.  It may be transformed by
+        `jax.jit`, `jax.grad` and `jax.vmap`, which goes through a batch one by one; derivatives are first
+        ones.  The factors of the last lengths are kept: a backward pass takes two solves.
 
     Raises
     ------
@@ -59,14 +59,10 @@ def realization(surface: Embedding) -> Callable[..., jax.Array]:
     def realized(lengths: jax.Array, boundary: jax.Array) -> jax.Array:
         return jax.pure_callback(forward, placed, lengths, boundary, vmap_method="sequential")
 
-    def remembered(
-        lengths: jax.Array, boundary: jax.Array
-    ) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
+    def remembered(lengths: jax.Array, boundary: jax.Array) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
         return realized(lengths, boundary), (lengths, boundary)
 
-    def pulled_back(
-        given: tuple[jax.Array, jax.Array], gradient: jax.Array
-    ) -> tuple[jax.Array, jax.Array]:
+    def pulled_back(given: tuple[jax.Array, jax.Array], gradient: jax.Array) -> tuple[jax.Array, jax.Array]:
         both: tuple[jax.Array, jax.Array] = jax.pure_callback(
             backward, pulled, *given, gradient, vmap_method="sequential"
         )

@@ -54,7 +54,7 @@ class Linearized:
         return self.derivatives.vjp(self._unaligned(gradient))
 
     def boundary_jvp(self, changes: Floats) -> Floats:
-        """How the vertices move, (V, 3), when what is given at the boundary changes; zeros where nothing is."""
+        """How the vertices move, (V, 3), when what is given at the boundary changes; zeros if nothing is."""
         if not isinstance(self.derivatives, SheetDerivatives):
             return np.zeros_like(self.vertices)
         return self._aligned(self.derivatives.boundary_jvp(changes))
@@ -79,9 +79,9 @@ class Realization:
     """The surface near a given one with other lengths, turned and moved onto it as near as may be.
 
     Its triangles are kept.  The vertices depend smoothly on the lengths, so that they can be differentiated.
-    With boundary they also depend on what is given there, and the surface is held as the given one was.  Then it
-    is moved horizontally only where heights are given, and not at all where a curve is; with a curve, and with
-    handles, lengths are met in least squares.
+    With boundary they also depend on what is given there, and the surface is held as the given one was.
+    It is then moved horizontally only where heights are given, and not at all where a curve is; with a curve,
+    and with handles, lengths are met in least squares.
 
     Parameters
     ----------
@@ -169,10 +169,10 @@ class Realization:
         found = nearby_sheet(surface, metric, given if given.size else None)
         y = surface.vertices - surface.vertices.mean(axis=0)
         if surface.heights is not None:
-            level = [1.0, 1.0, 0.0]
-            x = level * found.vertices
-            moved = _turned_level(x - x.mean(axis=0), y) + level * surface.vertices.mean(axis=0)
-            return replace(found, vertices=moved + [0.0, 0.0, 1.0] * found.vertices)
+            upright = np.array([0.0, 0.0, 1.0])
+            x = found.vertices - found.vertices.mean(axis=0)
+            middle = (1 - upright) * surface.vertices.mean(axis=0) + upright * found.vertices.mean(axis=0)
+            return replace(found, vertices=_turned_level(x, y) + middle)
         if given.size:
             return found
         return replace(found, vertices=aligned(found.vertices, surface.vertices))

@@ -56,9 +56,7 @@ def realization(surface: Embedding) -> Callable[..., torch.Tensor]:
             rows = gradient.detach().cpu().numpy().reshape(-1, n, 3)
             pulled = [each.vjp(row) for each, row in zip(ctx.surfaces, rows, strict=True)]
             shape = (*gradient.shape[:-2], len(surface.metric.edges))
-            at_boundary = sum(
-                each.boundary_vjp(row) for each, row in zip(ctx.surfaces, rows, strict=True)
-            )
+            at_boundary = sum(each.boundary_vjp(row) for each, row in zip(ctx.surfaces, rows, strict=True))
             by_lengths = torch.from_numpy(np.array(pulled).reshape(shape)).to(gradient.device)
             return by_lengths, torch.from_numpy(np.array(at_boundary)).to(gradient.device)
 

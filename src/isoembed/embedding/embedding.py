@@ -396,7 +396,7 @@ class Embedding:
         return certify(self.metric, self.vertices)
 
     def _length_derivatives(self) -> Any:
-        """What has `jvp` and `vjp` by the lengths; raises InvalidMetric of a surface with boundary or handles."""
+        """What has `jvp` and `vjp` by the lengths; raises InvalidMetric of other than spheres."""
         from isoembed.surface.derivatives import LengthDerivatives
 
         t, normalized = self.triangulation, self.metric.normalized

@@ -244,9 +244,7 @@ def glue_rounded(
     return net.knowing(precision=precision)
 
 
-def _remedy(
-    sheets: Sequence[Polygon], sides: Any, corners: Any, difference: float, any_surface: bool
-) -> str:
+def _remedy(sheets: Sequence[Polygon], sides: Any, corners: Any, difference: float, any_surface: bool) -> str:
     """The tolerance with which sheets are glued whose sides differ by so much, if it helps."""
     word = rounded_up(difference)
     with warnings.catch_warnings():

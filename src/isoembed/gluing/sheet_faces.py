@@ -8,7 +8,9 @@ Side = tuple[int, int]
 
 
 def glued_faces(
-    faces: Sequence[Sequence[Sequence[int] | Indices]], sides: Sequence[tuple[Side, Side]], counts: Sequence[int]
+    faces: Sequence[Sequence[Sequence[int] | Indices]],
+    sides: Sequence[tuple[Side, Side]],
+    counts: Sequence[int],
 ) -> list[tuple[Side, Side]]:
     """Pairs of sides of the faces of all sheets in a row: those that are glued, and those of folds.
 
@@ -29,6 +31,11 @@ def glued_faces(
             for k, corner in enumerate(around):
                 place[p, corner, around[(k + 1) % len(around)]] = f, k
             f += 1
-    pairs = [tuple(place[p, k, (k + 1) % counts[p]] for p, k in pair) for pair in sides]
+
+    def moved(side: Side) -> Side:
+        p, k = side
+        return place[p, k, (k + 1) % counts[p]]
+
+    pairs = [(moved(one), moved(other)) for one, other in sides]
     pairs += [(at, place[p, b, a]) for (p, a, b), at in place.items() if a < b and (p, b, a) in place]
     return pairs

@@ -102,10 +102,11 @@ def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> Shee
     metric = net.simplicial()
     if net.folded is None or len(net.folded) != metric.triangulation.n_vertices:
         raise InvalidMetric(
-            "the net has a boundary or handles and does not say how it is folded, and its lengths alone do not "
-            "determine the surface: embed it with a condition, boundary='free', 'plane', heights or positions"
+            "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "
+            "determine the surface: give boundary='free', 'plane', heights or positions"
         )
-    if net.precision is not None and metric.triangulation.n_edges > 3 * metric.triangulation.n_vertices - 6:
+    t = metric.triangulation
+    if net.precision is not None and t.n_edges > 3 * t.n_vertices - 6:
         # Rounding leaves no surface that has all lengths, as there are more of these than unknowns.
         tolerance = max(tolerance, net.precision.vertex_error)
     log = Log(progress)

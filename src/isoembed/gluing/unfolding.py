@@ -97,9 +97,7 @@ class Unfolding:
         if self.vertices is None:
             return net
         own = [
-            corners[face]
-            for corners, faces in zip(self.corners, self.faces, strict=True)
-            for face in faces
+            corners[face] for corners, faces in zip(self.corners, self.faces, strict=True) for face in faces
         ]
         folded = np.empty((net.n_vertices, 3))
         folded[np.concatenate(net.corners)] = self.vertices[np.concatenate(own)]

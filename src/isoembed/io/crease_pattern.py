@@ -131,7 +131,9 @@ def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str)
             )
     pairs = glued_faces(faces, sides, list(map(len, outlines)))
     points = np.concatenate(outlines)
-    every = [[start + corner for corner in face] for start, own in zip(first, faces, strict=False) for face in own]
+    every = [
+        [start + corner for corner in face] for start, own in zip(first, faces, strict=False) for face in own
+    ]
     known, any_surface = _precision(document.get("precision"), name), said_any_surface(document, name)
     net = glue_rounded([points[face] for face in every], pairs, known, tolerance, any_surface)
     folded = fold_up(points, every, angles, meeting_tolerance(points))

@@ -36,7 +36,8 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     Outlines are cut, and lines between are folded.  Tabs, which have glue on them, are left away.  Sides are
     glued that have the same number; then those of the same color, if it has no third; those that meet when
     the sheet is folded by its angles; those of the same length, if it has no third; and the only convex way
-    that is left.  Where the drawing says that the surface has a boundary, all others are there.  Two curves are a D-form: they are glued all around, from their first points on.
+    that is left.  Where the drawing says that the surface may have a boundary, sides without a number are
+    there.  Two curves are a D-form: they are glued all around, from their first points on.
 
     Parameters
     ----------

@@ -97,9 +97,9 @@ def _drawn(ezdxf: Any, document: Any, file: str) -> Lines:
         color = str(entity.dxf.get("true_color", entity.dxf.color))
         lines.append(Line(points, purpose, color, _angle(entity), kind == "CIRCLE", path.has_curves))
     properties = dict(document.header.custom_vars.properties)
-    said = [_millimeters(properties, name, file) for name in PROPERTIES]
+    kerf, error = (_millimeters(properties, name, file) for name in PROPERTIES)
     last = unit * last_unit(np.concatenate(values))
-    return Lines(tuple(lines), tuple(numbers), last, *said, ANY_SURFACE in properties)
+    return Lines(tuple(lines), tuple(numbers), last, kerf, error, ANY_SURFACE in properties)
 
 
 def _millimeters(properties: dict[str, str], name: str, file: str) -> float:

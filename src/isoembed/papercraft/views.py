@@ -64,7 +64,9 @@ def views(
         ]
         before = seen[triangles]
         upward = np.array([_area(corners[:, :2]) for corners in before]) > 0
-        before = np.concatenate([before[upward], before[~upward, ::-1][: len(before) * unfolding.any_surface]])
+        before = np.concatenate(
+            [before[upward], before[~upward, ::-1][: len(before) * unfolding.any_surface]]
+        )
         edges = {
             tuple(sorted(pair))
             for _, face in front

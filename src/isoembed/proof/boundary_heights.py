@@ -1,14 +1,14 @@
 """Certificates of discs whose boundary has given heights, and of convex caps.
 
-Beside the length equations of `nearby_realization` stand ``z_v = h_v + c`` for the B vertices of the boundary,
-c being any number: E + B = 3 V - 3 equations, which only horizontal motions leave as they are.  The theorem
-holds as it is.  New equations are linear, so Q has no more entries; and where no horizontal motion brings y + d
-nearer to y, ``S^2 d`` is orthogonal to the infinitesimal ones, which are what J vanishes on.
+Beside the length equations of `nearby_realization` stand ``z_v = h_v + c`` for the B vertices of the
+boundary, c being any number: E + B = 3 V - 3 equations, which only horizontal motions leave as they are.  The
+theorem holds as it is.  The new equations are linear, so Q has no more entries; and where no horizontal
+motion brings y + d nearer to y, ``S^2 d`` is orthogonal to infinitesimal ones, which span the kernel of J.
 
-Where all heights are equal, let a polygon close the surface.  If `prove_nearby_hulls` shows that all points near
-the given ones span convex polyhedra, in which no edge of the surface may be flat, then the exact surface is the
-boundary of its convex hull without that polygon: the convex cap of its metric, which has no other (Pogorelov;
-Izmestiev 2008).
+Where all heights are equal, let a polygon close the surface.  If `prove_nearby_hulls` shows that all points
+near the given ones span convex polyhedra, in which no edge of the surface may be flat, then the exact surface
+is the boundary of its convex hull without that polygon: the convex cap of its metric, which has no other
+(Pogorelov; Izmestiev 2008).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from isoembed.surface.intersection import self_intersections
 
 @dataclass(frozen=True)
 class CapCertificate(Certificate):
-    """Whether an exact surface with given boundary heights is proven to be near, and the numbers of the proof.
+    """Whether an exact surface with given boundary heights is proven to be near, and numbers of the proof.
 
     A number that the proof did not get to is None.
 
@@ -143,8 +143,8 @@ def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str
     if not (missed <= 2 * FARTHEST * metric.mean_length).all():
         v = int(np.argmax(missed))
         raise NotProven(
-            f"vertex {loop[v]} of the boundary misses its height by {missed[v] / metric.mean_length:.1e} mean "
-            f"edge lengths, against vertex {loop[0]}"
+            f"vertex {loop[v]} of the boundary misses its height over vertex {loop[0]} by "
+            f"{missed[v] / metric.mean_length:.1e} mean edge lengths"
         )
     nearby = NearbyRealization.of(metric, x, np.zeros(t.n_edges), found, equations)
     found["kantorovich"], radius = nearby.newton_kantorovich()

@@ -248,7 +248,9 @@ def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[Positi
     except SingularMatrix as error:
         epsilon = deficits(metric)
         v = int(np.argmin(np.abs(epsilon)))
-        if t.is_sphere and abs(epsilon[v]) > 1e-9:  # no vertex is in the plane of its neighbors, which alone would explain it
+        if (
+            t.is_sphere and abs(epsilon[v]) > 1e-9
+        ):  # no vertex is in the plane of its neighbors, which alone would explain it
             from isoembed.proof.flexibility import described_flex  # only what is not rigid needs it
 
             flex = described_flex(t, Projected.of(metric.space, x), metric.lengths)

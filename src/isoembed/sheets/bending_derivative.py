@@ -1,4 +1,4 @@
-"""Derivative of the bending forces by the edge lengths: central differences of the fits in all charts at once.
+"""Derivative of the bending forces by the edge lengths: central differences of the fits in all charts.
 
 The fit at a vertex depends on the edges between vertices of its chart.  Edges of which no chart has two are
 changed together: some fifty set-ups of the energy in either direction, however many vertices there are.
@@ -14,7 +14,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.charts import Charts
 
-STEP = 1e-5  # of a length: the squares of steps and the rounding over them are as small
+STEP = 1e-6  # of a length: the squares of steps are as small as the rounding over them
 
 
 def bending_force_derivative(metric: PolyhedralMetric, vertices: Floats) -> csr_array:

@@ -1,12 +1,13 @@
-"""Derivatives of surfaces with boundary, or with handles, by their lengths and by what is given at the boundary.
+"""Derivatives of surfaces with boundary, or with handles, by their lengths and by data at the boundary.
 
-The equations that define the surface are differentiated.  With r the residuals of `LengthConstraints` and J = r'
+The equations that define the surface are differentiated.  r are the residuals of `LengthConstraints`, J = r':
 
-- heights h of the boundary, Z x = h: of all changes with ``J dx = dl`` and ``Z dx = dh`` that of least norm;
-- least bending, ``2 Q x + J^T y = 0`` and r = 0, y being the tensions: with T the Laplacian of the triangulation
-  with weights y / l, ``(2 Q + T) dx + J^T dy = J^T (y / l dl) - d(2 Q) x`` and ``J dx = dl``;
-- a curve, or handles, ``J^T r = 0`` inside: with T that of weights r / l, ``s + J dx = rho dl`` and ``J^T s - T dx
-  = -J^T (r / l dl)``, where ``rho = (|x_a - x_b|^2 + l^2) / (2 l^2)``.  Where r = 0 this is Gauss-Newton's step.
+- heights h of the boundary, Z x = h: of all changes with ``J dx = dl`` and ``Z dx = dh`` the least one;
+- least bending, ``2 Q x + J^T y = 0`` and r = 0, y being the tensions: with T the Laplacian of the
+  triangulation with weights y / l, ``(2 Q + T) dx + J^T dy = J^T (y / l dl) - d(2 Q) x`` and ``J dx = dl``;
+- a curve, or handles, ``J^T r = 0`` inside: with T that of weights r / l, ``s + J dx = rho dl`` and
+  ``J^T s - T dx = -J^T (r / l dl)``, where ``rho = (|x_a - x_b|^2 + l^2) / (2 l^2)``.  Where r = 0 this is
+  the step of the Gauss-Newton method.
 
 All of these matrices are symmetric, so that one factorization serves derivatives forward and backward.
 """
@@ -88,8 +89,8 @@ class SheetDerivatives:
             )
         if not sheet.imbalance <= BALANCED:
             raise InvalidParameter(
-                f"the forces of bending are balanced to {sheet.imbalance:.0e} only: derivatives are those of a "
-                "minimum"
+                f"the forces of bending are balanced to {sheet.imbalance:.0e} only: derivatives are those of "
+                "a minimum"
             )
         return cls._least_bending(metric, lengths, x, unit * sheet.tensions)
 
@@ -124,11 +125,11 @@ class SheetDerivatives:
         stress[inner] = r / l
         T = csr_array(kron(_laplacian(lengths, stress), eye_array(3), format="csr"))
         rigid = csr_array(_rigid_motions(x) if t.is_closed else np.zeros((0, n)))[:, free]
-        Jf, Jb = J[:, free], J[:, fixed]
+        inside, beside = J[:, free], J[:, fixed]
         K = block_array(
             [
-                [eye_array(len(inner)), Jf, None],
-                [Jf.T, -T[free][:, free], rigid.T],
+                [eye_array(len(inner)), inside, None],
+                [inside.T, -T[free][:, free], rigid.T],
                 [None, rigid, csr_array((rigid.shape[0], rigid.shape[0]))],
             ]
         )
@@ -136,11 +137,15 @@ class SheetDerivatives:
         chosen = eye_array(t.n_edges, format="csr")[inner]
         rho = 1 + r / l
         by_lengths = block_array(
-            [[diags_array(rho) @ chosen], [-Jf.T @ diags_array(r / l) @ chosen], [csr_array((rigid.shape[0], t.n_edges))]],
+            [
+                [diags_array(rho) @ chosen],
+                [-inside.T @ diags_array(r / l) @ chosen],
+                [csr_array((rigid.shape[0], t.n_edges))],
+            ],
             format="csr",
         )
         by_boundary = block_array(
-            [[-Jb], [T[free][:, fixed]], [csr_array((rigid.shape[0], len(fixed)))]], format="csr"
+            [[-beside], [T[free][:, fixed]], [csr_array((rigid.shape[0], len(fixed)))]], format="csr"
         )
         return cls(
             factor_general(K),
@@ -166,7 +171,9 @@ class SheetDerivatives:
 
     def jvp(self, changes: Floats) -> Floats:
         """How the vertices move, (..., V, 3), when the lengths change, (..., E)."""
-        return self._forward(self.by_lengths, None, changes.reshape(-1, changes.shape[-1]), changes.shape[:-1])
+        return self._forward(
+            self.by_lengths, None, changes.reshape(-1, changes.shape[-1]), changes.shape[:-1]
+        )
 
     def vjp(self, gradient: Floats) -> Floats:
         """The transpose of `jvp`: (..., E) from (..., V, 3)."""
@@ -175,7 +182,9 @@ class SheetDerivatives:
     def boundary_jvp(self, changes: Floats) -> Floats:
         """How the vertices move, (..., V, 3), when what is given at the boundary changes, (..., *shape)."""
         leading = changes.shape[: changes.ndim - len(self.shape)]
-        return self._forward(self.by_boundary, self.held, changes.reshape(-1, int(np.prod(self.shape))), leading)
+        return self._forward(
+            self.by_boundary, self.held, changes.reshape(-1, int(np.prod(self.shape))), leading
+        )
 
     def boundary_vjp(self, gradient: Floats) -> Floats:
         """The transpose of `boundary_jvp`: (..., *shape) from (..., V, 3)."""

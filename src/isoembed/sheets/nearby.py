@@ -40,7 +40,7 @@ def nearby_sheet(sheet: SheetEmbedding, metric: PolyhedralMetric, boundary: Floa
     Returns
     -------
     SheetEmbedding
-        With a given curve, and with handles, its lengths are least squares of what they miss: it need not have
+        With a given curve, and with handles, what its lengths miss is of least squares: it need not have
         converged.
 
     Raises
@@ -65,8 +65,8 @@ def nearby_sheet(sheet: SheetEmbedding, metric: PolyhedralMetric, boundary: Floa
                 x = x.copy()
                 x[np.concatenate(metric.triangulation.boundaries)] = boundary / unit
             x, is_settled = _least_squares(normalized, x)
-    made = {"metric": metric, "vertices": unit * x, "stages": log.stages, "message": "", "uniqueness": None}
-    found = replace(sheet, **made, **known)
+    known |= {"stages": log.stages, "message": "", "uniqueness": None}
+    found = replace(sheet, metric=metric, vertices=unit * x, **known)
     is_exact = sheet.heights is not None or sheet.tensions is not None
     is_found = (found.converged if is_exact else is_settled) and (found.imbalance or 0.0) <= BALANCED
     if not is_found:

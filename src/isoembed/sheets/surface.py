@@ -74,10 +74,9 @@ class SheetSurface(Surface):
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    Deviations and comparisons are about closed surfaces of genus 0
-    and raise `InvalidMetric`; so does the volume of a surface with boundary.  That has no outside: it is not
-    mirrored, and the sign of its mean curvature depends on the side from which the triangles are
-    counterclockwise.
+    Deviations and comparisons are about closed surfaces of genus 0 and raise `InvalidMetric`; so does the
+    volume of a surface with boundary.  That has no outside: it is not mirrored, and the sign of its mean
+    curvature depends on the side from which the triangles are counterclockwise.
 
     Parameters
     ----------
@@ -86,8 +85,8 @@ class SheetEmbedding(Embedding):
     condition : str
         What was asked at the boundary.
     heights : ndarray, shape (B,), optional
-        Of the boundary's vertices, in the order of `Triangulation.boundaries` and up to a constant, where these
-        were asked for; zeros of a boundary in a plane.
+        Of the boundary's vertices, in the order of `Triangulation.boundaries` and up to a constant, where
+        these were asked for; zeros of a boundary in a plane.
     tensions : ndarray, shape (E,), optional
         Of a surface of least bending that is flexible: the pull of each edge, with which bending is in
         balance, in units of the bending modulus over length.
