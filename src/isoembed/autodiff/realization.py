@@ -158,7 +158,11 @@ class Realization:
         return aligned(vertices, given.vertices)
 
     def _given(self, boundary: ArrayLike | None) -> Floats:
-        return self.boundary if boundary is None else checked(boundary, self.boundary.shape, "boundary")
+        return (
+            self.boundary
+            if boundary is None
+            else checked(boundary, self.boundary.shape, "data at the boundary")
+        )
 
     def _sheet(
         self, surface: SheetEmbedding, lengths: ArrayLike, boundary: ArrayLike | None
