@@ -119,7 +119,7 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
     faces = f"faces {crossing} cross, or may" if crossing else "its faces do not cross"
     # Two digits may be 5 % off, and what is printed is to be proven, too.
     others = (
-        f"in a family with {motions} parameters"
+        f"in a family with {motions} parameter{'' if motions == 1 else 's'}"
         if motions
         else f"and any other at least {0.95 * found['isolation']:.1e} from it"
     )

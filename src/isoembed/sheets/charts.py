@@ -10,6 +10,8 @@ from isoembed.arrays import Floats, Indices
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 
+CLEAR = 0.1  # of the distance of the nearest neighbor: unfolded vertices are not nearer to the center
+
 
 @dataclass(frozen=True, eq=False)
 class Charts:
@@ -57,7 +59,11 @@ class Charts:
         """The rings and what is beyond them, where it is neither the center nor in the ring."""
         keys = ring[0] * n + ring[1]
         own = beyond[0] * n + beyond[1]
-        kept = (beyond[0] != beyond[1]) & ~np.isin(own, keys)
+        nearest = np.full(n, np.inf)
+        np.minimum.at(nearest, ring[0], np.linalg.norm(ring[2], axis=1))
+        # Around a sharp corner, unfolded triangles may reach back to the center.
+        is_clear = np.linalg.norm(beyond[2], axis=1) > CLEAR * nearest[beyond[0]]
+        kept = (beyond[0] != beyond[1]) & is_clear & ~np.isin(own, keys)
         once, which, counts = np.unique(own[kept], return_inverse=True, return_counts=True)
         sums = [np.bincount(which, beyond[2][kept, k], minlength=len(once)) for k in range(2)]
         keys = np.concatenate([keys, once])
