@@ -59,15 +59,16 @@ class Charts:
         """The rings and what is beyond them, where it is neither the center nor in the ring."""
         keys = ring[0] * n + ring[1]
         own = beyond[0] * n + beyond[1]
-        nearest = np.full(n, np.inf)
-        np.minimum.at(nearest, ring[0], np.linalg.norm(ring[2], axis=1))
-        # Around a sharp corner, unfolded triangles may reach back to the center.
-        is_clear = np.linalg.norm(beyond[2], axis=1) > CLEAR * nearest[beyond[0]]
-        kept = (beyond[0] != beyond[1]) & is_clear & ~np.isin(own, keys)
+        kept = (beyond[0] != beyond[1]) & ~np.isin(own, keys)
         once, which, counts = np.unique(own[kept], return_inverse=True, return_counts=True)
         sums = [np.bincount(which, beyond[2][kept, k], minlength=len(once)) for k in range(2)]
-        keys = np.concatenate([keys, once])
-        positions = np.concatenate([ring[2], np.stack(sums, axis=1) / counts[:, None]])
+        means = np.stack(sums, axis=1) / counts[:, None]
+        nearest = np.full(n, np.inf)
+        np.minimum.at(nearest, ring[0], np.linalg.norm(ring[2], axis=1))
+        # Around a sharp corner a vertex may be unfolded to either side of the center, or onto it.
+        is_clear = np.linalg.norm(means, axis=1) > CLEAR * nearest[once // n]
+        keys = np.concatenate([keys, once[is_clear]])
+        positions = np.concatenate([ring[2], means[is_clear]])
         order = np.argsort(keys, kind="stable")
         centers, neighbors = np.divmod(keys[order], n)
         return cls(centers, neighbors, positions[order])
