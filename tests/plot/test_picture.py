@@ -140,6 +140,17 @@ def test_a_polyhedron_is_drawn_with_its_faces():
     assert seen_lines == front and len(lines.get_segments()) == len(front)
 
 
+def test_boundaries_are_drawn():
+    metric = PolyhedralMetric([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], [1.0] * 8)
+    [shapes] = figure(embed(metric, boundary="plane")).axes[0].collections
+    corners = [len(path.vertices) for path in shapes.get_paths()]
+    faces, lines = ([k for k, count in enumerate(corners) if count == n] for n in (4, 3))
+    assert (len(faces), len(lines)) == (4, 4)
+    dark = shapes.get_edgecolors()[lines]
+    assert (dark[:, :3] < 0.2).all()
+    assert shapes.get_linewidths()[lines[0]] > shapes.get_linewidths()[faces[0]]
+
+
 def test_seams_that_are_hidden_are_not_drawn(folded):
     faces, lines = figure(folded).axes[0].collections
     ends, _ = folded.surface.seams

@@ -389,13 +389,19 @@ class Embedding:
     @cached_property
     def _certificate(self) -> Certificate:
         """What `isoembed.certify` returns."""
-        from isoembed.proof.certificate import NO_SPHERE, Certificate, certify
+        from isoembed.proof.certificate import Certificate, certify
 
-        if not self.triangulation.is_sphere:
-            return NO_SPHERE
         if not self.converged:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
+
+    def _length_derivatives(self) -> Any:
+        """What has `jvp` and `vjp` by the lengths; raises InvalidMetric of other than spheres."""
+        from isoembed.surface.derivatives import LengthDerivatives
+
+        t, normalized = self.triangulation, self.metric.normalized
+        t.check_sphere()  # elsewhere J is not square, rigid motions apart
+        return LengthDerivatives.of(t, self.vertices / self.metric.unit, normalized.lengths, normalized.space)
 
     @cached_property
     def _smallest_singular_value(self) -> float:

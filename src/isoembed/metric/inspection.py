@@ -21,6 +21,7 @@ from isoembed.strict_json import plain
 
 NEEDLE = 5.0  # degrees: a triangle with a smaller angle is a needle
 NARROW = 30.0  # degrees: least angle for which the paper expects convexity to work
+WHERE = {"plane": "in a plane", "heights": "at given heights", "curve": "along a given curve"}
 WIDE = 120.0  # degrees: largest angle for which the paper expects convexity to work
 
 
@@ -30,7 +31,7 @@ class Measure:
 
     name: str
     text: str
-    values: Mapping[str, float | int]
+    values: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def _measures(
     counts = {"vertices": t.n_vertices, "edges": t.n_edges, "faces": t.n_faces}
     yield Measure("counts", ", ".join(f"{count} {name}" for name, count in counts.items()), counts)
     if not t.is_sphere:
-        yield _surface(metric)
+        yield _surface(metric, epsilon)
     degrees = {"min": int(t.degrees.min()), "max": int(t.degrees.max())}
     yield Measure("degrees", f"{degrees['min']} to {degrees['max']} edges at a vertex", degrees)
     mean = metric.mean_length
@@ -157,19 +158,33 @@ def _measures(
     yield Measure("area", f"{surface:.12g}", {"total": surface})
 
 
-def _surface(metric: PolyhedralMetric) -> Measure:
-    """The kind of a surface that is no sphere, and how its realizations may be determined."""
+def _surface(metric: PolyhedralMetric, epsilon: Floats) -> Measure:
+    """The kind of a surface that is no sphere, its motions, and the conditions that may fix these."""
     t = metric.triangulation
     sizes = [len(loop) for loop in t.boundaries]
     free = 3 * t.n_vertices - 6 - t.n_edges
     text = f"genus {t.genus}, {len(sizes)} {'boundary' if len(sizes) == 1 else 'boundaries'}"
     if sizes:
         text += f" of {', '.join(map(str, sizes))} edges"
+    fixing = [] if t.is_closed else _conditions(metric, epsilon)
     if free > 0:
-        text += f"; {free} motions keep the lengths: the boundary or least bending may fix them"
+        several = "s keep" if free > 1 else " keeps"
+        *others, last = (WHERE[name] for name in fixing if name != "free")
+        where = f"{', '.join(others)} or {last}" if others else last
+        text += f"; {free} motion{several} the lengths: a boundary {where} fixes them, or least bending"
     elif free < 0:
-        text += f"; {-free} more lengths than unknowns: they must be those of a surface"
-    return Measure("surface", text, {"genus": t.genus, "boundaries": len(sizes), "free_motions": free})
+        more = f"{-free} more lengths than unknowns" if free < -1 else "one more length than unknowns"
+        text += f"; {more}: they must be those of a surface"
+    values = {"genus": t.genus, "boundaries": len(sizes), "free_motions": free, "fixed_by": fixing}
+    return Measure("surface", text, values)
+
+
+def _conditions(metric: PolyhedralMetric, epsilon: Floats) -> list[str]:
+    """The conditions at the boundary that suit a metric."""
+    t = metric.triangulation
+    is_cap = t.genus == 0 and len(t.boundaries) == 1 and (epsilon >= -ANGLE_ROUNDING).all()
+    is_curved = (epsilon[~t.boundary_vertices] > ANGLE_ROUNDING).all()
+    return ["plane"] * bool(is_cap) + ["heights"] * bool(is_cap and is_curved) + ["curve", "free"]
 
 
 def _range(values: Floats) -> dict[str, float]:
@@ -188,7 +203,9 @@ def _warnings(
         (
             *("negative_deficits", epsilon < -ANGLE_ROUNDING, "negative deficits"),
             lambda v: (
-                f"vertex {v} has {epsilon[v]:.4g} rad: the metric is not convex there, Alexandrov's "
+                f"vertex {v} has the exterior angle {epsilon[v]:.4g} rad: the boundary is not convex there"
+                if t.boundary_vertices[v]
+                else f"vertex {v} has {epsilon[v]:.4g} rad: the metric is not convex there, Alexandrov's "
                 "theorem does not apply, and an embedding, if there is one, need not be the only one"
             ),
         ),
@@ -200,7 +217,7 @@ def _warnings(
             ),
         ),
         (
-            *("degree_three", t.degrees == 3, "vertices of degree 3"),
+            *("degree_three", (t.degrees == 3) & ~t.boundary_vertices, "vertices of degree 3"),
             lambda v: (
                 f"vertex {v} has only 3 edges: it can be mirrored in the plane of its neighbors without "
                 "changing a length, so every realization has a second one beside it"

@@ -40,7 +40,7 @@ GAP = 0.04  # of a panel's width, on both sides
 UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 """Metadata with which the same picture makes the same bytes."""
 INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
-OUTLINE, SEWN = 0.8, 1.2  # widths of edges and of seams
+OUTLINE, SEWN, RIM = 0.8, 1.2, 1.4  # widths of edges, of seams and of boundaries
 
 
 def figure(
@@ -143,7 +143,7 @@ def draw_panel(axes: Axes, panel: Panel, colors: ScalarMappable) -> None:
     """
     view = View.of(panel.vertices, panel.faces)
     draw_infinity(axes, view, panel.infinity)
-    draw(axes, view, panel.face_values, colors, panel.seams, outlines=panel.outlines)
+    draw(axes, view, panel.face_values, colors, panel.seams, outlines=panel.outlines, boundary=panel.boundary)
 
 
 def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing: Any) -> Writer:
@@ -223,7 +223,15 @@ def _row(
     for k, (panel, view) in enumerate(zip(surfaces, views, strict=True)):
         axes = picture.add_axes((0.02 + k * across / WIDTH, foot, across / WIDTH, share))
         draw_infinity(axes, view, panel.infinity)
-        draw(axes, view, panel.face_values, scale, panel.seams, outlines=panel.outlines)
+        draw(
+            axes,
+            view,
+            panel.face_values,
+            scale,
+            panel.seams,
+            outlines=panel.outlines,
+            boundary=panel.boundary,
+        )
         axes.set_xlim(left, right)
         axes.set_ylim(bottom, top)
         if panel.title:
@@ -290,6 +298,7 @@ def draw(
     seams: Segments | None = None,
     opacity: float = 1.0,
     outlines: Segments | None = None,
+    boundary: Segments | None = None,
 ) -> None:
     """Draw the faces that are seen.
 
@@ -308,6 +317,8 @@ def draw(
         What is behind is seen through faces of less than 1.
     outlines : Segments, optional
         Edges to draw instead of the outlines of all faces.
+    boundary : Segments, optional
+        Edges along a boundary.
     """
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.colors import to_rgb
@@ -324,6 +335,8 @@ def draw(
             [] if seams is None else [(seams, np.array(to_rgb(SEAM)), SEWN)]
         )
         shapes = among_faces(view, shapes._replace(rims=shaded), drawn)
+    elif boundary is not None and len(boundary.ends):
+        shapes = among_faces(view, shapes, [(boundary, np.array(to_rgb(INK)), RIM)])
     faces = PolyCollection(
         shapes.polygons,
         facecolors=shapes.fills,
