@@ -32,6 +32,8 @@ class BendingEnergy:
     ----------
     form : csr_array, shape (V, V)
         Q, with the stabilizer: the energy that is minimized is the trace of ``x^T Q x``.
+    stabilizer : csr_array, shape (V, V)
+        Its part of Q: of surfaces that are smooth it is small, however they are bent.
     areas : ndarray, shape (V,)
         A third of the triangles at each vertex.
     """
@@ -60,7 +62,8 @@ class BendingEnergy:
         self._second = _assembled([(at, near, second) for at, near, second, _ in parts], n)
         D = self._second
         S = _assembled([(at, near, missed) for at, near, _, missed in parts], n)
-        self.form = csr_array(D.T @ D + S.T @ S)
+        self.stabilizer = csr_array(S.T @ S)
+        self.form = csr_array(D.T @ D + self.stabilizer)
 
     def square_integral(self, vertices: Floats) -> float:
         """``int |II|^2 dA``: of k1^2 + k2^2."""
