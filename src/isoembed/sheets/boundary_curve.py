@@ -18,6 +18,7 @@ from scipy.sparse import csr_array, diags_array
 from isoembed.aim.vertex_reflections import reflections
 from isoembed.arrays import Floats, Mask
 from isoembed.linalg import factor_general
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import face_areas
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
@@ -29,7 +30,7 @@ from isoembed.surface.rigidity import HeldVertices
 STIFFNESSES = tuple(10.0 ** (-k / 2) for k in range(2, 13))  # epsilon over the area, one after the other
 BUMPED = 1e-4  # the first for a start with a bump, which thicker sheets would flatten
 BUMP = 0.3  # height of a bump over the radius of the curve
-SMOOTH = 10  # times the stabilizer, beside the bending
+STABILIZERS = 10, 100  # times the stabilizer, beside the bending
 SMOOTHEST = tuple(10.0**-k for k in range(6, 12))  # epsilon over the area, without bending
 DESCENT = 15  # Newton steps at most for each
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
@@ -108,8 +109,18 @@ def through_curve(
     if not inside.any():
         return boundary
     held = HeldVertices.fixed(np.flatnonzero(~inside))
-    bent = ElasticSheet(lengths, csr_array(energy.form + (SMOOTH - 1) * energy.stabilizer), held, recorder)
     smooth = ElasticSheet(lengths, energy.stabilizer, held, recorder)
+
+    def tries() -> Iterator[tuple[ElasticSheet, Floats, float]]:
+        """Sheets that bend, each with a start and the first epsilon over the area."""
+        first, *bumped = starts(lengths, boundary, inside)
+        sheets = []
+        for times in STABILIZERS:
+            form = csr_array(energy.form + (times - 1) * energy.stabilizer)
+            sheets.append(ElasticSheet(lengths, form, held, recorder))
+            yield sheets[-1], *first
+        for each in bumped:
+            yield sheets[0], *each
 
     def released(x: Floats) -> Floats:
         for stiffness in SMOOTHEST:
@@ -127,19 +138,20 @@ def through_curve(
         return bool(np.abs(lengths.residuals(x)[inner]).max() < REALIZED * unit)
 
     if start is None:
-        least, best, fewest = np.inf, boundary, np.inf
-        for x, first in starts(lengths, boundary, inside):
+        least: dict[ElasticSheet, float] = {}
+        best, fewest = boundary, np.inf
+        for sheet, x, first in tries():
             for stiffness in STIFFNESSES:
                 if stiffness <= first:
-                    x = bent.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
-            value = bent.value(x, STIFFNESSES[-1] * energy.area)
-            if not value < LESS * least:  # as before, or worse
+                    x = sheet.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
+            value = sheet.value(x, STIFFNESSES[-1] * energy.area)
+            if not value < LESS * least.get(sheet, np.inf):  # as before, or worse
                 continue
-            least, x = value, released(x)
+            least[sheet], x = value, released(x)
             if squares(x) < fewest:
                 best, fewest = x, squares(x)
             if is_realized(x):
-                return x
+                break
         x = best
     else:
         x = released(np.where(inside[:, None], start, boundary))
@@ -156,6 +168,20 @@ def through_curve(
                 break
         else:
             break
+    return _smoother(t, x, energy.stabilizer) if is_realized(x) else x
+
+
+def _smoother(t: Triangulation, x: Floats, form: csr_array) -> Floats:
+    """The surface with each vertex inside that has three neighbors on the smoother side of them.
+
+    On both sides it has the lengths.
+    """
+    moves = reflections(t, x)
+    for v in np.flatnonzero(~t.boundary_vertices & (t.degrees == 3)):
+        y = x.copy()
+        y[v] += moves[v]
+        if np.sum(y * (form @ y)) < np.sum(x * (form @ x)):
+            x = y
     return x
 
 
