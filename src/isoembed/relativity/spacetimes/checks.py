@@ -29,9 +29,10 @@ def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, fl
 
 
 def numbers(given: ArrayLike) -> Floats:
-    """An array of what is given; NaN of shape () where that holds no numbers."""
+    """An array of what is given; NaN of shape () where that holds no real numbers."""
     try:
-        return np.asarray(given, dtype=np.float64)
+        array = np.asarray(given)
+        return np.array(np.nan) if array.dtype.kind == "c" else array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         return np.array(np.nan)
 
