@@ -79,9 +79,12 @@ class AngleMetric:
         """
         what = "the function for the metric"
         given = called(what, self.components, theta, phi)
-        if np.ndim(given) == 0 or len(given) != 3:
-            count = "one value" if np.ndim(given) == 0 else f"{len(given)} components"
-            raise InvalidMetric(f"{what} returns {count}, not the three q_tt, q_tp and q_pp")
+        if not isinstance(given, tuple | list | np.ndarray) or len(given) != 3:
+            shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
+            count = f" of length {len(given)}" if isinstance(given, tuple | list) else shape
+            raise InvalidMetric(
+                f"{what} returns a {type(given).__name__}{count}, not the three q_tt, q_tp and q_pp"
+            )
         q = [np.broadcast_to(array_of(what, component), theta.shape) for component in given]
         for name, values in zip(("q_tt", "q_tp", "q_pp"), q, strict=True):
             if not np.isfinite(values).all():
@@ -177,6 +180,7 @@ def are_definite(tt: Floats, tp: Floats, pp: Floats) -> Mask:
 
 def is_axisymmetric(metric: TwoMetric) -> bool:
     """Whether the metric is symmetric about the z-axis, as far as it can be seen."""
+    check_two_metric(metric)
     return is_symmetric_about_z(lambda u: angle_components(u, metric.tensor(u)))
 
 

@@ -6,7 +6,7 @@ import pytest
 from gridded import sampled
 from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.relativity.horizons import radial_image
-from isoembed.relativity.horizons.finder import constant_expansion, find_horizon
+from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
 from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild
 from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild, PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -30,7 +30,7 @@ def test_no_horizon(geometry, least):
 
 
 def test_where_to_look_is_not_known():
-    with pytest.raises(InvalidParameter, match="give a guess"):
+    with pytest.raises(InvalidParameter, match=r"find_horizon\(geometry, guess\)"):
         find_horizon(CallableGeometry(star, 1.0))
 
 
@@ -81,3 +81,19 @@ def test_no_surface_of_that_expansion():
 def test_a_radius_that_is_not_positive():
     with pytest.raises(InvalidParameter, match="the radius must be positive, not -1"):
         find_horizon(FLAT, StarSurface.sphere(ORIGIN, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("search", "sentence"),
+    [
+        (lambda: find_horizon(FLAT, ((0, 0, 0), 1.0)), "the guess is a tuple, not a surface such as StarSurf"),
+        (lambda: constant_expansion(FLAT, 0.1, 2.0), "the guess is a float, not a surface"),
+        (lambda: find_horizon(star, StarSurface.sphere((0, 0, 0), 1.0)), "the slice is a function, .*Analytic"),
+        (lambda: find_horizon(2), "the slice is a int, not a ThreeGeometry$"),
+        (lambda: find_horizons(star), "the slice is a function, not a ThreeGeometry: AnalyticCallable"),
+        (lambda: StarSurface.sphere((0, 0, 0), 1.0).data(star), "the slice is a function"),
+    ],
+)
+def test_slips(search, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        search()

@@ -19,6 +19,7 @@ from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.normal_image import foliated_inwards
 from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.spacetimes.checks import check_geometry
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
@@ -85,6 +86,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
             f"the others have {others}"
         )
         return replace(first, notes=(*first.notes, note))
+    _check_guess(guess)
     guess.expansion(geometry, gauss_rule(*NODES)[0])  # refuses a guess that leaves the slice
     try:
         return horizon_near(geometry, guess)
@@ -139,6 +141,8 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface
     >>> abs(near.surface.mean_radius * 0.01 / 2 + (2 / near.surface.mean_radius) ** 0.5 - 1) < 1e-12
     True
     """
+    _check_guess(guess)
+    check_geometry(geometry)
     try:
         return horizon_near(geometry, guess, expansion)
     except FAILURES as error:
@@ -195,8 +199,16 @@ class _Search:
     separate: bool
 
 
+def _check_guess(guess: object) -> None:
+    if not isinstance(guess, Surface):
+        raise InvalidParameter(
+            f"the guess is a {type(guess).__name__}, not a surface such as StarSurface.sphere(center, radius)"
+        )
+
+
 def _search(geometry: ThreeGeometry) -> _Search:
     """The horizons around groups of holes, the largest groups first."""
+    check_geometry(geometry)
     found: list[tuple[frozenset[int], FoundHorizon]] = []  # with the holes inside
     failures: list[tuple[Place, NoHorizon]] = []
     places = list(_places(geometry))
@@ -427,7 +439,8 @@ def _places(geometry: ThreeGeometry) -> Iterator[Place]:
         return
     if not holes:
         raise InvalidParameter(
-            "the slice does not say where its black holes are: give a guess, such as a sphere around them"
+            "the slice does not say where its black holes are: use find_horizon(geometry, guess) with a "
+            "guess for each, such as StarSurface.sphere(center, radius)"
         )
     everything = frozenset(range(len(holes)))
     # More holes have too many groups to try all of them.

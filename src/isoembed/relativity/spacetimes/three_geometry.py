@@ -115,6 +115,14 @@ class _Callables:
     gamma: Callable[[Numbers], ArrayLike]
     K: Callable[[Floats], ArrayLike] | None
 
+    def __post_init__(self) -> None:
+        if not callable(self.gamma):
+            raise InvalidParameter(f"gamma is a {type(self.gamma).__name__}, not a function of x (n, 3)")
+        if not (self.K is None or callable(self.K)):
+            raise InvalidParameter(
+                f"K is a {type(self.K).__name__}, not a function of x (n, 3); a time-symmetric slice has none"
+            )
+
     @property
     def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
@@ -122,7 +130,7 @@ class _Callables:
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`."""
-        return _matrices("metric", self.gamma, x)
+        return _matrices("the metric", self.gamma, x)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
@@ -194,6 +202,7 @@ class CallableGeometry(_Callables):
     K: Callable[[Floats], ArrayLike] | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         positive_number("the length over which the metric varies", self.length)
 
     def gradient(self, x: Floats) -> Floats:
