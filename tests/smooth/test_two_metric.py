@@ -100,17 +100,6 @@ def test_the_area_is_that_of_the_ellipsoid():
 
 
 @pytest.mark.parametrize(
-    ("spoil", "said"),
-    [
-        (
-            lambda tt, tp, pp: (tt, 10.0 * tt, pp),
-            "q_tt, q_tp, q_pp = 2.3754, 23.754, 0.306841 at theta = 0.3",
-        ),
-        (lambda tt, tp, pp: (tt, tp, np.nan * pp), "nan at theta = 0.3, phi = 2.5"),
-        (lambda tt, tp, pp: (-tt, tp, pp), "not a positive definite metric"),
-    ],
-)
-@pytest.mark.parametrize(
     ("function", "kind", "said"),
     [
         (lambda t, p: np.array([[t, t], [t, t]]), InvalidMetric, r"returns a ndarray of shape \(2, 2, \d+\)"),
@@ -148,6 +137,17 @@ def test_functions_are_no_metrics(use):
         use(lambda theta, phi: (1.0, 0.0, np.sin(theta) ** 2))
 
 
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (
+            lambda tt, tp, pp: (tt, 10.0 * tt, pp),
+            "q_tt, q_tp, q_pp = 2.3754, 23.754, 0.306841 at theta = 0.3",
+        ),
+        (lambda tt, tp, pp: (tt, tp, np.nan * pp), "nan at theta = 0.3, phi = 2.5"),
+        (lambda tt, tp, pp: (-tt, tp, pp), "not a positive definite metric"),
+    ],
+)
 def test_what_is_no_metric_is_refused_with_its_place(spoil, said):
     metric = AngleMetric(lambda theta, phi: spoil(*components(theta, phi)))
     u = np.array([[np.sin(0.3) * np.cos(2.5), np.sin(0.3) * np.sin(2.5), np.cos(0.3)]])
