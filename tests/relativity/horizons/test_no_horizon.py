@@ -35,7 +35,7 @@ def test_where_to_look_is_not_known():
 
 
 def test_the_slice_ends_before_its_horizon():
-    with pytest.raises(NoHorizon, match="they ended because no smaller one was found"):
+    with pytest.raises(NoHorizon, match="the search ended because no smaller surface was found"):
         find_horizon(BoyerLindquist(1.0, (0.0, 0.0, 0.5)))
 
 
@@ -97,3 +97,16 @@ def test_a_radius_that_is_not_positive():
 def test_slips(search, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         search()
+
+
+def test_a_grid_that_is_too_coarse():
+    grid = sampled(IsotropicSchwarzschild(1.0), 20, 2.0)
+    with pytest.raises(NoHorizon, match=r"\nthe grid has .* spacings across this surface, and 20 are needed"):
+        find_horizon(grid)
+
+
+def test_a_grid_that_is_fine_enough():
+    spacing = 1.0 / 20.0  # the horizon's radius is 0.5
+    grid = sampled(IsotropicSchwarzschild(1.0), 31, 15.0 * spacing)
+    found = find_horizon(grid, StarSurface.sphere(ORIGIN, 0.6))
+    assert found.irreducible_mass == pytest.approx(1.0, abs=1e-6)

@@ -28,6 +28,7 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 NODES = (16, 32)  # heights and angles at which a guess is tried
 # First spheres, over the guess: small ones for grids and among holes, large ones around fast holes.
 RADII = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0)
+SPACINGS = 20  # across a horizon; with 10 none is found, with 14 its area has 5 digits
 FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
 """Exceptions that end a search."""
 
@@ -313,7 +314,7 @@ def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool
         degenerate = _degenerate(geometry, foliation, symmetric)
         if degenerate is not None:
             return degenerate
-    raise _none(foliation)
+    raise _none(geometry, foliation)
 
 
 def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon:
@@ -339,11 +340,16 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
     outer, inner = foliation.barriers
     proved = inner.greatest < 0.0 < outer.least
     kind: Literal["proved", "searched"] = "proved" if proved else "searched"
-    verdict = "a horizon exists" if proved else "the expansion changes sign, but for its error,"
+    verdict = (
+        "a horizon exists between two surfaces, and no horizon was resolved there"
+        if proved
+        else "the expansion seems to change sign between two surfaces, but by less than its error, and no "
+        "horizon was resolved there"
+    )
     raise NoHorizon(
-        f"{verdict} between two surfaces, and no horizon was resolved there: one of areal radius "
-        f"{outer.areal_radius:.9g} and expansion {outer.expansion:.3g}, and one inside it of areal radius "
-        f"{inner.areal_radius:.9g} and expansion {inner.expansion:.3g}; {why}",
+        f"{verdict}: the outer one has areal radius {outer.areal_radius:.9g} and expansion "
+        f"{outer.expansion:.3g}, the inner one {inner.areal_radius:.9g} and {inner.expansion:.3g}; {why}"
+        f"{_too_coarse(geometry, outer.surface)}",
         evidence=Evidence(kind, "barriers: a surface of negative expansion inside one of positive expansion"),
         barriers=(outer.surface, inner.surface),
     )
@@ -384,7 +390,20 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
     return replace(horizon, outermost=_outermost(foliation))
 
 
-def _none(foliation: Foliation) -> NoHorizon:
+def _too_coarse(geometry: ThreeGeometry, surface: Surface) -> str:
+    """A clause on the grid of a slice, where a surface is small for it."""
+    while hasattr(geometry, "geometry"):  # in another frame
+        geometry = geometry.geometry
+    spacing = getattr(geometry, "spacing", None)
+    if spacing is None or (across := 2.0 * surface.mean_radius / max(spacing)) >= SPACINGS:
+        return ""
+    return (
+        f"\nthe grid has {across:.3g} spacings across this surface, and {SPACINGS} are needed: use a finer "
+        "grid around the hole"
+    )
+
+
+def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
     """The error for a foliation without a change of sign."""
     least = foliation.least
     center = ", ".join(f"{x:.4g}" for x in least.surface.center)
@@ -397,9 +416,9 @@ def _none(foliation: Foliation) -> NoHorizon:
     )
     at = f"at R = {least.areal_radius:.6g} around ({center})"
     return NoHorizon(
-        "no horizon was found: of surfaces of constant expansion c and areal radius R, the least c R / 2 is "
-        f"{least.normalized_expansion:.6g}{off}, {at}, and on a horizon it is 0; they ended because "
-        f"{foliation.end}",
+        "no horizon was found: among surfaces of constant expansion c and areal radius R, the least c R / 2 "
+        f"is {least.normalized_expansion:.6g}{off}, {at}, and a horizon has 0; the search ended because "
+        f"{foliation.end}{_too_coarse(geometry, least.surface)}",
         least.normalized_expansion,
         evidence,
         error,
