@@ -107,6 +107,6 @@ def test_a_grid_that_is_too_coarse():
 
 def test_a_grid_that_is_fine_enough():
     spacing = 1.0 / 20.0  # the horizon's radius is 0.5
-    grid = sampled(IsotropicSchwarzschild(1.0), 31, 15.0 * spacing)
+    grid = sampled(IsotropicSchwarzschild(1.0), 30, 14.5 * spacing)
     found = find_horizon(grid, StarSurface.sphere(ORIGIN, 0.6))
     assert found.irreducible_mass == pytest.approx(1.0, abs=1e-6)
