@@ -40,9 +40,10 @@ def test_a_compressed_file_of_another_name_without_a_time(tmp_path):
 
 
 def rounded(text):
-    """The last point of each ring with another last digit."""
+    """The last point of each ring, which is its first, with other digits."""
     rings = text.rstrip("\n").split("\n\n")
-    return "\n\n".join(ring[:-1] + str((int(ring[-1]) + 1) % 10) for ring in rings) + "\n\n"
+    closed = (ring.rpartition(" ") for ring in rings)
+    return "\n\n".join(f"{before} {float(z) + 1e-8!r}" for before, _, z in closed) + "\n\n"
 
 
 @pytest.mark.parametrize("change", [rounded, lambda text: text.replace(" ", ", ")])
