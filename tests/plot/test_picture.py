@@ -18,6 +18,7 @@ from places import SUPPORT
 pytest.importorskip("matplotlib")
 
 from isoembed.plot import Panel, color_scale, draw_panel, figure, panels, write_picture
+from isoembed.plot.coloring import Quantity
 from isoembed.plot.view import View
 
 
@@ -231,6 +232,26 @@ def test_plot_into_axes_of_ones_own(peanut):
 @pytest.mark.parametrize("name", ["Gaussian curvature", "gaussian_curvature", "gaussian-curvature"])
 def test_colors_by_their_names(peanut, name):
     assert peanut.plot(color=name).axes[1].get_ylabel().startswith("Gaussian curvature")
+
+
+def test_colors_by_values(peanut):
+    values = peanut.vertices[:, 2]
+    drawn = peanut.plot(color=values)
+    assert drawn.axes[1].get_ylim() == pytest.approx(Quantity("", "", values).bounds)
+
+
+@pytest.mark.parametrize(
+    ("color", "said"),
+    [
+        (np.zeros(3), r"values of shape \(3,\), not \(\d+,\): one for each of the vertices"),
+        (Quantity("k", "k", np.zeros((2, 2)), at="faces"), "one for each of the faces"),
+        (["a", "b"], "the color is a list, not the name of a quantity"),
+        (object(), "the color is a object, not the name of a quantity"),
+    ],
+)
+def test_colors_that_are_none(peanut, color, said):
+    with pytest.raises(InvalidParameter, match=said):
+        peanut.plot(color=color)
 
 
 def test_a_color_that_is_mistyped(peanut):

@@ -142,8 +142,8 @@ def _end(
 
 
 def _proof(embedding: isoembed.Embedding) -> str:
-    """Whether the surface is certified, where that is not much beside finding it."""
-    if not embedding.converged or isinstance(embedding, isoembed.MeasuredSurface):
+    """Whether the surface is certified, where it has exact lengths and that is not much beside finding it."""
+    if not embedding.converged or embedding.metric.length_errors is not None:
         return ""
     if embedding.triangulation.n_vertices > CERTIFIED:
         return "not certified: 'isoembed certify' does that for many vertices"

@@ -1,21 +1,23 @@
 """Smooth surfaces fitted to edge lengths with known standard deviations, and their chi-square test."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.special import chdtri
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.proof.certificate import Certificate
+
+if TYPE_CHECKING:
+    from isoembed.proof.certificate import Certificate
 
 SIGNIFICANCE = 1e-3
 """Of the chi-square test: the true surface fails it at most once in a thousand."""
-
-
 SUSPECTS = 3
 """Edges that the message of a failure names: a blunder is as a rule the first, or beside it."""
 
@@ -79,6 +81,8 @@ class MeasuredSurface(Embedding):
     @cached_property
     def _certificate(self) -> Certificate:
         """None: a certificate is of exact lengths."""
+        from isoembed.proof.certificate import Certificate
+
         return Certificate(
             False, "not certified: the surface is fitted to measured lengths, and has none of them exactly"
         )

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
@@ -47,7 +48,7 @@ OUTLINE, SEWN, RIM = 0.8, 1.2, 1.4  # widths of edges, of seams and of boundarie
 def figure(
     embedding: Embedding,
     *,
-    color: str | Quantity | None = None,
+    color: str | Quantity | ArrayLike | None = None,
     caption: str = "",
     ax: Axes | None = None,
 ) -> Figure:
@@ -56,8 +57,9 @@ def figure(
     Parameters
     ----------
     embedding : Embedding
-    color : str or Quantity, optional
-        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`.  By default the
+    color : str, Quantity, or array_like, shape (V,), optional
+        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`, or a number at each
+        vertex.  By default the
         mean curvature; of polyhedra with up to 200 faces the number of sides of a face.
     caption : str
         By default the number of vertices, int H dA and the residual; in axes of one's own their title, and
@@ -75,10 +77,9 @@ def figure(
     FileError
         matplotlib is not installed.
     InvalidParameter
-        There is no such quantity.
+        There is no such quantity, or its values do not fit the surface.
     """
-    color = usual(embedding) if color is None else color
-    shown = quantity(embedding, color) if isinstance(color, str) else color
+    shown = quantity(embedding, usual(embedding) if color is None else color)
     panel = Panel.of(Drawn.of(embedding), embedding.vertices, shown)
     if ax is not None:
         return _into(ax, panel, shown, caption)
@@ -166,7 +167,7 @@ def figure_writer(path: str | os.PathLike[str], drawn: Figure) -> Writer:
 
 
 def write_picture(
-    path: str | os.PathLike[str], embedding: Embedding, *, color: str | Quantity | None = None
+    path: str | os.PathLike[str], embedding: Embedding, *, color: str | Quantity | ArrayLike | None = None
 ) -> None:
     """Write the picture of a surface as ``.png``, ``.svg`` or ``.pdf``; the last two are vectors.
 
