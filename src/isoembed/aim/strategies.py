@@ -561,7 +561,7 @@ def has_small_errors(metric: PolyhedralMetric) -> bool:
     """Whether the errors of the lengths are so small that a surface with exactly these is sought as well."""
     from isoembed.aim.measured_lengths import SMALL
 
-    return bool(np.max(metric.length_errors) < SMALL * metric.mean_length)
+    return bool(np.max(np.asarray(metric.length_errors)) < SMALL * metric.mean_length)
 
 
 def measured_surface(state: State, pipeline: Pipeline) -> MeasuredSurface:

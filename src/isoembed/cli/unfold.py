@@ -59,8 +59,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--scale",
         type=_scale,
         metavar="MM",
-        help="millimeters a unit of the solid, as 0.25 or 1:4 (default: the largest with which each sheet fits "
-        "on a page); sheets larger than a page are cut into several",
+        help="millimeters a unit of the solid, as 0.25 or 1:4 (default: the largest with which each sheet "
+        "fits on a page); sheets larger than a page are cut into several",
     )
     parser.add_argument(
         "--size",

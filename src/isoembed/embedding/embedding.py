@@ -350,7 +350,11 @@ class Embedding:
         save_surface(self, path, color=color)
 
     def plot(
-        self, *, color: str | Quantity | ArrayLike = "mean curvature", caption: str = "", ax: Axes | None = None
+        self,
+        *,
+        color: str | Quantity | ArrayLike = "mean curvature",
+        caption: str = "",
+        ax: Axes | None = None,
     ) -> Figure:
         """Draw the surface; a notebook shows the picture, with pyplot and without.
 

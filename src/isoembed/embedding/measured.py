@@ -98,8 +98,8 @@ class MeasuredSurface(Embedding):
         if self.converged:
             return (
                 f"the lengths agree with those given within their errors: {test}; the largest residual is "
-                f"{self.residual:.1e} of the mean edge length, {off[suspects[0]]:.1f} standard deviations, at "
-                f"edge {suspects[0]} {self.edges[suspects[0]].tolist()}"
+                f"{self.residual:.1e} of the mean edge length, {off[suspects[0]]:.1f} standard deviations, "
+                f"at edge {suspects[0]} {self.edges[suspects[0]].tolist()}"
             )
         ratios = self.lengths / self.metric.lengths
         named = ", ".join(

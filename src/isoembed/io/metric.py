@@ -86,9 +86,7 @@ def read_metric(
         Vertices or faces are merged or left out, or polygons are not planar.
     """
     tables = read_tables(source, merge)
-    if length_errors is not None:
-        tables["length_errors"] = length_errors
-    metric = metric_of(tables)
+    metric = metric_of(tables if length_errors is None else {**tables, "length_errors": length_errors})
     if not any_surface:
         metric.triangulation.check_sphere()
     return in_space(metric, space, source)

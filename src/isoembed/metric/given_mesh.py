@@ -225,7 +225,9 @@ def _split(points: Floats, corners: Indices, sizes: Indices, distance: float) ->
     if thin.all():
         return corners, sizes
     if thin.any():
-        warn_of_mesh(f"{_count(thin.sum(), 'triangle without area is', 'triangles without area are')} left out")
+        warn_of_mesh(
+            f"{_count(thin.sum(), 'triangle without area is', 'triangles without area are')} left out"
+        )
         corners, sizes = corners[~np.repeat(thin, sizes)], sizes[~thin]
     places, vertices, _ = vertices_on_sides(points, corners, sizes, distance)
     if len(places):

@@ -459,7 +459,7 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats, space: Space) 
         errors = np.full(len(lengths), deviation)
         if deviation and within_inequalities(face_edges, lengths, errors) is not lengths:
             raise InvalidMetric(
-                f"{error}; rounding explains it: give {deviation:.2g} as the standard deviation of the lengths"
+                f"{error}; rounding explains it: give {deviation:.2g} as the standard deviation of lengths"
             ) from None
         raise
 
@@ -477,9 +477,9 @@ def _within_errors(triangulation: Triangulation, lengths: Floats, errors: Floats
     if change.any():
         e = int(np.argmax(change / sigma))
         warn_of_mesh(
-            f"{(change > 0).sum()} lengths are changed within their errors, so that no triangle inequality is "
-            f"broken; farthest that of edge {e} {triangulation.edges[e].tolist()}, from {lengths[e]:.9g} to "
-            f"{found[e]:.9g}"
+            f"{(change > 0).sum()} lengths are changed within their errors, so that no triangle inequality "
+            f"is broken; farthest that of edge {e} {triangulation.edges[e].tolist()}, from {lengths[e]:.9g} "
+            f"to {found[e]:.9g}"
         )
     return found
 

@@ -95,8 +95,9 @@ one in ten is whole, and of those in halves, one in two."""
 def rounding_error(lengths: Floats) -> float | None:
     """Standard deviation of lengths that were rounded to a decimal place, over their mean.
 
-    A few lengths, or those in halves, may have one decimal more than the others.  None if they have more than nine digits, take few different values, or are whole multiples of too coarse
-    a unit to be measurements: such lengths are taken as exact.
+    A few lengths, or those in halves, may have one decimal more than the others.  None if they have more than
+    nine digits, take few different values, or are whole multiples of too coarse a unit to be measurements:
+    such lengths are taken as exact.
     """
     if not 1e-200 < lengths.max() < 1e200:
         return None

@@ -58,8 +58,8 @@ def figure(
     ----------
     embedding : Embedding
     color : str, Quantity, or array_like, shape (V,), optional
-        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`, or a number at each
-        vertex.  By default the
+        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`, or a number at
+        each vertex.  By default the
         mean curvature; of polyhedra with up to 200 faces the number of sides of a face.
     caption : str
         By default the number of vertices, int H dA and the residual; in axes of one's own their title, and

@@ -82,11 +82,11 @@ class EmbeddingTask:
                         any_surface=True,
                         length_errors=self.length_error,
                     )
-                unused = self.length_error is not None and not self.method.takes_length_errors
-                given = metric.with_length_errors(0.0) if unused else metric
+                unused = None if self.method.takes_length_errors else self.length_error
+                given = metric if unused is None else metric.with_length_errors(0.0)
                 found = solve(given, self.method, tolerance=self.tolerance)
-                if unused:
-                    found = found.with_length_errors(self.length_error)
+                if unused is not None:
+                    found = found.with_length_errors(unused)
             except NotEmbedded as error:
                 told = {**report(error.embedding), **error.report, **self.facts}
                 return Result(self.label, error.embedding.status, told)

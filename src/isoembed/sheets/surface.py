@@ -14,12 +14,12 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
-from isoembed.sheets.derivatives import SheetDerivatives
 from isoembed.surface.measures import face_normals
 from isoembed.surface.surface import Surface
 
 if TYPE_CHECKING:
     from isoembed.proof.certificate import Certificate
+    from isoembed.sheets.derivatives import SheetDerivatives
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -148,6 +148,8 @@ class SheetEmbedding(Embedding):
 
     def _length_derivatives(self) -> SheetDerivatives:
         """Derivatives by the lengths and by what is given at the boundary."""
+        from isoembed.sheets.derivatives import SheetDerivatives
+
         return SheetDerivatives.of(self)
 
     @property
