@@ -108,8 +108,8 @@ def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> Shee
         )
     if len(net.folded) != metric.triangulation.n_vertices:
         raise InvalidMetric(
-            "faces of the net have several sides in common, and where the vertices are that tell these apart is "
-            f"not known: {instead}"
+            "faces of the net have several sides in common, and where the vertices are that tell these apart "
+            f"is not known: {instead}"
         )
     t = metric.triangulation
     if net.precision is not None and t.n_edges > 3 * t.n_vertices - 6:
