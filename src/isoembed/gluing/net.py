@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, warn_of_mesh
 from isoembed.gluing.correction import Correction, corrected
 from isoembed.gluing.named_corners import check_together, faced_alike, read_names, sides_of
 from isoembed.gluing.outline_points import cut_outlines, glued_points
@@ -281,7 +281,7 @@ def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance, 
     if correction is None:
         return Net(sheets, runs, any_surface=any_surface)
     if correction.largest > GLUING.same_length * max(sheet.perimeter for sheet in sheets):
-        warnings.warn(str(correction), MeshNote, stacklevel=4)
+        warn_of_mesh(str(correction))
     exact = read_sides(sides, changed, Tolerance.exact(len(changed)), any_surface)
     return Net(changed, exact, correction, tolerance.precision(correction.difference), any_surface)
 

@@ -208,9 +208,3 @@ def face_means(values: Floats, faces: Polygons) -> Floats:
     """The means of values at the vertices over the corners of each face, shape (F,)."""
     corners, sizes = flattened(faces)
     return np.add.reduceat(values[corners], np.cumsum(sizes) - sizes) / sizes
-
-
-def faces_counted(embedding: Embedding) -> str:
-    """How many faces of which kind, as a caption says it."""
-    faces = embedding.surface.flat_faces
-    return f"{len(faces):,} {'faces' if isinstance(faces, FlatFaces) else 'triangles'}"

@@ -14,7 +14,8 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import FileError, Writer, ending, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.browser.ramp import diverging
-from isoembed.plot.coloring import Quantity, faces_counted, quantity, usual
+from isoembed.plot.caption import faces_counted, has_own_lengths, of_integral
+from isoembed.plot.coloring import Quantity, quantity, usual
 from isoembed.plot.drawn import Drawn, said
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.plot.infinity import draw_infinity, window
@@ -361,8 +362,10 @@ def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
     seams = "red: where the paper was glued" if len(embedding.surface.seams.ends) else ""
     below = "     ".join(filter(None, (seams, said(embedding.space))))
-    return (
-        f"{t.n_vertices:,} vertices, {faces_counted(embedding)}     "
-        rf"$\int\! H\,dA$ = {embedding.integrated_mean_curvature:.6g}     "
-        f"largest length error {embedding.residual:.1g} of the mean edge\n{below}".rstrip()
-    )
+    above = [
+        f"{t.n_vertices:,} vertices, {faces_counted(embedding)}",
+        rf"$\int\! H\,dA${of_integral(embedding)} = {embedding.integrated_mean_curvature:.6g}",
+    ]
+    if not has_own_lengths(embedding):
+        above.append(f"largest length error {embedding.residual:.1g} of the mean edge")
+    return f"{'     '.join(above)}\n{below}".rstrip()

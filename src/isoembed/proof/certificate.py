@@ -116,7 +116,7 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
         crossing = _prove(metric.normalized, vertices / metric.unit, errors, found)
     except NotProven as obstacle:
         return Certificate(False, f"not certified, because {obstacle}", **found)
-    faces = f"faces {crossing} cross, or may" if crossing else "its faces do not cross"
+    faces = f"faces {crossing} may cross" if crossing else "its faces do not cross"
     # Two digits may be 5 % off, and what is printed is to be proven, too.
     others = (
         f"in a family with {motions} parameter{'' if motions == 1 else 's'}"

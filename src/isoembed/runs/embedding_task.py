@@ -75,11 +75,17 @@ class EmbeddingTask:
             warnings.simplefilter("always", MeshNote)
             try:
                 with unchanged(self.path):
-                    metric = read_metric(self.path, merge=self.merge, space=self.space, any_surface=True)
-                chosen = self.method.takes_length_errors
-                errors = self.length_error if chosen else None
-                found = solve(metric, self.method, tolerance=self.tolerance, length_errors=errors)
-                if self.length_error is not None and not chosen:
+                    metric = read_metric(
+                        self.path,
+                        merge=self.merge,
+                        space=self.space,
+                        any_surface=True,
+                        length_errors=self.length_error,
+                    )
+                unused = self.length_error is not None and not self.method.takes_length_errors
+                given = metric.with_length_errors(0.0) if unused else metric
+                found = solve(given, self.method, tolerance=self.tolerance)
+                if unused:
                     found = found.with_length_errors(self.length_error)
             except NotEmbedded as error:
                 told = {**report(error.embedding), **error.report, **self.facts}

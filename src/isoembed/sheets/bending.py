@@ -32,6 +32,8 @@ class BendingEnergy:
     ----------
     form : csr_array, shape (V, V)
         Q, with the stabilizer: the energy that is minimized is the trace of ``x^T Q x``.
+    stabilizer : csr_array, shape (V, V)
+        Its part of Q: of surfaces that are smooth it is small, however they are bent.
     areas : ndarray, shape (V,)
         A third of the triangles at each vertex.
     rows : csr_array, shape (n, V)
@@ -67,7 +69,8 @@ class BendingEnergy:
         self.rows = csr_array(vstack([D, S], format="csr"))
         fits = [(at, second) for at, _, second, _ in parts] + [(at, missed) for at, _, _, missed in parts]
         self.row_centers = np.concatenate([np.repeat(at, block.shape[1]) for at, block in fits])
-        self.form = csr_array(D.T @ D + S.T @ S)
+        self.stabilizer = csr_array(S.T @ S)
+        self.form = csr_array(D.T @ D + self.stabilizer)
 
     def square_integral(self, vertices: Floats) -> float:
         """``int |II|^2 dA``: of k1^2 + k2^2."""
