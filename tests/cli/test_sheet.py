@@ -56,8 +56,8 @@ def test_inspection(call, cap):
     status, out, _ = call("inspect", "cap.npz")
     assert status == 0
     assert (
-        "genus 0, 1 boundary of 24 edges; 21 motions keep the lengths: a boundary in a plane, at given heights "
-        "or along a given curve fixes them, or least bending" in out
+        "genus 0, 1 boundary of 24 edges; 21 motions keep the lengths: a boundary in a plane, at given "
+        "heights or along a given curve fixes them, or least bending" in out
     )
     assert "sum - 2 pi" in out
     assert "degree 3" not in out  # corners of the boundary

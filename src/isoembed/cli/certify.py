@@ -19,7 +19,6 @@ from isoembed.proof.certificate import Certificate, certify
 
 EXAMPLES = (
     "isoembed certify surface.ply metric.npz",
-    "isoembed certify surface.ply metric.npz --json",
     "isoembed certify cap.ply dome.obj --boundary plane",
 )
 

@@ -100,10 +100,16 @@ def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> Shee
     InvalidMetric, NotEmbedded
     """
     metric = net.simplicial()
-    if net.folded is None or len(net.folded) != metric.triangulation.n_vertices:
+    instead = "give boundary='free', 'plane', heights or positions"
+    if net.folded is None:
         raise InvalidMetric(
             "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "
-            "determine the surface: give boundary='free', 'plane', heights or positions"
+            f"determine the surface: {instead}"
+        )
+    if len(net.folded) != metric.triangulation.n_vertices:
+        raise InvalidMetric(
+            "faces of the net have several sides in common, and where the vertices are that tell these apart "
+            f"is not known: {instead}"
         )
     t = metric.triangulation
     if net.precision is not None and t.n_edges > 3 * t.n_vertices - 6:
