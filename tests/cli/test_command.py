@@ -76,7 +76,7 @@ def test_embed_writes_what_the_report_says(run, method):
         "embed", "metric.json", "--method", method, "-o", "surface.npz", "--report", "report.json"
     )
     assert (status, err) == (0, "")
-    assert out.startswith("converged: the largest length error is ")
+    assert out.startswith("converged: the lengths are within the tolerance 1e-10: the largest residual is ")
     assert "\nsurface.npz, report.json written, " in out
     report = json.loads(Path("report.json").read_text())
     with np.load("surface.npz") as archive:
@@ -126,14 +126,14 @@ def test_embed_reads_standard_input(run, monkeypatch):
 def test_embed_takes_parameters_of_the_method(run, monkeypatch):
     seen = []
 
-    def listen(metric, *, method, tolerance, length_errors, progress, resume):
-        seen.append((method, tolerance, length_errors, callable(progress), resume))
+    def listen(metric, *, method, tolerance, progress, resume):
+        seen.append((method, tolerance, callable(progress), resume))
         return Embedding(metric, zoo.icosphere(1)[0], method="paper", tolerance=tolerance)
 
     monkeypatch.setattr(isoembed, "embed", listen, raising=False)
     arguments = ["--parameter", "Tsteps=20", "--parameter", "path=exponential", "--parameter", "alpha=0.25"]
     assert run("embed", "metric.json", "--method", "paper", "--tolerance", "1e-6", *arguments)[0] == 0
-    assert seen == [(isoembed.Paper(Tsteps=20, path="exponential", alpha=0.25), 1e-6, None, True, None)]
+    assert seen == [(isoembed.Paper(Tsteps=20, path="exponential", alpha=0.25), 1e-6, True, None)]
 
 
 @pytest.mark.parametrize(

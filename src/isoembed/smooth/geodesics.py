@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import angles_of
-from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric
 
 CHUNK = 8192  # geodesics at a time, which bounds the memory
 WIDEST = 170.0  # degrees, largest angle between the ends of a path
@@ -108,6 +108,7 @@ def definite_tensor(metric: TwoMetric, u: Floats) -> Floats:
     InvalidMetric
         The message names theta and phi of the first such direction, and the lesser eigenvalue there.
     """
+    check_two_metric(metric)
     q = metric.tensor(u)
     trace = np.trace(q, axis1=1, axis2=2)
     good = np.isfinite(trace) & (trace > 0.0)

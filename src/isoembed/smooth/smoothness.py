@@ -193,7 +193,7 @@ def _check_seam(metric: AngleMetric, zone: Zone) -> None:
     """Refuse components that are not those of the same points a turn later."""
     theta: Floats = np.linspace(*zone, AROUND + 1)[1:-1]
     ends = [np.full_like(theta, phi) for phi in (1e-9, 2.0 * np.pi - 1e-9)]
-    start, stop = (np.broadcast_arrays(*metric.components(theta, phi), theta)[:3] for phi in ends)
+    start, stop = (metric.at(theta, phi) for phi in ends)
     sin = np.sin(theta)
     size = max(np.max(np.abs(start[0])), np.max(np.abs(start[2]) / sin**2))
     for name, before, after, power in zip(("q_tt", "q_tp", "q_pp"), start, stop, range(3), strict=True):
