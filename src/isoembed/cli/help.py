@@ -18,12 +18,13 @@ GROUPS = {
     ),
     "spacetime": (
         *("spacetime", "mass", "spin", "charge", "cosmological_constant", "surface", "slice"),
+        "disc",
         *("sphere", "geometry", "center", "velocity", "masses", "positions", "velocities"),
         *("marginal", "not_marginal"),
     ),
     "search": (
         *("method", "which", "best_fit", "repair", "effort", "tolerance", "parameter", "find", "guess"),
-        *("vertices", "size", "grading", "distance", "motions", "surfaces"),
+        *("vertices", "size", "grading", "zone", "distance", "motions", "surfaces"),
         *("objective", "cut_edges", "keep_edges"),
     ),
     "struts": ("hub_radius", "stock"),

@@ -19,7 +19,6 @@ from isoembed.space import Space
 EXAMPLES = (
     "isoembed triangulate grid.npz --vertices 500 -o metric.npz",
     "isoembed triangulate --spacetime kerr --spin 0.5 --surface horizon --vertices 500 -o metric.npz",
-    "isoembed triangulate --disc -1 1.5 --vertices 500 -o hyperbolic.npz",
 )
 USUAL = (
     "spacetime",
@@ -27,7 +26,6 @@ USUAL = (
     "mass",
     "spin",
     "disc",
-    "zone",
     "vertices",
     "size",
     "grading",
