@@ -17,7 +17,10 @@ METRIC = PolyhedralMetric.from_mesh(X, FACES)
 RIM = np.flatnonzero(METRIC.triangulation.boundary_vertices)
 
 
-@pytest.mark.parametrize("held", [HeldVertices.fixed(RIM), HeldTriangle.of(X, FACES[0])], ids=["rim", "triangle"])
+HELD = {"rim": HeldVertices.fixed(RIM), "triangle": HeldTriangle.of(X, FACES[0])}
+
+
+@pytest.mark.parametrize("held", HELD.values(), ids=HELD)
 def test_a_minimum(held):
     with Log().stage("elastic sheets") as recorder:
         sheet = ElasticSheet(LengthConstraints(METRIC), BendingEnergy(METRIC).form, held, recorder)

@@ -150,8 +150,8 @@ def _factored(
 ) -> tuple[SymmetricFactor, float]:
     """Factors of ``J^T J + epsilon B``, and an epsilon with which it is definite.
 
-    The finer the mesh, the less it has to be.  Where no epsilon makes it so, the surface is no minimum: bending
-    is made stiffer in these steps.
+    The finer the mesh, the less it has to be.  Where no epsilon makes it so, the surface is no minimum:
+    bending is made stiffer in these steps.
     """
     smaller = ((epsilon * 0.1**k, 0.0) for k in range(SMALLER))
     for part, more in (*smaller, *((epsilon, more) for more in STIFFER)):
