@@ -43,6 +43,17 @@ def test_of_several_the_one_asked_for_last_counts(store):
     assert [result.report["x"] for result in store] == [1]
 
 
+def test_without_tasks_an_answer_counts_before_a_later_refusal(store):
+    store.keep(Result("a", "done", {"x": 1}, {"x": np.ones(1)}), "k1")
+    store.keep(Result.without_answer("a", "refused", "wrong"), "k2")
+    for old, new in (("k1", "k2"), ("k2", "k1")):  # a copy may have any order
+        os.utime(store.path("a", old), (1, 1))
+        os.utime(store.path("a", new), (2, 2))
+        assert [result.status for result in store] == ["done"]
+    os.utime(store.path("a", "k2"), (3, 3))
+    assert [result.status for result in store.of(["a"])] == ["refused"]  # it was asked for
+
+
 def test_results_come_by_label_and_unfinished_files_are_none(store):
     for label in ("b.t10", "a.t2", "b.t9"):
         store.keep(Result(label, "done", {}, {"x": np.ones(1)}), "0")

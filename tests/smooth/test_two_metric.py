@@ -1,10 +1,21 @@
 """Smooth metrics as tensors on the tangent planes: from components in angles, and induced by maps."""
 
+import math
+
 import numpy as np
 import pytest
 
-from isoembed.errors import InvalidMetric
-from isoembed.meshing.sphere import gauss_rule
+from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.relativity import SurfaceData
+from isoembed.smooth import (
+    AxisymmetricEmbedding,
+    axis_of_symmetry,
+    embed_smooth,
+    gaussian_curvature,
+    least_hyperbolic,
+    triangulate_metric,
+)
 from isoembed.smooth.two_metric import AngleMetric, PulledBack, area_density, orthonormal_frame
 
 A = np.array([[2.0, 0.3, -0.2], [0.0, 1.5, 0.4], [0.1, 0.0, 1.0]])
@@ -86,6 +97,44 @@ def test_the_area_is_that_of_the_ellipsoid():
     u, w = gauss_rule(40, 80)
     exact = Ellipsoid(tuple(np.linalg.svd(A, compute_uv=False))).area
     assert w @ area_density(LINEAR.tensor(u)) == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("function", "kind", "said"),
+    [
+        (lambda t, p: np.array([[t, t], [t, t]]), InvalidMetric, r"returns a ndarray of shape \(2, 2, \d+\)"),
+        (lambda t, p: (1.0, np.sin(t) ** 2), InvalidMetric, "returns a tuple of length 2, not the three q_tt"),
+        (lambda t, p: 1.0, InvalidMetric, "returns a float, not the three q_tt, q_tp and q_pp"),
+        (lambda t, p: (1, 0, math.sin(t) ** 2), InvalidParameter, "TypeError: .* np.sin instead of math.sin"),
+        (lambda t, p: (1, 0, 1j * np.sin(t)), InvalidParameter, "has complex values, not real numbers"),
+        (
+            lambda t, p: (1, 0, np.where(t > 1.5, np.nan, np.sin(t) ** 2)),
+            InvalidMetric,
+            r"q_pp is nan at theta = 1\.5708, phi = ",
+        ),
+    ],
+)
+def test_functions_that_give_no_components(function, kind, said):
+    for use in (embed_smooth, lambda metric: metric.tensor(fibonacci_directions(40))):
+        with pytest.raises(kind, match=said.replace(r"1\.5708", r"1\.\d+")):
+            use(AngleMetric(function))
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        embed_smooth,
+        axis_of_symmetry,
+        least_hyperbolic,
+        AxisymmetricEmbedding.of,
+        SurfaceData,
+        lambda metric: triangulate_metric(metric, 100),
+        lambda metric: gaussian_curvature(metric, np.eye(3)),
+    ],
+)
+def test_functions_are_no_metrics(use):
+    with pytest.raises(InvalidMetric, match="the metric is a function, .* AngleMetric makes one"):
+        use(lambda theta, phi: (1.0, 0.0, np.sin(theta) ** 2))
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ class TextTable:
 
 
 def read_text_table(file: InputFile) -> TextTable:
-    """Read a table of numbers separated by whitespace; blank lines are skipped.
+    """Read a table of numbers separated by blanks or commas; blank lines are skipped.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def read_text_table(file: InputFile) -> TextTable:
         names the line.
     """
     lines = list(enumerate(map(str.strip, file.text.splitlines()), 1))
-    rows = [(number, line.split()) for number, line in lines if line and not line.startswith("#")]
+    rows = [(number, line.replace(",", " ").split()) for number, line in lines if line and not line.startswith("#")]
     if not rows:
         raise FileError(f"{file} holds no numbers")
     columns = len(rows[0][1])

@@ -23,11 +23,11 @@ from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import diverging, ramp
 from isoembed.plot.browser.report import number, report_html
 from isoembed.plot.browser.thinning import thinned
+from isoembed.plot.caption import faces_counted, has_own_lengths, of_integral
 from isoembed.plot.coloring import (
     Quantity,
     concavity,
     face_means,
-    faces_counted,
     intrinsic_curvature,
     mean_curvature,
     quantities,
@@ -129,8 +129,8 @@ def _page(
 
 def _caption(embedding: Embedding) -> str:
     t, total = embedding.triangulation, embedding.integrated_mean_curvature
-    words = [f"{t.n_vertices:,} vertices, {faces_counted(embedding)}", f"∫ H dA = {number(total)}"]
-    if not _is_its_own(embedding):
+    words = [f"{t.n_vertices:,} vertices, {faces_counted(embedding)}", f"∫ H dA{of_integral(embedding)} = {number(total)}"]
+    if not has_own_lengths(embedding):
         words.append(f"largest length error {number(plain(embedding.residual))} of the mean edge")
     if not embedding.space.is_euclidean:
         space = embedding.space
@@ -138,17 +138,12 @@ def _caption(embedding: Embedding) -> str:
     return " · ".join(words)
 
 
-def _is_its_own(embedding: Embedding) -> bool:
-    """Whether nothing was computed and the lengths are those of the vertices: it has no residual to show."""
-    return not embedding.stages and embedding.residual <= 1e-15  # the lengths were taken from the vertices
-
-
 def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], Packed]:
     """What the script shows: a JSON object, and the arrays that it points to."""
     packed, drawn = Packed(), Drawn.of(embedding)
     pieces = drawn.pieces
     earlier = list(frames[:-1])
-    own = not earlier and _is_its_own(embedding)
+    own = not earlier and has_own_lengths(embedding)
     shown = [q for q in quantities(embedding) if not (own and q.name == "residual")]
     size = pieces.n_vertices * (6 + 2 * len(shown)) + len(pieces.faces) * 3 / 16
     limit = int(min(MAX_FRAMES, 1 + MAX_BYTES // size))
@@ -198,12 +193,13 @@ def _bits(edges: Indices, mask: Mask) -> NDArray[np.uint8]:
 
 def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) -> dict[str, Any]:
     """The triangles that are drawn, and the faces that they are parts of."""
-    faces = embedding.surface.flat_faces
+    faces, t = embedding.surface.flat_faces, embedding.triangulation
     faceted = pieces.cuts > 0 or isinstance(faces, FlatFaces)
     return {
         "faces": packed.add(pieces.faces.ravel()),
         "polygons": packed.add(np.repeat(faces.of_triangles, pieces.per_face)) if faceted else None,
         "outlines": packed.add(_bits(edges, faces.edges)) if faceted else None,
+        "boundary": None if t.is_closed else packed.add(t.edges[t.boundary_edges].ravel()),
         "solid": len(pieces.faces),
         "cuts": pieces.cuts,
         "own": packed.add(pieces.nearest()) if pieces.cuts else None,

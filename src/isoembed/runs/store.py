@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from isoembed.io.files import FileError, write_atomically
@@ -19,7 +20,8 @@ class Store:
     """Results in files ``<folder>/results/<label>.<key>.npz``.
 
     Several processes may use one folder at a time.  Where there are several results of one task, of another
-    version or other options, that which was asked for last counts.
+    version or other options, that which was asked for last counts; unless tasks are given, one with an answer
+    counts before all without, as times of files are lost in copies.
 
     Attributes
     ----------
@@ -76,17 +78,26 @@ class Store:
 
     def __iter__(self) -> Iterator[Result]:
         """One result of each task, by label; files that cannot be read are left out."""
-        latest: dict[str, tuple[int, Path]] = {}
+        found: dict[str, list[tuple[int, Path]]] = {}
         for path in sorted((self.folder / RESULTS).glob(f"*{ENDING}")):
             label = path.name.removesuffix(ENDING).rpartition(".")[0]
             try:
                 asked = path.stat().st_mtime_ns
             except OSError:  # it is gone
                 continue
-            if not path.name.startswith(HIDDEN) and asked >= latest.get(label, (0, path))[0]:
-                latest[label] = asked, path
-        for label in sorted(latest if self.labels is None else self.labels & latest.keys()):
-            try:
-                yield Result.read(latest[label][1])
-            except FileError:
-                continue
+            if not path.name.startswith(HIDDEN):
+                found.setdefault(label, []).append((asked, path))
+        for label in sorted(found if self.labels is None else self.labels & found.keys()):
+            latest = (path for _, path in sorted(found[label], reverse=True))
+            results = islice(_readable(latest), None if self.labels is None else 1)
+            best = max(results, key=lambda result: result.answered, default=None)  # of equals the first
+            if best is not None:
+                yield best
+
+
+def _readable(paths: Iterable[Path]) -> Iterator[Result]:
+    for path in paths:
+        try:
+            yield Result.read(path)
+        except FileError:
+            continue

@@ -29,7 +29,13 @@ from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, directions_at
 from isoembed.smooth.band import Band, checked_angles
 from isoembed.smooth.piecewise import PIECE_DEGREE, Piecewise, fitted
-from isoembed.smooth.two_metric import AngleMetric, TwoMetric, angle_components, are_definite
+from isoembed.smooth.two_metric import (
+    AngleMetric,
+    TwoMetric,
+    angle_components,
+    are_definite,
+    check_two_metric,
+)
 from isoembed.space import EUCLIDEAN, Space
 
 Interval = tuple[float, float]
@@ -83,6 +89,8 @@ class AxisymmetricEmbedding:
             The metric is not axisymmetric about z, or not positive, or conical at a pole or otherwise not
             smooth; the message says how much and where.
         """
+
+        check_two_metric(metric)
 
         def components(x: Floats) -> Floats:
             u = directions_at(x, 0.0)

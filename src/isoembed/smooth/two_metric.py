@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, fibonacci_directions
+from isoembed.smooth.given_functions import array_of, called, real_values
 from isoembed.smooth.uncertain import EXACT, Uncertainty
 
 NEAR_POLE = 1e-3  # sin(theta) below which components are extrapolated over the pole
@@ -66,10 +67,36 @@ class AngleMetric:
                 total += 0.5 * weight * self._away(moved / np.linalg.norm(moved, axis=1, keepdims=True))
         return projected(total, u)
 
+    def at(self, theta: Floats, phi: Floats) -> Floats:
+        """The components (3, n) at angles (n,).
+
+        Raises
+        ------
+        InvalidMetric
+            They are not three, or one is not finite; the message names the first one, and its angles.
+        InvalidParameter
+            The function takes no arrays, or returns no real numbers.
+        """
+        what = "the function for the metric"
+        given = called(what, self.components, theta, phi)
+        if not isinstance(given, tuple | list | np.ndarray) or len(given) != 3:
+            shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
+            count = f" of length {len(given)}" if isinstance(given, tuple | list) else shape
+            raise InvalidMetric(
+                f"{what} returns a {type(given).__name__}{count}, not the three q_tt, q_tp and q_pp"
+            )
+        q = [np.broadcast_to(array_of(what, component), theta.shape) for component in given]
+        for name, values in zip(("q_tt", "q_tp", "q_pp"), q, strict=True):
+            if not np.isfinite(values).all():
+                i = int(np.argmin(np.isfinite(values)))
+                raise InvalidMetric(
+                    f"{name} is {values[i]} at theta = {theta[i]:.6g}, phi = {phi[i]:.6g}: it must be finite"
+                )
+        return np.stack(q).astype(np.float64)
+
     def _away(self, u: Floats) -> Floats:
         theta, phi = angles_of(u)
-        given = np.stack(np.broadcast_arrays(*self.components(theta, phi), np.zeros(len(u)))[:3])
-        tt, tp, pp = given.astype(np.float64)
+        tt, tp, pp = self.at(theta, phi)
         good = are_definite(tt, tp, pp)
         if not good.all():
             i = int(np.argmin(good))
@@ -79,6 +106,53 @@ class AngleMetric:
             )
         sin = np.hypot(u[:, 0], u[:, 1])
         return from_angles(u, tt, tp / sin, pp / sin**2)
+
+
+@dataclass(frozen=True)
+class ChartMetric:
+    """A metric on a disc or a band of the plane, whose components in x and y are given by a function.
+
+    The point (x, y) is in the direction with theta = (x^2 + y^2)^(1/2), less than pi, and tan(phi) = y / x.
+
+    Attributes
+    ----------
+    components : callable
+        Takes arrays x and y of one shape and returns g_xx, g_xy and g_yy, in units of length^2 over those of
+        x and y.
+    """
+
+    components: Callable[[Floats, Floats], tuple[ArrayLike, ArrayLike, ArrayLike]]
+
+    @staticmethod
+    def coordinates(u: ArrayLike) -> Floats:
+        """The points (n, 2) that directions u (n, 3) stand for."""
+        theta, phi = angles_of(np.asarray(u, dtype=np.float64))
+        return theta[:, None] * np.stack([np.cos(phi), np.sin(phi)], axis=1)
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `TwoMetric`.
+
+        Raises
+        ------
+        InvalidMetric
+            The function returns what is not finite or not positive; the message names x and y.
+        """
+        x, y = self.coordinates(u).T
+        given = np.stack(np.broadcast_arrays(*self.components(x, y), x)[:3])
+        xx, xy, yy = given.astype(np.float64)
+        good = are_definite(xx, xy, yy)
+        if not good.all():
+            i = int(np.argmin(good))
+            raise InvalidMetric(
+                f"g_xx, g_xy, g_yy = {xx[i]:.6g}, {xy[i]:.6g}, {yy[i]:.6g} at x = {x[i]:.6g}, "
+                f"y = {y[i]:.6g}: that is not a positive definite metric"
+            )
+        _, phi = angles_of(u)
+        cos, sin, stretch = np.cos(phi), np.sin(phi), 1.0 / np.sinc(np.hypot(x, y) / np.pi)
+        tt = xx * cos**2 + 2.0 * xy * cos * sin + yy * sin**2
+        tp = stretch * ((yy - xx) * cos * sin + xy * (cos**2 - sin**2))
+        pp = stretch**2 * (xx * sin**2 - 2.0 * xy * cos * sin + yy * cos**2)
+        return from_angles(u, tt, tp, pp)
 
 
 @dataclass(frozen=True)
@@ -101,12 +175,20 @@ class PulledBack:
 
     def tensor(self, u: Floats) -> Floats:
         """See `TwoMetric`."""
-        dX = self.differential(u)
+        dX = real_values("the differential", self.differential, u)
         if self.ambient is None:
             q = np.einsum("nki,nkj->nij", dX, dX)
         else:
-            q = np.einsum("nki,nkl,nlj->nij", dX, self.ambient(u), dX)
+            ambient = real_values("the ambient metric", self.ambient, u)
+            q = np.einsum("nki,nkl,nlj->nij", dX, ambient, dX)
         return projected(q, u)
+
+
+def check_two_metric(given: object) -> None:
+    """Refuse with an `InvalidMetric` what is no metric, such as a function."""
+    if not callable(getattr(given, "tensor", None)):
+        advice = "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"
+        raise InvalidMetric(f"the metric is a {type(given).__name__}, which has no method tensor(u): {advice}")
 
 
 def from_angles(u: Floats, Qtt: Floats, Qtp: Floats, Qpp: Floats) -> Floats:
@@ -145,6 +227,7 @@ def are_definite(tt: Floats, tp: Floats, pp: Floats) -> Mask:
 
 def is_axisymmetric(metric: TwoMetric) -> bool:
     """Whether the metric is symmetric about the z-axis, as far as it can be seen."""
+    check_two_metric(metric)
     return is_symmetric_about_z(lambda u: angle_components(u, metric.tensor(u)))
 
 

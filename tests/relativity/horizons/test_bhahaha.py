@@ -39,6 +39,23 @@ def test_a_compressed_file_of_another_name_without_a_time(tmp_path):
     np.testing.assert_allclose(shape.center, CENTER, atol=1e-9)
 
 
+def rounded(text):
+    """The last point of each ring, which is its first, with other digits."""
+    rings = text.rstrip("\n").split("\n\n")
+    closed = (ring.rpartition(" ") for ring in rings)
+    return "\n\n".join(f"{before} {float(z) + 1e-8!r}" for before, _, z in closed) + "\n\n"
+
+
+@pytest.mark.parametrize("change", [rounded, lambda text: text.replace(" ", ", ")])
+def test_rings_closed_to_rounding_and_commas(change, tmp_path):
+    text = bhahaha_text()
+    begin = text.index("\n") + 1
+    changed = text[:begin] + change(text[begin:])
+    assert changed != text
+    found, other = read(tmp_path, text), read(tmp_path, changed, "h.t1.ah1.gp")
+    np.testing.assert_allclose(found.center, other.center, atol=1e-9)
+
+
 BAD = {
     "whole rings missing": (
         lambda text: "\n\n".join(text.split("\n\n")[:11]) + "\n\n",

@@ -187,7 +187,7 @@ def test_what_is_near_a_guess_may_be_enclosed_by_another_one():
 
 def test_a_horizon_that_exists_and_is_not_resolved(monkeypatch):
     def fails(*_, **__):
-        raise NoConvergence("the residual falls no more")
+        raise NoConvergence("Newton's method stalls")
 
     monkeypatch.setattr(finder, "horizon_near", fails)
     with pytest.raises(

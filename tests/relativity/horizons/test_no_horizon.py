@@ -6,7 +6,7 @@ import pytest
 from gridded import sampled
 from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.relativity.horizons import radial_image
-from isoembed.relativity.horizons.finder import constant_expansion, find_horizon
+from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
 from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild
 from isoembed.relativity.spacetimes.schwarzschild import IsotropicSchwarzschild, PainleveGullstrand
 from isoembed.relativity.spacetimes.star_surface import StarSurface
@@ -30,12 +30,12 @@ def test_no_horizon(geometry, least):
 
 
 def test_where_to_look_is_not_known():
-    with pytest.raises(InvalidParameter, match="give a guess"):
+    with pytest.raises(InvalidParameter, match=r"find_horizon\(geometry, guess\)"):
         find_horizon(CallableGeometry(star, 1.0))
 
 
 def test_the_slice_ends_before_its_horizon():
-    with pytest.raises(NoHorizon, match="they ended because no smaller one was found"):
+    with pytest.raises(NoHorizon, match="the search ended because no smaller surface was found"):
         find_horizon(BoyerLindquist(1.0, (0.0, 0.0, 0.5)))
 
 
@@ -81,3 +81,32 @@ def test_no_surface_of_that_expansion():
 def test_a_radius_that_is_not_positive():
     with pytest.raises(InvalidParameter, match="the radius must be positive, not -1"):
         find_horizon(FLAT, StarSurface.sphere(ORIGIN, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("search", "sentence"),
+    [
+        (lambda: find_horizon(FLAT, ((0, 0, 0), 1.0)), "the guess is a tuple, not a surface such as StarSurf"),
+        (lambda: constant_expansion(FLAT, 0.1, 2.0), "the guess is a float, not a surface"),
+        (lambda: find_horizon(star, StarSurface.sphere((0, 0, 0), 1.0)), "the slice is a function, .*Analytic"),
+        (lambda: find_horizon(2), "the slice is a int, not a ThreeGeometry$"),
+        (lambda: find_horizons(star), "the slice is a function, not a ThreeGeometry: AnalyticCallable"),
+        (lambda: StarSurface.sphere((0, 0, 0), 1.0).data(star), "the slice is a function"),
+    ],
+)
+def test_slips(search, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        search()
+
+
+def test_a_grid_that_is_too_coarse():
+    grid = sampled(IsotropicSchwarzschild(1.0), 20, 2.0)
+    with pytest.raises(NoHorizon, match=r"\nthe grid has .* spacings across this surface, and 20 are needed"):
+        find_horizon(grid)
+
+
+def test_a_grid_that_is_fine_enough():
+    spacing = 1.0 / 20.0  # the horizon's radius is 0.5
+    grid = sampled(IsotropicSchwarzschild(1.0), 30, 14.5 * spacing)
+    found = find_horizon(grid, StarSurface.sphere(ORIGIN, 0.6))
+    assert found.irreducible_mass == pytest.approx(1.0, abs=1e-6)

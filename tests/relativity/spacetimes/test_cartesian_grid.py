@@ -258,6 +258,8 @@ def skew():
             lambda: CartesianGrid((0, 0, 0), 1.0, skew()),
             r"gamma is not symmetric at the grid point \(3, 4, 5\): 0.5",
         ),
+        (lambda: CartesianGrid((0, 0, 0), 1.0, FLAT + 0j), "gamma has complex values, not real numbers"),
+        (lambda: CartesianGrid((0, 0, 0), 1.0, FLAT, 1j * FLAT), "K has complex values"),
         (
             lambda: CartesianGrid((0, 0, 0), 1.0, FLAT, FLAT[..., :9]),
             r"K is given at \(9, 10, 9\) points, gamma at \(9, 10, 11\)",
@@ -277,9 +279,10 @@ def test_refusals(make, sentence):
         make()
 
 
-def test_a_surface_through_missing_points_is_refused():
+@pytest.mark.parametrize("missing", [np.nan, np.inf])
+def test_a_surface_through_missing_points_is_refused(missing):
     gamma = FLAT.copy()
-    gamma[..., 5, 5, 5] = np.nan
+    gamma[..., 5, 5, 5] = missing
     surface = StarSurface.sphere((4, 4, 4), 1.0)
-    with pytest.raises(InvalidMetric, match=r"is not positive definite: xx, xy, \.\.\. = nan"):
+    with pytest.raises(InvalidMetric, match=r"is not positive definite: xx, xy, \.\.\. = (nan|inf)"):
         surface.mean_curvature(CartesianGrid((0, 0, 0), 1.0, gamma), np.array([[0, 0, 1.0]]))

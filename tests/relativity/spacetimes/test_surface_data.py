@@ -151,7 +151,7 @@ KERR_SPHERE = KerrNewmanSphere(3.0)
 @pytest.mark.parametrize("wrong", [-1e-3, float("nan")])
 def test_errors_of_lengths_are_not_negative(wrong):
     with pytest.raises(InvalidParameter, match="must not be negative"):
-        SurfaceData(SURFACE, relative_error=wrong)
+        SurfaceData(SURFACE.metric, relative_error=wrong)
 
 
 def test_a_surface_in_other_directions_is_the_same_surface():

@@ -1,5 +1,7 @@
 """Slices of black holes: exact gradients, extrinsic curvatures in closed form and by a second road, units."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -219,6 +221,21 @@ X = np.array([[3.0, 0, 0], [0, 0, 0]])
         (
             lambda: AnalyticCallable(lambda x: x, lambda x: 0).extrinsic_curvature(X),
             r"for K_ij returns the shape",
+        ),
+        (lambda: AnalyticCallable(None), "gamma is a NoneType, not a function"),
+        (lambda: AnalyticCallable(lambda x: x, 0), r"K is a int, not a function of x \(n, 3\)"),
+        (lambda: CallableGeometry(1.0, lambda x: x), "gamma is a float, not a function"),
+        (
+            lambda: AnalyticCallable(lambda x: math.sqrt(x[:, 0])).metric(X + 0j),
+            "the function for the metric raises TypeError: .* use np.sin instead of math.sin",
+        ),
+        (
+            lambda: CallableGeometry(lambda x: 1j * np.ones((len(x), 3, 3)), 1.0).metric(X),
+            "the function for the metric has complex values, not real numbers",
+        ),
+        (
+            lambda: AnalyticCallable(len, lambda x: 1j * np.ones((len(x), 3, 3))).extrinsic_curvature(X),
+            "the function for K_ij has complex values",
         ),
         (lambda: BoyerLindquist(1.0, SPIN).metric(X / 2), r"point 0, \(1.5, 0, 0\), does not lie outside"),
         (lambda: KerrSchild(1.0, (0, 0, 0.5)).metric(X), r"point 1, \(0, 0, 0\), lies on the disk"),

@@ -153,11 +153,12 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
                 raise wrong(f"the patch {here.name} is there twice")
             patches[here.name] = here
         elif line[0] not in '#%!;"':
-            words = line.split()
+            words = line.replace(",", " ").split()
             if len(words) != 6:
                 raise wrong(f"there are {len(words)} columns, not 6")
             if not patches or not np.isfinite(origin).all():
-                raise wrong("numbers before the origin or the name of a patch")
+                missing = "'### +z patch'" if patches == {} else "'# origin = x y z'"
+                raise wrong(f"there are numbers before a line {missing}")
             row = floats(words)
             r, distance = row[2], float(np.linalg.norm(np.array(row[3:]) - origin))
             # The digits of a printed radius, and the rounding of the distance from a far origin.

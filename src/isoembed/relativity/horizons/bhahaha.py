@@ -25,13 +25,14 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 
 TIME = re.compile(r"\btime\b[^\d+-]*([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
+SAME = 1e-6  # of the size of the horizon, by which a point that is repeated may be off
 
 
 def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
     """Read the shape of a horizon from a file of BHaHAHA.
 
-    The file holds one row ``x y z`` for each point: rings of constant theta, each closed by its first point
-    and followed by a blank line.  The angles about the center are theta = (i + 1/2) pi / n_theta and phi =
+    The file holds one row ``x y z`` for each point, separated by blanks or commas: rings of constant theta,
+    each closed by its first point, to within rounding, and followed by a blank line.  The angles about the center are theta = (i + 1/2) pi / n_theta and phi =
     -pi + (j + 1/2) 2 pi / n_phi.  The file does not name the center: it is the point from which the points
     are seen at these angles.  Raises `FileError`: the file cannot be read, is cut short or malformed; the
     message names the line where it can.
@@ -55,13 +56,15 @@ def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
             raise FileError(f"{file}, line {table.lines[np.argmin(finite)]}: a coordinate is not finite")
         ends = [*np.flatnonzero(np.diff(table.lines) > 1), len(table.lines) - 1]
         n_phi = int(ends[0])  # the last point of a ring is its first
-        rings = []
+        rings, size = [], float(np.ptp(table.numbers, axis=0).max())
         for begin, end in zip([0, *(end + 1 for end in ends)], ends, strict=False):
             ring = table.numbers[begin : end + 1]
-            if n_phi < 3 or len(ring) != n_phi + 1 or (ring[0] != ring[-1]).any():
+            apart = float(np.abs(ring[0] - ring[-1]).max())
+            if n_phi < 3 or len(ring) != n_phi + 1 or apart > SAME * size:
+                off = f": it is off by {apart:.3g}" if len(ring) == n_phi + 1 else ""
                 raise FileError(
                     f"{file}, line {table.lines[end]}: the ring that ends here is not {max(n_phi, 3)} points "
-                    "and the first of them again"
+                    f"and the first of them again{off}"
                 )
             rings.append(ring[:-1])
         times = [TIME.search(comment) for comment in table.comments]
@@ -96,7 +99,7 @@ def _center(points: Floats, source: str) -> Floats:
 
 
 def _recognizes(file: InputFile) -> bool:
-    rows = (line.split() for line in file.head.splitlines() if not line.lstrip().startswith("#"))
+    rows = (line.replace(",", " ").split() for line in file.head.splitlines() if not line.lstrip().startswith("#"))
     return file.ending == ".gp" and len(next(filter(None, rows), ())) == 3
 
 

@@ -19,6 +19,7 @@ from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.normal_image import foliated_inwards
 from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.spacetimes.checks import check_geometry
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
@@ -27,6 +28,7 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 NODES = (16, 32)  # heights and angles at which a guess is tried
 # First spheres, over the guess: small ones for grids and among holes, large ones around fast holes.
 RADII = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0)
+SPACINGS = 20  # across a horizon; with 10 none is found, with 14 its area has 5 digits
 FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
 """Exceptions that end a search."""
 
@@ -85,6 +87,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
             f"the others have {others}"
         )
         return replace(first, notes=(*first.notes, note))
+    _check_guess(guess)
     guess.expansion(geometry, gauss_rule(*NODES)[0])  # refuses a guess that leaves the slice
     try:
         return horizon_near(geometry, guess)
@@ -139,6 +142,8 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface
     >>> abs(near.surface.mean_radius * 0.01 / 2 + (2 / near.surface.mean_radius) ** 0.5 - 1) < 1e-12
     True
     """
+    _check_guess(guess)
+    check_geometry(geometry)
     try:
         return horizon_near(geometry, guess, expansion)
     except FAILURES as error:
@@ -195,8 +200,16 @@ class _Search:
     separate: bool
 
 
+def _check_guess(guess: object) -> None:
+    if not isinstance(guess, Surface):
+        raise InvalidParameter(
+            f"the guess is a {type(guess).__name__}, not a surface such as StarSurface.sphere(center, radius)"
+        )
+
+
 def _search(geometry: ThreeGeometry) -> _Search:
     """The horizons around groups of holes, the largest groups first."""
+    check_geometry(geometry)
     found: list[tuple[frozenset[int], FoundHorizon]] = []  # with the holes inside
     failures: list[tuple[Place, NoHorizon]] = []
     places = list(_places(geometry))
@@ -301,7 +314,7 @@ def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool
         degenerate = _degenerate(geometry, foliation, symmetric)
         if degenerate is not None:
             return degenerate
-    raise _none(foliation)
+    raise _none(geometry, foliation)
 
 
 def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon:
@@ -327,11 +340,16 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
     outer, inner = foliation.barriers
     proved = inner.greatest < 0.0 < outer.least
     kind: Literal["proved", "searched"] = "proved" if proved else "searched"
-    verdict = "a horizon exists" if proved else "the expansion changes sign, but for its error,"
+    verdict = (
+        "a horizon exists between two surfaces, and no horizon was resolved there"
+        if proved
+        else "the expansion seems to change sign between two surfaces, but by less than its error, and no "
+        "horizon was resolved there"
+    )
     raise NoHorizon(
-        f"{verdict} between two surfaces, and no horizon was resolved there: one of areal radius "
-        f"{outer.areal_radius:.9g} and expansion {outer.expansion:.3g}, and one inside it of areal radius "
-        f"{inner.areal_radius:.9g} and expansion {inner.expansion:.3g}; {why}",
+        f"{verdict}: the outer one has areal radius {outer.areal_radius:.9g} and expansion "
+        f"{outer.expansion:.3g}, the inner one {inner.areal_radius:.9g} and {inner.expansion:.3g}; {why}"
+        f"{_too_coarse(geometry, outer.surface)}",
         evidence=Evidence(kind, "barriers: a surface of negative expansion inside one of positive expansion"),
         barriers=(outer.surface, inner.surface),
     )
@@ -372,7 +390,20 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
     return replace(horizon, outermost=_outermost(foliation))
 
 
-def _none(foliation: Foliation) -> NoHorizon:
+def _too_coarse(geometry: ThreeGeometry, surface: Surface) -> str:
+    """A clause on the grid of a slice, where a surface is small for it."""
+    while hasattr(geometry, "geometry"):  # in another frame
+        geometry = geometry.geometry
+    spacing = getattr(geometry, "spacing", None)
+    if spacing is None or (across := 2.0 * surface.mean_radius / max(spacing)) >= SPACINGS:
+        return ""
+    return (
+        f"\nthe grid has {across:.3g} spacings across this surface, and {SPACINGS} are needed: use a finer "
+        "grid around the hole"
+    )
+
+
+def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
     """The error for a foliation without a change of sign."""
     least = foliation.least
     center = ", ".join(f"{x:.4g}" for x in least.surface.center)
@@ -385,9 +416,9 @@ def _none(foliation: Foliation) -> NoHorizon:
     )
     at = f"at R = {least.areal_radius:.6g} around ({center})"
     return NoHorizon(
-        "no horizon was found: of surfaces of constant expansion c and areal radius R, the least c R / 2 is "
-        f"{least.normalized_expansion:.6g}{off}, {at}, and on a horizon it is 0; they ended because "
-        f"{foliation.end}",
+        "no horizon was found: among surfaces of constant expansion c and areal radius R, the least c R / 2 "
+        f"is {least.normalized_expansion:.6g}{off}, {at}, and a horizon has 0; the search ended because "
+        f"{foliation.end}{_too_coarse(geometry, least.surface)}",
         least.normalized_expansion,
         evidence,
         error,
@@ -427,7 +458,8 @@ def _places(geometry: ThreeGeometry) -> Iterator[Place]:
         return
     if not holes:
         raise InvalidParameter(
-            "the slice does not say where its black holes are: give a guess, such as a sphere around them"
+            "the slice does not say where its black holes are: use find_horizon(geometry, guess) with a "
+            "guess for each, such as StarSurface.sphere(center, radius)"
         )
     everything = frozenset(range(len(holes)))
     # More holes have too many groups to try all of them.

@@ -121,13 +121,13 @@ def foliate(
             if not why or not isinstance(failure, NoConvergence):
                 why = str(failure)
             if step < SHORTEST_STEP or minimum is not None:
-                end = f"no smaller one was found: {why}{_noisy(last)}"
+                end = f"no smaller surface was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
         if missed > MISSED:
             step, why = 0.5 * step, "surfaces differ from their prediction"
             if step < SHORTEST_STEP:
-                end = f"no smaller one was found: {why}{_noisy(last)}"
+                end = f"no smaller surface was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
         step = min(longest_step, step * float(np.clip(0.5 * MISSED / max(missed, 1e-3), 0.5, 2.0)))
@@ -139,7 +139,7 @@ def foliate(
             try:
                 lowest, off = least_expansion(geometry, last, leaf, symmetric=symmetric, settled=0.1)
             except (NoConvergence, InvalidMetric, InvalidParameter) as failure:
-                end = f"the one of least expansion was not found: {failure}"
+                end = f"the surface of least expansion was not found: {failure}"
                 return Foliation((*leaves, leaf), None, None, 0.0, end)
             if lowest.expansion <= -off:
                 return Foliation((*leaves, lowest), (last, lowest), lowest, off)
@@ -161,9 +161,9 @@ def foliate(
         if minimum is not None and leaf.normalized_expansion < minimum.normalized_expansion:
             minimum, error = None, 0.0
         if minimum is not None and leaf.normalized_expansion > end_at:
-            return Foliation(tuple(leaves), None, minimum, error, "their expansion grows again")
+            return Foliation(tuple(leaves), None, minimum, error, "the expansion grows again")
         if not SMALLEST < leaf.surface.mean_radius / largest < 1.0 / SMALLEST:
-            end = f"they have become {'a thousand times as large' if outward else 'as small as points'}"
+            end = f"the surfaces have become {'a thousand times as large' if outward else 'as small as points'}"
             return Foliation(tuple(leaves), None, minimum, error, end)
 
 

@@ -16,7 +16,7 @@ PATIENCE = 10
 
 
 class NoConvergence(ArithmeticError):  # noqa: N818 - as the package's others
-    """Newton's method ended where the residual falls no more; the message says where."""
+    """Newton's method failed; the message says where."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ def solve(
 ) -> Solution:
     """Surface of constant expansion near a given one.
 
-    Raises `NoConvergence`: the residual falls no more, or less than tenfold in ten steps; `InvalidMetric` or
+    Raises `NoConvergence`: the residual does not fall, or less than tenfold in ten steps; `InvalidMetric` or
     `InvalidParameter`: the slice is not known on the first surface.
 
     Parameters
@@ -112,7 +112,7 @@ def _moved(
     size = float(np.linalg.norm(_residual(equations, at, expansion))) / radius
     longest = float(np.abs(discretization.transform.values(change[:, None])).max())
     part = min(1.0, 0.3 * radius / longest) if longest > 0.0 else 1.0  # longest displacement, over the radius
-    why = f"the residual {size:.2g} falls no more"
+    why = f"Newton's method stalls at the residual {size:.2g}"
     while part >= 1.0 / 16.0:
         try:
             trial = discretization.iterate(at.f - part * change)

@@ -14,6 +14,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.loops import contracted
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
+from isoembed.smooth.given_functions import array_of
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 """Which of the six is which entry of a symmetric matrix."""
@@ -233,10 +234,11 @@ class _Wider(DerivedGeometry):
 
 def _six(what: str, given: ArrayLike) -> Floats:
     """The entries (6, nx, ny, nz) of symmetric matrices, read-only."""
-    array = np.asarray(given, dtype=np.float64)
+    array = array_of(what, given).astype(np.float64, copy=False)
     if array.ndim == 5 and array.shape[:2] == (3, 3):
         # More is no rounding of a symmetric tensor.
-        apart = np.abs(array - array.swapaxes(0, 1)) > 1e-10 * np.abs(array).max(axis=(0, 1))
+        with np.errstate(invalid="ignore"):  # of infinities
+            apart = np.abs(array - array.swapaxes(0, 1)) > 1e-10 * np.abs(array).max(axis=(0, 1))
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if apart[i, j].any():
                 at = tuple(int(index) for index in np.argwhere(apart[i, j])[0])

@@ -29,11 +29,19 @@ def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, fl
 
 
 def numbers(given: ArrayLike) -> Floats:
-    """An array of what is given; NaN of shape () where that holds no numbers."""
+    """An array of what is given; NaN of shape () where that holds no real numbers."""
     try:
-        return np.asarray(given, dtype=np.float64)
+        array = np.asarray(given)
+        return np.array(np.nan) if array.dtype.kind == "c" else array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         return np.array(np.nan)
+
+
+def check_geometry(given: object) -> None:
+    """Refuse with an `InvalidParameter` what is no slice, such as a function."""
+    if not callable(getattr(given, "extrinsic_curvature", None)):
+        advice = "AnalyticCallable and CallableGeometry make one of a function" if callable(given) else ""
+        raise InvalidParameter(f"the slice is a {type(given).__name__}, not a ThreeGeometry: {advice}".rstrip(": "))
 
 
 def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:
@@ -45,7 +53,8 @@ def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:
 
 def check_slice(what: str, x: Floats, gamma: Floats) -> None:
     """Raise an `InvalidMetric` where gamma (n, 3, 3), at the points x (n, 3), is not positive definite."""
-    minor = gamma[:, 0, 0] * gamma[:, 1, 1] - gamma[:, 0, 1] * gamma[:, 1, 0]
+    with np.errstate(invalid="ignore"):
+        minor = gamma[:, 0, 0] * gamma[:, 1, 1] - gamma[:, 0, 1] * gamma[:, 1, 0]
     good = np.isfinite(gamma).all(axis=(1, 2)) & (gamma[:, 0, 0] > 0) & (minor > 0)
     good[good] = np.linalg.det(gamma[good]) > 0
     if not good.all():

@@ -13,12 +13,13 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
-from isoembed.relativity.spacetimes.checks import numbers, vector, written
+from isoembed.relativity.spacetimes.checks import vector, written
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.point_cloud import checked_points
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.reprs import short_repr
+from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.mesh_fit import fit_mesh
 from isoembed.smooth.projection import DIRECTIONS, project
@@ -269,7 +270,7 @@ def _check_immersion(nodes: _Nodes) -> None:
 
 
 def _mapped(function: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
-    x = numbers(function(u))
+    x = real_values("the map", function, u)
     if x.shape != (len(u), 3):
         raise InvalidParameter(f"the map has the shape {x.shape} for {len(u)} directions, not ({len(u)}, 3)")
     good = np.isfinite(x).all(axis=1)

@@ -7,12 +7,12 @@ from scipy.spatial import ConvexHull, QhullError
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import solid_angles
-from isoembed.relativity.spacetimes.checks import written
+from isoembed.relativity.spacetimes.checks import numbers, written
 
 
 def checked_points(points: ArrayLike) -> Floats:
     """Points (m, 3) as an array; `InvalidParameter` where they are too few or not finite."""
-    x = np.asarray(points, dtype=np.float64)
+    x = numbers(points)
     if x.ndim != 2 or x.shape[1] != 3 or len(x) < 8:
         raise InvalidParameter(f"points must be an array (m, 3) with m >= 8, not {x.shape}")
     good = np.isfinite(x).all(axis=1)

@@ -18,6 +18,7 @@ from isoembed.relativity.spacetimes.surface import ON_SURFACE, Surface, as_direc
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.reprs import short_repr
+from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.projection import project
 from isoembed.smooth.scattered_fit import deviating, fitted, white
@@ -120,7 +121,8 @@ class StarSurface(Surface):
 
         def by_direction(u: Floats) -> ArrayLike:
             theta = np.arctan2(np.hypot(u[:, 0], u[:, 1]), u[:, 2])
-            return np.broadcast_to(radius(theta, np.arctan2(u[:, 1], u[:, 0]) % (2.0 * np.pi)), theta.shape)
+            phi = np.arctan2(u[:, 1], u[:, 0]) % (2.0 * np.pi)
+            return np.broadcast_to(real_values("the function for the radius", radius, theta, phi), theta.shape)
 
         return cls.from_radius(by_direction, center)
 
@@ -223,7 +225,7 @@ def _check_radius(u: Floats, r: Floats) -> None:
 
 
 def _radii(radius: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
-    r = np.asarray(radius(u), dtype=np.float64)
+    r = real_values("the function for the radius", radius, u)
     if r.shape != (len(u),):
         raise InvalidParameter(f"the radius has the shape {r.shape} for {len(u)} directions")
     _check_radius(u, r)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.spacetimes.checks import numbers, vector
+from isoembed.relativity.spacetimes.checks import check_geometry, numbers, vector
 from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -72,6 +72,7 @@ class Surface(ABC):
 
     def local_geometry(self, geometry: ThreeGeometry, u: Floats) -> LocalGeometry:
         """The local geometry of the surface in a slice, in the directions u (n, 3)."""
+        check_geometry(geometry)
         return LocalGeometry.of(geometry, self.jet(as_directions(u)))
 
     def metric(self, geometry: ThreeGeometry) -> InducedMetric:
@@ -145,6 +146,7 @@ class Surface(ABC):
             The slice's metric is not positive definite, or its extrinsic curvature not finite, on the
             surface; the message names a point.
         """
+        check_geometry(geometry)
         moves = not geometry.time_symmetric
         u, weights = gauss_rule(24, 48)
         center, local = np.array(self.center), self.local_geometry(geometry, u)

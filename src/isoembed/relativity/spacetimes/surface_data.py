@@ -13,9 +13,10 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.reprs import short_repr
+from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.sphere_map import SphereMap, metric_in
-from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
 
 
@@ -108,6 +109,7 @@ class SurfaceData:
     electromagnetic_angular_momentum: float | None = None
 
     def __post_init__(self) -> None:
+        check_two_metric(self.metric)
         named = {"mean_curvature": "k", "momentum": "p", "normal_momentum": "j", "gaussian_curvature": "K"}
         for field, name in named.items():
             object.__setattr__(self, field, self._function(getattr(self, field), field, name))
@@ -254,7 +256,7 @@ def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> 
 
     Raises `InvalidParameter`: they have another shape; the message calls the function by the name.
     """
-    values = np.asarray(function(u), dtype=np.float64)
+    values = real_values(name, function, u)
     if values.shape != (len(u),):
         raise InvalidParameter(f"{name} at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
     return values

@@ -8,7 +8,7 @@ Signs are those of Alcubierre and of Baumgarte and Shapiro:
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -17,7 +17,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
-from isoembed.relativity.spacetimes.checks import positive_number
+from isoembed.relativity.spacetimes.checks import positive_number, written
+from isoembed.relativity.spacetimes.differences import (
+    EIGHTH,
+    SIXTH,
+    Disagreement,
+    central_differences,
+    disagreement,
+)
+from isoembed.smooth.given_functions import array_of, called
 
 Numbers = NDArray[Any]
 """Real, or complex for derivatives by the complex step."""
@@ -107,6 +115,14 @@ class _Callables:
     gamma: Callable[[Numbers], ArrayLike]
     K: Callable[[Floats], ArrayLike] | None
 
+    def __post_init__(self) -> None:
+        if not callable(self.gamma):
+            raise InvalidParameter(f"gamma is a {type(self.gamma).__name__}, not a function of x (n, 3)")
+        if not (self.K is None or callable(self.K)):
+            raise InvalidParameter(
+                f"K is a {type(self.K).__name__}, not a function of x (n, 3); a time-symmetric slice has none"
+            )
+
     @property
     def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
@@ -114,18 +130,24 @@ class _Callables:
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`."""
-        return _matrices("metric", self.gamma(x), len(x))
+        return _matrices("the metric", self.gamma, x)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        return np.zeros((len(x), 3, 3)) if self.K is None else _matrices("K_ij", self.K(x), len(x))
+        return np.zeros((len(x), 3, 3)) if self.K is None else _matrices("K_ij", self.K, x)
 
 
 @dataclass(frozen=True)
 class AnalyticCallable(_Callables, AnalyticGeometry):
-    """A slice given by functions of which the metric takes complex coordinates, too.
+    """A slice given by functions, of which that of the metric takes complex coordinates, too.
 
-    No absolute value, norm, maximum, conjugate or ``arctan2`` may occur in it.
+    No absolute value, norm, real part, maximum, conjugate or ``arctan2`` may occur in it, nor an array of
+    floats that it fills: write ``np.sqrt((x**2).sum(axis=1))`` for a radius, and make arrays of ``x.dtype``.
+
+    Raises
+    ------
+    InvalidParameter
+        The derivatives of the metric differ from central differences, which are taken at a few points.
 
     Attributes
     ----------
@@ -138,6 +160,19 @@ class AnalyticCallable(_Callables, AnalyticGeometry):
     gamma: Callable[[Numbers], ArrayLike]
     K: Callable[[Floats], ArrayLike] | None = None
 
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        gradient = super().gradient(x)
+        wrong = disagreement(self.metric, x, gradient, relative=1e-6)
+        if wrong:
+            raise InvalidParameter(
+                f"{_named(wrong)} by the complex step and {wrong.found:.6g} by differences: the function for "
+                "the metric must take complex x, of which np.linalg.norm, np.abs, np.real and arrays of "
+                "floats drop the imaginary part. Write np.sqrt((x**2).sum(axis=1)) for the radius and "
+                "np.zeros(..., dtype=x.dtype) for an array, or use CallableGeometry(gamma, length)"
+            )
+        return gradient
+
 
 @dataclass(frozen=True)
 class CallableGeometry(_Callables):
@@ -148,10 +183,18 @@ class CallableGeometry(_Callables):
     gamma : callable
         Takes x (n, 3) and returns ``gamma_ij`` (n, 3, 3).
     length : float
-        The distance over which the metric varies, for one the distance to the nearest hole: steps are 1/256
-        of it, and the gradient of ``1 + length / r`` at r = length is right to a few 1e-14.
+        The distance to the nearest hole, or over which the metric varies otherwise: steps are 1/256 of it,
+        and the gradient of ``1 + length / r`` at r = length is right to a few 1e-14.  With a tenth of it the
+        rounding is ten times as large, and so are the errors of energies; with ten times it, the differences
+        reach across the hole.
     K : callable, optional
         Takes x (n, 3) and returns ``K_ij`` (n, 3, 3); without it the slice is time-symmetric.
+
+    Raises
+    ------
+    InvalidParameter
+        The length is not positive, or the gradient differs from those of shorter steps, which are
+        taken at a few points.
     """
 
     gamma: Callable[[Floats], ArrayLike]
@@ -159,31 +202,41 @@ class CallableGeometry(_Callables):
     K: Callable[[Floats], ArrayLike] | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         positive_number("the length over which the metric varies", self.length)
 
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
-        return self._differentiated(x, (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0))
+        gradient = self._differentiated(x, SIXTH)
+        # Finer steps alone: beside them coarser ones may be right where noise is large.
+        wrong = disagreement(self.metric, x, gradient, relative=1e-3, step=self._step / 8.0)
+        if wrong:
+            raise InvalidParameter(
+                f"{_named(wrong)} by differences over 1/256 of the length {self.length:.6g} and "
+                f"{wrong.found:.6g} over shorter ones: give the distance to the nearest hole as the length"
+            )
+        return gradient
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: what differences of eighth order tell, of noise and rounding a tenth."""
         eighth = _EighthOrder(self.gamma, self.length, self.K)
         return np.asarray(10.0 * (quantity(eighth) - quantity(self)))
 
-    def _differentiated(self, x: Floats, weights: Sequence[float]) -> Floats:
-        """The gradient (n, 3, 3, 3) from differences over one, two, ... steps to both sides."""
-        h = self.length / 256.0  # truncation is as large as rounding
-        out = np.zeros((len(x), 3, 3, 3))
-        for k, along in enumerate(np.eye(3)):
-            for steps, weight in enumerate(weights, start=1):
-                shift = steps * h * along
-                out[:, k] += weight * (self.metric(x + shift) - self.metric(x - shift))
-        return out / h
+    def _differentiated(self, x: Floats, weights: tuple[float, ...]) -> Floats:
+        return central_differences(self.metric, x, self._step, weights)
+
+    @property
+    def _step(self) -> float:
+        return self.length / 256.0  # truncation is as large as rounding
 
 
 class _EighthOrder(CallableGeometry):
     def gradient(self, x: Floats) -> Floats:
-        return self._differentiated(x, (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0))
+        return self._differentiated(x, EIGHTH)
+
+
+def _named(wrong: Disagreement) -> str:
+    return f"{wrong.name} at {written(wrong.x)} is {wrong.given:.6g}"
 
 
 def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
@@ -235,10 +288,9 @@ def stationary_curvature(
     return (d_shift + d_shift.transpose(0, 2, 1) - christoffel) / (2.0 * lapse[:, None, None])
 
 
-def _matrices(what: str, given: ArrayLike, n: int) -> Numbers:
-    array = np.asarray(given)
+def _matrices(of: str, function: Callable[[Numbers], ArrayLike], x: Numbers) -> Numbers:
+    n, what = len(x), f"the function for {of}"
+    array = array_of(what, called(what, function, x), real=not np.iscomplexobj(x))
     if array.shape != (n, 3, 3):
-        raise InvalidParameter(
-            f"the function for {what} returns the shape {array.shape} for {n} points, not ({n}, 3, 3)"
-        )
+        raise InvalidParameter(f"{what} returns the shape {array.shape} for {n} points, not ({n}, 3, 3)")
     return array

@@ -1,0 +1,22 @@
+"""Words of captions."""
+
+from isoembed.embedding.embedding import Embedding
+from isoembed.surface.flat_faces import FlatFaces
+
+
+def faces_counted(embedding: Embedding) -> str:
+    """How many faces of which kind."""
+    faces = embedding.surface.flat_faces
+    return f"{len(faces):,} {'faces' if isinstance(faces, FlatFaces) else 'triangles'}"
+
+
+def has_own_lengths(embedding: Embedding) -> bool:
+    """Whether nothing was computed and the lengths are those of the vertices: it has no residual to show."""
+    return not embedding.stages and embedding.residual <= 1e-14  # rounding
+
+
+def of_integral(embedding: Embedding) -> str:
+    """What follows "int H dA": of which surface it is, or which edges it has."""
+    if not embedding.triangulation.is_closed:
+        return " over inner edges"  # an edge of the boundary has no dihedral angle
+    return " of the polyhedron" if has_own_lengths(embedding) else ""

@@ -1,0 +1,94 @@
+"""Central differences of functions in space, and the check of derivatives that were found otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoembed.arrays import Floats
+
+SIXTH = (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0)
+EIGHTH = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
+FINER = (1.0, 1.0 / 8.0, 1.0 / 64.0)  # steps of a check, over the first
+FIRST = 2.0**-8  # of these steps, over the extent of the points
+
+
+def central_differences(
+    f: Callable[[Floats], NDArray[Any]], x: Floats, step: float, weights: Sequence[float]
+) -> Floats:
+    """Derivatives (n, 3, ...) of f at x (n, 3), from differences over one, two, ... steps to both sides."""
+    steps = step * np.arange(1, len(weights) + 1)
+    out = []
+    for along in np.eye(3):
+        shifts = np.multiply.outer(np.append(steps, -steps), along)
+        values = f((x + shifts[:, None]).reshape(-1, 3))
+        values = values.reshape(2, len(weights), len(x), *values.shape[1:])
+        out.append(np.tensordot(weights, values[0] - values[1], 1))
+    return np.asarray(np.stack(out, axis=1) / step)
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """Where a derivative of a matrix differs the most from a central difference.
+
+    Attributes
+    ----------
+    x : ndarray, shape (3,)
+    name : str
+        Such as "d_x gamma_yz".
+    given, found : float
+        The derivative, and the central difference.
+    """
+
+    x: Floats
+    name: str
+    given: float
+    found: float
+
+
+def disagreement(
+    f: Callable[[Floats], NDArray[Any]],
+    x: Floats,
+    gradient: Floats,
+    relative: float,
+    step: float = np.inf,
+) -> Disagreement | None:
+    """The largest difference of a gradient from central differences that is neither theirs nor small.
+
+    Parameters
+    ----------
+    f : callable
+        Takes points (n, 3) and returns matrices (n, 3, 3).
+    x : ndarray, shape (n, 3)
+    gradient : ndarray, shape (n, 3, 3, 3)
+        In the order [point, k, i, j].  It is compared at four of the points.
+    relative : float
+        By how much of the largest component at a point the derivatives there may differ.
+    step : float
+        The largest step of differences, if it is less than 1/256 of the extent of the points.
+    """
+    size = float(np.ptp(x, axis=0).max(initial=0.0)) or float(np.abs(x).max(initial=0.0)) or 1.0
+    largest = np.argmax(np.abs(gradient).reshape(len(x), -1).max(axis=1, initial=0.0)) if len(x) else 0
+    some = np.unique([*np.linspace(0, len(x) - 1, 3).astype(int), largest])[: len(x)]
+    x, given = x[some], gradient[some]
+    with np.errstate(all="ignore"):  # there may be no metric a step away
+        found = [central_differences(f, x, min(FIRST * size, step) * finer, SIXTH) for finer in FINER]
+        # Of two steps in turn that agree best, whatever the functions' scale and noise.
+        errors = [np.abs(b - a).max(axis=(1, 2, 3), keepdims=True) for a, b in pairwise(found)]
+        best = int(np.argmin([np.max(error, initial=0.0) for error in errors]))
+        larger = np.maximum(np.abs(found[best]), np.abs(given)).max(axis=(1, 2, 3), keepdims=True)
+        excess = np.abs(found[best] - given) - relative * larger - 4.0 * errors[best]
+    if not (excess > 0.0).any():  # of what is not finite nothing is known
+        return None
+    point, k, i, j = np.unravel_index(np.nanargmax(excess), excess.shape)
+    return Disagreement(
+        x[point],
+        f"d_{'xyz'[k]} gamma_{''.join(sorted('xyz'[i] + 'xyz'[j]))}",
+        float(given[point, k, i, j]),
+        float(found[best][point, k, i, j]),
+    )
