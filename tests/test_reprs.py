@@ -29,7 +29,7 @@ class Result:
         (np.array([1.0, 0.5]), "[1, 0.5]"),
         ((0.0, 1.0, 2.0), "(0, 1, 2)"),
         ([np.zeros(9)] * 5, "5 entries"),
-        (Estimate(1.0, 1e-3), "1 +- 1e-03"),
+        (Estimate(1.0, 1e-3), "1.000 +- 1e-03"),
         ("a" * 99, "'" + "a" * 57 + "'..."),
         (Result(np.zeros(9)), "Result(x=array of shape (9,))"),
     ],

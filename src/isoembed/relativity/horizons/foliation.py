@@ -38,6 +38,7 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.relativity.spacetimes.transformed import ScaledCurvature
 from isoembed.smooth.transforms import resized
+from isoembed.surface.estimate import percent
 
 SHORTEST_STEP = 1e-4  # over the mean radius
 MISSED = 0.3  # largest difference of a leaf from its prediction, over the displacement
@@ -368,4 +369,4 @@ def _prediction_error(
 def _noisy(leaf: ConstantExpansionSurface) -> str:
     if leaf.noise <= 0.01:
         return ""
-    return f"; the slice may displace the surface by {100.0 * leaf.noise:.2g} % there"
+    return f"; the slice may displace the surface by {percent(leaf.noise)} there"
