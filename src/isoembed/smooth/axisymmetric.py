@@ -89,7 +89,6 @@ class AxisymmetricEmbedding:
             The metric is not axisymmetric about z, or not positive, or conical at a pole or otherwise not
             smooth; the message says how much and where.
         """
-
         check_two_metric(metric)
 
         def components(x: Floats) -> Floats:

@@ -140,8 +140,12 @@ class PulledBack:
 def check_two_metric(given: object) -> None:
     """Refuse with an `InvalidMetric` what is no metric, such as a function."""
     if not callable(getattr(given, "tensor", None)):
-        advice = "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"
-        raise InvalidMetric(f"the metric is a {type(given).__name__}, which has no method tensor(u): {advice}")
+        advice = (
+            "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"
+        )
+        raise InvalidMetric(
+            f"the metric is a {type(given).__name__}, which has no method tensor(u): {advice}"
+        )
 
 
 def from_angles(u: Floats, Qtt: Floats, Qtp: Floats, Qpp: Floats) -> Floats:

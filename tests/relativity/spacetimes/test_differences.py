@@ -89,7 +89,9 @@ def test_holomorphic_functions_are_taken_in_every_unit_and_place(unit, center):
 
 @pytest.mark.parametrize("length", [100.0, 300.0, 1000.0, 1e12])
 def test_too_large_a_length_is_refused(length):
-    with pytest.raises(InvalidParameter, match=f"the length {re.escape(f'{length:.6g}')} and .*: give the dist"):
+    with pytest.raises(
+        InvalidParameter, match=f"the length {re.escape(f'{length:.6g}')} and .*: give the dist"
+    ):
         embed_surface(SPHERE.data(CallableGeometry(by_norm, length)))
 
 
@@ -104,7 +106,9 @@ def test_noise_is_no_wrong_length():
         return by_norm(x) * (1.0 + 1e-4 * np.sin(1e7 * x[:, :1, None]))
 
     for length in (0.2, 2.0, 20.0):
-        error = np.abs(CallableGeometry(noisy, length).gradient(X) - AnalyticCallable(clean).gradient(X)).max()
+        error = np.abs(
+            CallableGeometry(noisy, length).gradient(X) - AnalyticCallable(clean).gradient(X)
+        ).max()
         assert 1e-4 < error < 1.0
 
 

@@ -164,7 +164,9 @@ def foliate(
         if minimum is not None and leaf.normalized_expansion > end_at:
             return Foliation(tuple(leaves), None, minimum, error, "the expansion grows again")
         if not SMALLEST < leaf.surface.mean_radius / largest < 1.0 / SMALLEST:
-            end = f"the surfaces have become {'a thousand times as large' if outward else 'as small as points'}"
+            end = (
+                f"the surfaces have become {'a thousand times as large' if outward else 'as small as points'}"
+            )
             return Foliation(tuple(leaves), None, minimum, error, end)
 
 

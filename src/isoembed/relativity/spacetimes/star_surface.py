@@ -123,7 +123,9 @@ class StarSurface(Surface):
         def by_direction(u: Floats) -> ArrayLike:
             theta = np.arctan2(np.hypot(u[:, 0], u[:, 1]), u[:, 2])
             phi = np.arctan2(u[:, 1], u[:, 0]) % (2.0 * np.pi)
-            return np.broadcast_to(real_values("the function for the radius", radius, theta, phi), theta.shape)
+            return np.broadcast_to(
+                real_values("the function for the radius", radius, theta, phi), theta.shape
+            )
 
         return cls.from_radius(by_direction, center)
 
