@@ -40,7 +40,7 @@ COMMANDS = [
     (
         "isoembed energy --spacetime kerr --spin 0.9 --surface horizon",
         NONE,
-        "--space hyperbolic embeds the whole; --band FILE writes the band that embeds",
+        "isoembed: try: --band FILE, which writes the band that embeds",
     ),
     # Typos.
     ("isoembed emebd metric.npz", WRONG, "did you mean 'embed'?"),

@@ -176,7 +176,8 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         if "q_tt" in tables:
             raise FileError(
                 f"{name} is a metric on a grid in theta and phi: embed it with 'isoembed energy {name}', or "
-                f"make triangles of it first, with 'isoembed triangulate {name} --vertices 1000 -o metric.npz'"
+                "make triangles of it first, with "
+                f"'isoembed triangulate {name} --vertices 1000 -o metric.npz'"
             )
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(

@@ -224,7 +224,10 @@ def _seen(sight: PoleSight, look: _Look | None = None) -> str:
     jump, largest = sight.conflicts[pole, 0], np.max(sight.conflicts[pole])
     if not sight.is_cone:
         size = jump if jump > VISIBLE else largest
-        return f"at {at} the components change with phi by {size:.2g} of their size as no tensor's do"
+        return (
+            f"at {at} the components vary with phi, by {size:.2g} of their size, in a way that those of a "
+            "smooth tensor cannot"
+        )
     doubtful = jump <= sight.doubts[pole, 0]
     if look and (doubtful or not 0.5 * abs(tt) < abs(pp) < 2.0 * abs(tt)):
         theta, tt, pp = look.near[pole]
