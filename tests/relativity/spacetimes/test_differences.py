@@ -9,9 +9,10 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity import embed_surface, find_horizon, find_horizons
 from isoembed.relativity.spacetimes.differences import EIGHTH, SIXTH, central_differences
-from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist
+from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist, Superposed
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry
+from isoembed.relativity.spacetimes.transformed import Translated
 
 SPHERE = StarSurface.sphere((0, 0, 0), 2.0)
 X = 2.0 * fibonacci_directions(50)
@@ -74,6 +75,12 @@ def test_functions_that_drop_the_imaginary_part_are_refused(gamma):
 def test_the_component_is_named():
     with pytest.raises(InvalidParameter, match=r"d_x gamma_yz at \(.*\) is 0 by .* and 0\.0001 by diff"):
         AnalyticCallable(one_component).gradient(X)
+
+
+def test_superposed_functions_are_compared_too():
+    alone = AnalyticCallable(by_norm)
+    with pytest.raises(InvalidParameter, match="by the complex step"):
+        Superposed((alone, Translated(AnalyticCallable(clean), (0.0, 0.0, 9.0)))).gradient(X)
 
 
 @pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
