@@ -11,7 +11,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.smooth.geodesics import definite_tensor
 from isoembed.smooth.poles import RINGS, SCALES, PoleSight, ring_sights, series_sights
-from isoembed.smooth.two_metric import NEAR_POLE, AngleMetric, TwoMetric, angle_components
+from isoembed.smooth.two_metric import NEAR_POLE, AngleMetric, TwoMetric, angle_components, components_at
 
 CONFLICT = 5e-3  # relative conflict of components that are those of no tensor
 VISIBLE = 1e-6  # relative misfit that may be due to a mistake
@@ -153,7 +153,7 @@ def _check_seam(metric: AngleMetric) -> None:
     """Refuse components that are not those of the same points a turn later."""
     theta: Floats = np.linspace(0.0, np.pi, AROUND + 1)[1:-1]
     ends = [np.full_like(theta, phi) for phi in (1e-9, 2.0 * np.pi - 1e-9)]
-    start, stop = (metric.at(theta, phi) for phi in ends)
+    start, stop = (components_at(metric, theta, phi) for phi in ends)
     sin = np.sin(theta)
     size = max(np.max(np.abs(start[0])), np.max(np.abs(start[2]) / sin**2))
     for name, before, after, power in zip(("q_tt", "q_tp", "q_pp"), start, stop, range(3), strict=True):

@@ -61,7 +61,7 @@ def test_data_are_missing_where_the_horizon_is():
 
 def test_a_grid_that_is_too_coarse():
     grid = sampled(IsotropicSchwarzschild(1.0), 24, 2.2)
-    across = r"\nthe grid has \d+\.?\d* spacings across this surface, and 20 are needed: use a finer grid"
+    across = r"\.\nThe grid has \d+\.?\d* spacings across this surface, and 20 are needed: use a finer grid"
     with pytest.raises(NoHorizon, match=rf"the slice may displace the surface by \d+ %.*{across}"):
         find_horizon(grid)
 

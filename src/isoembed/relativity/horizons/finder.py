@@ -391,14 +391,14 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
 
 
 def _too_coarse(geometry: ThreeGeometry, surface: Surface) -> str:
-    """A clause on the grid of a slice, where a surface is small for it."""
+    """A sentence on the grid of a slice, where a surface is small for it."""
     while hasattr(geometry, "geometry"):  # in another frame
         geometry = geometry.geometry
     spacing = getattr(geometry, "spacing", None)
     if spacing is None or (across := 2.0 * surface.mean_radius / max(spacing)) >= SPACINGS:
         return ""
     return (
-        f"\nthe grid has {across:.3g} spacings across this surface, and {SPACINGS} are needed: use a finer "
+        f".\nThe grid has {across:.3g} spacings across this surface, and {SPACINGS} are needed: use a finer "
         "grid around the hole"
     )
 
