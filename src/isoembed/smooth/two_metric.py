@@ -99,14 +99,18 @@ def components_at(metric: AngleMetric, theta: Floats, phi: Floats) -> Floats:
         raise InvalidMetric(
             f"{what} returns a {type(given).__name__}{count}, not the three q_tt, q_tp and q_pp"
         )
-    q = [np.broadcast_to(array_of(what, component), theta.shape) for component in given]
-    for name, values in zip(("q_tt", "q_tp", "q_pp"), q, strict=True):
+    q = np.empty((3, *theta.shape))
+    for name, component, values in zip(("q_tt", "q_tp", "q_pp"), given, q, strict=True):
+        array = array_of(what, component)
+        if array.shape not in ((), (1,), theta.shape):
+            raise InvalidMetric(f"{name} has the shape {array.shape} for angles of shape {theta.shape}")
+        values[...] = array
         if not np.isfinite(values).all():
             i = int(np.argmin(np.isfinite(values)))
             raise InvalidMetric(
                 f"{name} is {values[i]} at theta = {theta[i]:.6g}, phi = {phi[i]:.6g}: it must be finite"
             )
-    return np.stack(q).astype(np.float64)
+    return q
 
 
 @dataclass(frozen=True)
