@@ -22,6 +22,7 @@ interface Mesh {
   faces: Packed;
   polygons: Packed | null;
   outlines: Packed | null;
+  boundary?: Packed | null; // ends of the edges along it
   solid: number; // how many triangles, the first ones, are not seen through
   cuts?: number; // how often triangles are cut in four, to look as they bend
   own?: Packed | null; // for each vertex, one of the surface's own
@@ -84,6 +85,7 @@ interface Parts {
   faces: Uint32Array; // of the mesh that is in the buffers
   mantle: { made: WebGLVertexArrayObject; positions: WebGLBuffer; normals: WebGLBuffer; shades: WebGLBuffer; faces: WebGLBuffer };
   mesh: Lines;
+  rim: Lines;
   creases: Lines;
   seams: Lines;
 }

@@ -18,6 +18,7 @@ from isoembed.relativity import (
     BrillLindquist,
     FoundHorizon,
     StarSurface,
+    ThreeGeometry,
     constant_expansion,
     embed_surface,
     find_horizon,
@@ -88,7 +89,7 @@ def study(
             "the last two digits of the known number are wrong: both computations here say so",
         ),
     ]
-    near = _outside(expansions)
+    near = outside(pair((0.5, 0.5), NEAR), expansions)
     limit = near[-1]["limit"]
     return Section.of(
         "head-on",
@@ -110,7 +111,7 @@ def study(
         limit=limit,
         missing=limit - near[-1]["wang_yau"],
         last=near[-1],
-        rate=_rate(near),
+        rate=rate(near),
         distance=NEAR,
         first=merged[0],
         closest=merged[-1],
@@ -234,15 +235,15 @@ def _shot(distance: float) -> tuple[float, float]:
     return top, float(-ricci - ((1 / r + 2 * p_r / p) / p**2) ** 2)
 
 
-def _outside(expansions: Sequence[float]) -> list[dict[str, float]]:
-    """Energies of surfaces of constant expansion outside of the common horizon, from far to near."""
-    outer = horizon((0.5, 0.5), NEAR, "common")
+def outside(holes: ThreeGeometry, expansions: Sequence[float]) -> list[dict[str, float]]:
+    """Energies of surfaces of constant expansion outside of a common horizon, from far to near."""
+    outer = find_horizon(holes)
     energy = embed_surface(outer.data()).energies.liu_yau
     assert energy is not None
     radius, records = sqrt(outer.area / (4 * pi)), []
     guess = outer.surface
     for c in sorted(expansions):
-        found = constant_expansion(pair((0.5, 0.5), NEAR), c / radius, guess)
+        found = constant_expansion(holes, c / radius, guess)
         guess = found.surface
         data = found.data()
         surface = embed_surface(data)
@@ -262,7 +263,7 @@ def _outside(expansions: Sequence[float]) -> list[dict[str, float]]:
     return records[::-1]
 
 
-def _rate(near: Sequence[dict[str, float]]) -> float:
+def rate(near: Sequence[dict[str, float]]) -> float:
     """The power of the expansion with which the energy tends to that of the horizon."""
     a, b = near[-2:]
     return float(

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 DPI = 200
 HEAVY = 3000  # polygons and markers: a figure of so many is smaller as pixels
-TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
+TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
+IMAGE, REST = 0.2, 2.0  # seconds that an image of a film is seen, and the last one
+FILM_DPI = 80
 PART = re.compile(r"; (?![^()]*\))")  # a semicolon that is not in parentheses
 SPOKEN = 2  # powers of ten up to which a number is not written in them
 WORD, LONG = re.compile(r"[A-Za-z]{2}"), 22  # how a cell of a column of words begins; when it is broken
@@ -41,7 +43,7 @@ class Image:
     Attributes
     ----------
     ending : str
-        ``".svg"``, or ``".png"`` for a figure of many triangles.
+        ``".svg"``, or ``".png"`` for a figure of many triangles; ``".gif"`` for a film.
     data : bytes
     """
 
@@ -78,10 +80,12 @@ class Made:
     seconds: float
 
 
-def rendered(figure: Figure) -> Image:
-    """Draw a figure, the same bytes every time: as vectors, or as pixels if it has many parts."""
+def rendered(figure: Figure | Sequence[Figure]) -> Image:
+    """Draw a figure, the same bytes every time: as vectors, or as pixels if it has many parts; or a film."""
     from matplotlib import rc_context
 
+    if isinstance(figure, Sequence):
+        return Image(".gif", _film(figure))
     ending = ".svg" if _marks(figure) < HEAVY else ".png"
     metadata = {"Date": None, "Creator": None} if ending == ".svg" else {}
     buffer = BytesIO()
@@ -90,6 +94,24 @@ def rendered(figure: Figure) -> Image:
             buffer, format=ending[1:], dpi=DPI, bbox_inches="tight", pad_inches=0.05, metadata=metadata
         )
     return Image(ending, buffer.getvalue())
+
+
+def _film(figures: Sequence[Figure]) -> bytes:
+    """The images one after the other, again and again."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from PIL import Image as Pillow
+
+    images = []
+    for figure in figures:
+        figure.set_dpi(FILM_DPI)
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        pixels = np.asarray(canvas.buffer_rgba())[..., :3]
+        images.append(Pillow.fromarray(pixels).quantize(128, method=Pillow.Quantize.FASTOCTREE))
+    times = [round(1000 * IMAGE)] * (len(images) - 1) + [round(1000 * REST)]
+    buffer = BytesIO()
+    images[0].save(buffer, format="GIF", save_all=True, append_images=images[1:], duration=times, loop=0)
+    return buffer.getvalue()
 
 
 def _marks(figure: Figure) -> int:
@@ -189,10 +211,10 @@ def _section(one: Made) -> str:
     parts = [f"<h2>{text(one.section.title)}</h2>", *(f"<p>{text(part)}</p>" for part in one.section.text)]
     for figure in one.section.figures:
         image = one.images[figure.name]
-        parts.append(
-            f'<figure><img src="{image.uri}" alt="{escape(figure.caption)}">'
-            f"<figcaption>{text(figure.caption)}</figcaption></figure>"
-        )
+        shown = f'<img src="{image.uri}" alt="{escape(figure.caption)}">'
+        if image.ending == ".gif":  # what moves must not begin by itself
+            shown = f"<details><summary>Film</summary>{shown}</details>"
+        parts.append(f"<figure>{shown}<figcaption>{text(figure.caption)}</figcaption></figure>")
     parts.extend(map(_table, one.section.tables))
     parts.append(f'<p class="took">{one.seconds:.1f} s</p>')
     return f'<section id="{escape(one.name)}">\n{chr(10).join(parts)}\n</section>'

@@ -13,6 +13,7 @@ from isoembed import NotEmbedded, __version__
 from isoembed.io import FileError, check_output, report_writer, write_atomically
 from reproduction import (
     accuracy,
+    bowen_york,
     constant_radius,
     embedding_tree,
     equivalent,
@@ -20,6 +21,7 @@ from reproduction import (
     flexible,
     head_on,
     horizon_mass,
+    hyperbolic_torus,
     inverted_vertex,
     mean_curvature,
     regularized_continuation,
@@ -134,8 +136,8 @@ STUDIES = (
     Study(
         "weyl-path",
         weyl_path.study,
-        full={"sizes": (0.7, 0.5, 0.35, 0.25, 0.18, 0.12), "vertices": 1407},
-        quick={"sizes": (0.7, 0.5), "vertices": 1407},
+        full={"sizes": (0.7, 0.5, 0.35, 0.25, 0.18, 0.12), "vertices": 1407, "images": 24},
+        quick={"sizes": (0.7, 0.5), "vertices": 1407, "images": 4},
     ),
     Study(
         "head-on",
@@ -149,11 +151,22 @@ STUDIES = (
         quick={"separate": (2.0, 1.0), "common": (0.7, 0.5), "inner": False, "expansions": (0.1, 1e-3)},
     ),
     Study(
+        "bowen-york",
+        bowen_york.study,
+        full={
+            "distances": (6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.8, 0.76, 0.7, 0.6, 0.5, 0.4),
+            "expansions": (0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4),
+            "momenta": (-0.2, 0.2, 0.5, 1.0),
+        },
+        quick={"distances": (2.0, 0.7), "expansions": (0.1, 1e-3), "momenta": (0.5,)},
+    ),
+    Study(
         "flexible",
         flexible.study,
         full={"steps": 60, "stacked": 5, "starts": 60},
         quick={"steps": 20, "stacked": 2, "starts": 5},
     ),
+    Study("hyperbolic-torus", hyperbolic_torus.study, full={}, quick={}),
 )
 """In the order of the report."""
 

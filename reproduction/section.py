@@ -16,11 +16,11 @@ CHAPTERS = Path(__file__).parent / "chapters"
 
 @dataclass(frozen=True)
 class Illustration:
-    """A figure, the name of its files without the ending, and a caption of plain text."""
+    """A figure or the images of a film, the name of its file without the ending, and a plain caption."""
 
     name: str
     caption: str
-    figure: Figure
+    figure: Figure | Sequence[Figure]
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Section:
         cls,
         chapter: str,
         *,
-        figures: Mapping[str, Figure],
+        figures: Mapping[str, Figure | Sequence[Figure]],
         numbers: Mapping[str, Any],
         tables: Sequence[Table] = (),
         **values: Any,
@@ -91,7 +91,7 @@ class Section:
         Parameters
         ----------
         chapter : str
-        figures : mapping of str to matplotlib.figure.Figure
+        figures : mapping of str to matplotlib.figure.Figure, or to a sequence of them
             By the names under which the chapter has their captions.
         numbers : mapping
         tables : sequence of Table

@@ -18,7 +18,8 @@ from scipy.integrate import solve_ivp
 from isoembed import embed
 from isoembed.gallery import Ellipsoid
 from isoembed.meshing.sphere import fibonacci_directions
-from isoembed.smooth import AxisymmetricEmbedding, PulledBack, embed_smooth, triangulate_metric
+from isoembed.plot import Panel, Scale, placed_figure
+from isoembed.smooth import AxisymmetricEmbedding, PulledBack, SphereMesh, embed_smooth, triangulate_metric
 from isoembed.surface.alignment import aligned
 from reproduction import plots
 from reproduction.arrays import Floats, Indices
@@ -37,13 +38,27 @@ THEIRS = {  # example 6.2 as their notebook printed it: order 1, h = 0.1, steps 
     "metric": "1.795e-01",
     "L2": "7.961e-03",
 }
+ELEMENTS = (  # example 6.1 at t = 1 by their method, run with NGSolve: order, unknowns, errors of r and of g
+    (1, 945, 2.0864e-1, 1.2758e-1),
+    (1, 1866, 1.0714e-1, 7.0183e-2),
+    (1, 3651, 5.3812e-2, 3.8801e-2),
+    (2, 3762, 6.1588e-2, 1.0250e-1),
+    (2, 7446, 3.1757e-2, 5.3422e-2),
+    (2, 14586, 1.6020e-2, 2.6743e-2),
+    (3, 8457, 2.2747e-3, 3.8324e-3),
+    (3, 16746, 8.6078e-4, 1.3976e-3),
+    (3, 32811, 2.9483e-4, 4.6302e-4),
+)
+AGAIN = {"unknowns": 4164, "L2": "7.74e-03", "metric": "1.790e-01"}  # example 6.2 by the same run
 WAIST = 0.45  # of the Ricci flow's first metric, exp(2 w) times the round one with w = WAIST P_2(cos(theta))
 MODES = 32
 SHOWN = (0.0, 0.1, 0.25, 0.5, 0.8)  # times of the flow, over that at which the surface vanishes
 LATE = (0.9, 0.99)  # likewise, between which its rate is measured
+DRAWN = 1000  # vertices of its surfaces in the film
+END_OF_FILM = 0.95  # likewise; later the surface is too small to be seen
 
 
-def study(*, sizes: Sequence[float], vertices: int) -> Section:
+def study(*, sizes: Sequence[float], vertices: int, images: int) -> Section:
     """The path of ellipsoids, the surface of revolution, and a Ricci flow.
 
     Parameters
@@ -52,29 +67,49 @@ def study(*, sizes: Sequence[float], vertices: int) -> Section:
         Mean edge lengths h, falling, of the polyhedra on the ellipsoid (2, 2, 3).
     vertices : int
         Of the polyhedron of example 6.2.
+    images : int
+        Of the film of the Ricci flow.
     """
     path = [_along(t) for t in TIMES]
     meshes = [_polyhedron(h) for h in sizes]
     h, errors = np.log([[one["h"], one["error"]] for one in meshes]).T
     order = float(np.polyfit(h, errors, 1)[0])
     revolution = _revolution(vertices)
+    elements = [
+        {
+            "order": k,
+            "unknowns": n,
+            "L2": L2,
+            "metric": defect,
+            "ours": _at_the_sphere(n // 3) if k == 1 else None,
+        }
+        for k, n, L2, defect in ELEMENTS
+    ]
     flow = RicciFlow.solved()
     frames = [_frame(flow, share) for share in SHOWN]
+    mesh = triangulate_metric(PulledBack(_identity), DRAWN)
+    filmed = [flow.embedded(share, mesh) for share in np.linspace(0, END_OF_FILM, images).tolist()]
     late = [flow.deviation(share) for share in LATE]
     rate = float(np.diff(np.log(late))[0] / np.diff(np.log1p(-np.array(LATE)))[0])
     frame = frames[2]
     smooth = flow.embedded_by_harmonics(frame["share"])
     return Section.of(
         "weyl-path",
-        figures={"weyl-path": picture(meshes, flow), "ricci-flow": film(flow)},
+        figures={
+            "weyl-path": picture(meshes, flow),
+            "ricci-flow": meridians(flow),
+            "ricci-flow-film": film(filmed),
+        },
         numbers={
             "path": path,
             "polyhedra": meshes,
             "order": order,
             "revolution": revolution,
+            "elements": elements,
             "flow": frames,
             "rate": rate,
             "by_harmonics": smooth,
+            "film": [{"share": one.share, "away": one.away} for one in filmed],
         },
         path=path,
         worst=max(one["error"] for one in path),
@@ -84,6 +119,10 @@ def study(*, sizes: Sequence[float], vertices: int) -> Section:
         order=order,
         one=revolution,
         theirs=THEIRS,
+        again=AGAIN,
+        elements=[{**one, "ours": f"{one['ours']:.2e}" if one["ours"] else ""} for one in elements],
+        linear=elements[2],
+        cubic=elements[-1],
         frames=frames,
         area_error=max(abs(one["area_error"]) for one in frames),
         rate=rate,
@@ -93,6 +132,8 @@ def study(*, sizes: Sequence[float], vertices: int) -> Section:
         apart=abs(smooth - frame["mean_curvature"]),
         share=frame["share"],
         waist=WAIST,
+        images=images,
+        away=max(one.away for one in filmed),
     )
 
 
@@ -137,6 +178,23 @@ def _polyhedron(h: float) -> dict[str, Any]:
         "largest": float(away.max()),
         "residual": found.residual,
     }
+
+
+def _at_the_sphere(vertices: int) -> float:
+    """The error of example 6.1 at t = 1 by a polyhedron, in L2 of the ellipsoid, lifted along rays."""
+    A, B = linear_map(0.0), linear_map(1.0)
+
+    def ellipsoid(p: Floats) -> Floats:
+        return np.tile(A, (len(p), 1, 1))
+
+    def sphere(p: Floats) -> Floats:
+        return np.tile(B, (len(p), 1, 1))
+
+    mesh = triangulate_metric(PulledBack(ellipsoid), vertices)
+    found = embed(mesh.measured(PulledBack(sphere)), method="alexandrov")
+    exact = mesh.directions @ B.T
+    at = aligned(found.vertices, exact)
+    return errors_of_elements(mesh.directions, found.faces, at, lambda p: p @ B.T, sphere, ellipsoid)[0]
 
 
 def profile_of_revolution(p: Floats) -> Floats:
@@ -189,9 +247,11 @@ def _revolution(vertices: int) -> dict[str, Any]:
 
 
 def errors_of_elements(
-    u: Floats, faces: Indices, vertices: Floats, surface: Map, differential: Map
+    u: Floats, faces: Indices, vertices: Floats, surface: Map, differential: Map, reference: Map | None = None
 ) -> tuple[float, float]:
     """Errors in L2 of linear elements and of their metric, over the unit sphere and in its metric.
+
+    Or over a surface with the differential `reference`, and in its metric.
 
     The triangles have the corners u (V, 3) on the sphere, to which their points are projected, and `vertices`
     (V, 3) of the embedding; `surface` and `differential` are the exact map.
@@ -205,7 +265,8 @@ def errors_of_elements(
         size = np.linalg.norm(x, axis=1)
         p = x / size[:, None]
         lifted = (sides - np.einsum("fix,fx->fi", sides, p)[..., None] * p[:, None]) / size[:, None, None]
-        G = np.einsum("fix,fjx->fij", lifted, lifted)
+        based = lifted if reference is None else np.einsum("fxy,fiy->fix", reference(p), lifted)
+        G = np.einsum("fix,fjx->fij", based, based)
         pushed = np.einsum("fxy,fiy->fix", differential(p), lifted)
         D = np.linalg.solve(G, metric_h - np.einsum("fix,fjx->fij", pushed, pushed))
         dA = 0.5 * weight * np.sqrt(np.linalg.det(G))
@@ -290,14 +351,50 @@ class RicciFlow:
 
     def embedded_by_harmonics(self, share: float) -> float:
         """Integral of H dA of the spectral embedding, which is given the tensor at unit vectors only."""
-        w = self.w(share)
+        return embed_smooth(Conformal(self.w(share))).integrated_mean_curvature
 
-        class Conformal:
-            def tensor(self, u: Floats) -> Floats:
-                factor = np.exp(2 * legendre.legval(u[:, 2], w))
-                return np.asarray(factor[:, None, None] * (np.eye(3) - u[:, :, None] * u[:, None, :]))
+    def embedded(self, share: float, mesh: SphereMesh) -> Embedded:
+        """The surface at a time over `end` by harmonics, drawn with the triangles of a mesh."""
+        found = embed_smooth(Conformal(self.w(share)))
+        u, profile = mesh.directions, self.profile(share)
+        theta = np.arccos(u[:, 2])
+        around = u[:, :2] / np.sin(theta)[:, None]
+        exact = np.column_stack([profile.rho(theta)[:, None] * around, profile.z(theta)])
+        vertices = aligned(found.points(u), exact)
+        radius = np.sqrt(profile.area / (4 * pi))
+        away = float(np.linalg.norm(vertices - exact, axis=1).max() / radius)
+        return Embedded(share, Panel(vertices, mesh.faces, radius * found.mean_curvature(u)), away)
 
-        return embed_smooth(Conformal()).integrated_mean_curvature
+
+@dataclass(frozen=True, eq=False)
+class Conformal:
+    """The metric exp(2 w) times the round one, w by coefficients in Legendre polynomials of cos(theta)."""
+
+    w: Floats
+
+    def tensor(self, u: Floats) -> Floats:
+        """At unit vectors u (n, 3)."""
+        factor = np.exp(2 * legendre.legval(u[:, 2], self.w))
+        return np.asarray(factor[:, None, None] * (np.eye(3) - u[:, :, None] * u[:, None, :]))
+
+
+@dataclass(frozen=True, eq=False)
+class Embedded:
+    """A surface of the flow.
+
+    Attributes
+    ----------
+    share : float
+        Time over that at which the surface vanishes.
+    panel : Panel
+        The surface, colored by mean curvature times areal radius.
+    away : float
+        The largest distance from the surface of revolution, over the areal radius.
+    """
+
+    share: float
+    panel: Panel
+    away: float
 
 
 def _frame(flow: RicciFlow, share: float) -> dict[str, Any]:
@@ -341,7 +438,7 @@ def _extremes(profile: AxisymmetricEmbedding) -> tuple[float, float]:
     return float(K.min()), float(K.max())
 
 
-def film(flow: RicciFlow) -> Figure:
+def meridians(flow: RicciFlow) -> Figure:
     """Meridians of the flow's surfaces, side by side."""
     figure = plots.blank(2.6)
     axes = figure.subplots(1, len(SHOWN), sharex=True, sharey=True)
@@ -354,3 +451,13 @@ def film(flow: RicciFlow) -> Figure:
         ax.set_title(f"t = {share:g} T", color=plots.INK, fontsize=plots.TEXT)
         plots.bare(ax)
     return figure
+
+
+def film(surfaces: Sequence[Embedded]) -> list[Figure]:
+    """The flow's surfaces one after the other, all to one scale."""
+    scale = Scale.of([one.panel for one in surfaces])
+    label = "mean curvature times areal radius"
+    return [
+        placed_figure(one.panel, label=label, caption=f"t = {one.share:.2f} T", scale=scale)
+        for one in surfaces
+    ]

@@ -20,6 +20,7 @@ SMALLEST = {
     "common_horizons": "--pairs 1 --groups 0 --ratios 1",
     "deviation": "--size 60 --noises 3",
     "fuzz": "--count 1 --families stars hyperbolic",
+    "hyperbolic_discs": "--radii 1 --waves 2 --vertices 40",
     "honesty": "--only units",
     "horizon_sequence": "--count 2 --only kerr",
     "house": f"{ROOT / 'src' / 'isoembed'}",

@@ -31,6 +31,11 @@ COMMANDS = [
     ("isoembed embed metric.npz -o new.png", WRONG, "did you mean --picture new.png?"),
     ("isoembed embed metric.npz -o no/new.ply", WRONG, "there is no folder"),
     ("isoembed view cube.obj -o new.svg --color 'Gaussian curvature'", DONE, "new.svg written, "),
+    (
+        "isoembed embed net.svg -o new.ply",
+        WRONG,
+        "glue it first, with 'isoembed glue net.svg -o surface.ply'",
+    ),
     ("isoembed embed part.step -o new.ply", WRONG, "open it with FreeCAD, and export it as .stl or .obj"),
     ("isoembed embed net.json -o new.ply", WRONG, "'isoembed glue net.json -o surface.ply'"),
     ("isoembed glue metric.npz -o new.ply", WRONG, "'isoembed embed metric.npz -o surface.ply'"),

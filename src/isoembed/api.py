@@ -106,7 +106,8 @@ def embed(
         if method is not None:
             raise InvalidParameter("a boundary takes the place of a method: give no method beside it")
         kind: Any = configuration("sheet")
-        return solve(given, kind(boundary, start), length_errors=length_errors, **how)
+        own = given.simplicial() if isinstance(given, GluedMetric) else given
+        return solve(own, kind(boundary, start), length_errors=length_errors, **how)
     if start is not None:
         raise InvalidParameter(
             "a start is for surfaces with boundary or of higher genus: give boundary='free'"
@@ -128,6 +129,7 @@ def glue(
     tolerance: float | None = None,
     curvature: float = 0.0,
     model: Model = "ambient",
+    any_surface: bool = False,
 ) -> Net:
     """Glue the sides of polygons, of a file or of an unfolded surface, to a metric: `embed` finds the solid.
 
@@ -135,8 +137,9 @@ def glue(
     ----------
     polygons : sequence of array_like, Unfolding, or path
         The corners of each polygon; or what `unfold` returns; or a file as of `isoembed.io.net.read_net`.
-    sides, corners, curvature, model
-        Of polygons, as of `isoembed.gluing.glue`: which sides are glued, or what the corners are called.
+    sides, corners, curvature, model, any_surface
+        Of polygons, as of `isoembed.gluing.glue`: which sides are glued, or what the corners are called, and
+        whether the others are a boundary.  Files say it themselves.
     tolerance : float, optional
         As of `isoembed.gluing.glue`, of polygons and files.
 
@@ -165,6 +168,7 @@ def glue(
 
     if isinstance(polygons, str | os.PathLike | Unfolding):
         given = {"sides": sides, "corners": corners, "curvature": curvature or None}
+        given["any_surface"] = any_surface or None
         for name, value in given.items():
             if value is not None:
                 raise InvalidParameter(f"{name} goes with polygons: what is given says it already")
@@ -174,9 +178,8 @@ def glue(
         from isoembed.io.net import read_net
 
         return read_net(polygons, tolerance=tolerance)
-    return glue_polygons(
-        polygons, sides, corners=corners, tolerance=tolerance, curvature=curvature, model=model
-    )
+    surface: dict[str, Any] = {"curvature": curvature, "model": model, "any_surface": any_surface}
+    return glue_polygons(polygons, sides, corners=corners, tolerance=tolerance, **surface)
 
 
 def unfold(

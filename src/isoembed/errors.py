@@ -5,6 +5,9 @@ And what is said about a mesh that is taken all the same.
 
 from __future__ import annotations
 
+import sys
+import warnings
+from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from isoembed.evidence import Evidence
@@ -26,6 +29,16 @@ class InvalidMetric(ValueError):  # noqa: N818 - the contract's name
 
 class MeshNote(UserWarning):
     """Something about a mesh, or a change of it, that one should know; a sentence."""
+
+
+def warn_of_mesh(note: str) -> None:
+    """Issue a `MeshNote` at the line outside of the package from which this was called."""
+    frame: FrameType | None = sys._getframe()
+    level = 1
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
+        frame = frame.f_back
+        level += 1
+    warnings.warn(note, MeshNote, stacklevel=level)
 
 
 class InvalidParameter(ValueError):  # noqa: N818 - as the others

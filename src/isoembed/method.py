@@ -103,6 +103,8 @@ def solve(
             f"the method {method.name!r} keeps the given triangles, and those of a glued metric need not be "
             'a simplicial complex: take the method "alexandrov", or glued.simplicial()'
         )
+    if isinstance(metric, GluedMetric):
+        metric.check_sphere()
     mesh = metric.triangulation if isinstance(metric, PolyhedralMetric) else None
     if mesh and mesh.n_faces == 2 and mesh.is_closed and not method.takes_doubly_covered:
         raise InvalidParameter(

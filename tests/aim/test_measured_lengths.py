@@ -1,12 +1,22 @@
 """Surfaces from lengths with errors, against the coordinates that the lengths came from."""
 
+import re
+
 import numpy as np
 import pytest
 
 import isoembed
 import solids
 import zoo
-from isoembed import Aim, InvalidMetric, InvalidParameter, MeasuredSurface, PolyhedralMetric, embed
+from isoembed import (
+    Aim,
+    InvalidMetric,
+    InvalidParameter,
+    MeasuredSurface,
+    NotEmbedded,
+    PolyhedralMetric,
+    embed,
+)
 from isoembed.gallery import HarmonicSurface, triangulate
 from isoembed.surface.alignment import distance
 from johnson_solids import johnson
@@ -48,6 +58,37 @@ def test_small_errors_leave_the_exact_surface_if_it_is_smoother():
     found = embed(exact.with_lengths(exact.lengths + noise), length_errors=3e-6)
     assert found.chi_square < found.chi_square_limit
     assert distance(found.vertices, 150 * x) < 0.02
+
+
+@pytest.mark.parametrize(("edge", "off"), [(30, 30.0), (110, -30.0)])
+def test_a_blunder_is_named_and_not_followed(edge, off):
+    """One length of a smooth rock is typed 30 mm wrong: the crumpled surface that has it is no answer."""
+    x, faces = rock(2, rough=0.5)
+    metric = in_millimeters(x, faces)
+    lengths = metric.lengths.copy()
+    lengths[edge] += off
+    named = re.escape(f"; check first edge {edge} {metric.edges[edge].tolist()} (off by ")
+    with pytest.raises(NotEmbedded, match=named) as caught:
+        embed(metric.with_lengths(lengths), length_errors=ERROR)
+    nearest = caught.value.embedding
+    assert distance(nearest.vertices, x) < 30.0
+    for other in nearest.others:
+        assert other.converged
+        assert other.surface.fine_roughness > nearest.surface.fine_roughness
+
+
+@pytest.mark.parametrize(("stated", "agrees"), [(0.5, True), (0.1, False)])
+def test_chi_square_has_the_degrees_of_freedom_that_the_fit_leaves(stated, agrees):
+    """Of errors of .5: five times less is refused, although the fit may follow each of the lengths."""
+    x, faces = triangulate(HarmonicSurface(degree=4, order=2, amplitude=0.15), 120, irregular=0)
+    exact = PolyhedralMetric.from_mesh(150 * x, faces)
+    noise = 0.5 * np.random.default_rng(0).standard_normal(len(exact.lengths))
+    try:
+        found = embed(exact.with_lengths(exact.lengths + noise), method=Aim(effort=0), length_errors=stated)
+    except NotEmbedded as failure:
+        found = failure.embedding
+    assert 1.0 <= found.degrees_of_freedom < len(exact.lengths)
+    assert found.converged is agrees
 
 
 def test_errors_in_any_unit():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import discs
 import isoembed
 from isoembed.autodiff.realization import Realization
 from isoembed.gallery import Ellipsoid, triangulate
@@ -80,6 +81,51 @@ def test_jax(surface, lengths):
     check_grads(width, (lengths,), order=1, modes=["rev"], eps=1e-5, rtol=1e-5)
     batch = np.stack([lengths, surface.metric.lengths])
     assert np.allclose(jax.vmap(jax.grad(width))(batch)[0], gradient, rtol=1e-10)
+
+
+@pytest.fixture(scope="module", params=["heights", "curve"])
+def sheet(request):
+    points, faces = discs.hexagonal(2)
+    x = discs.round_cap(points, 1.0)
+    metric = isoembed.PolyhedralMetric.from_mesh(x, faces)
+    [loop] = metric.triangulation.boundaries
+    boundary = x[loop] if request.param == "curve" else 0.02 * np.cos(3 * np.arctan2(*x[loop, :2].T))
+    return isoembed.embed(metric, boundary=boundary)
+
+
+def test_jax_with_boundary(sheet):
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    from jax.test_util import check_grads
+
+    from isoembed.autodiff.jax import realization
+
+    vertices, known = realization(sheet), Realization(sheet)
+    weights = np.random.default_rng(0).standard_normal(sheet.vertices.shape)
+    lengths, boundary = sheet.metric.lengths, known.boundary
+    assert np.allclose(vertices(lengths), sheet.vertices, atol=1e-9)
+
+    def moment(l, b):
+        return (weights * vertices(l, boundary=b)).sum()
+
+    gradient = jax.jit(jax.grad(moment, argnums=1))(lengths, boundary)
+    assert np.allclose(gradient, known.linearized(lengths).boundary_vjp(weights), atol=1e-9)
+    check_grads(moment, (lengths, boundary), order=1, modes=["rev"], eps=1e-6, rtol=1e-5)
+
+
+def test_torch_with_boundary(sheet):
+    torch = pytest.importorskip("torch")
+    from isoembed.autodiff.torch import realization
+
+    vertices, known = realization(sheet), Realization(sheet)
+    lengths = torch.tensor(np.stack([sheet.metric.lengths] * 2), requires_grad=True)
+    boundary = torch.tensor(np.array(known.boundary), requires_grad=True)
+
+    def moments(l, b):
+        return (vertices(l, boundary=b) ** 2).sum(dim=-2)
+
+    assert torch.autograd.gradcheck(moments, (lengths, boundary), eps=1e-6, atol=1e-5)
+    assert np.allclose(vertices(lengths).detach()[0], sheet.vertices, atol=1e-9)
 
 
 def test_torch(surface, lengths):

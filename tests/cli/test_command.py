@@ -76,7 +76,7 @@ def test_embed_writes_what_the_report_says(run, method):
         "embed", "metric.json", "--method", method, "-o", "surface.npz", "--report", "report.json"
     )
     assert (status, err) == (0, "")
-    assert out.startswith("converged: the largest length error is ")
+    assert out.startswith("converged: the lengths are within the tolerance 1e-10: the largest residual is ")
     assert "\nsurface.npz, report.json written, " in out
     report = json.loads(Path("report.json").read_text())
     with np.load("surface.npz") as archive:
@@ -126,14 +126,14 @@ def test_embed_reads_standard_input(run, monkeypatch):
 def test_embed_takes_parameters_of_the_method(run, monkeypatch):
     seen = []
 
-    def listen(metric, *, method, tolerance, length_errors, progress, resume):
-        seen.append((method, tolerance, length_errors, callable(progress), resume))
+    def listen(metric, *, method, tolerance, progress, resume):
+        seen.append((method, tolerance, callable(progress), resume))
         return Embedding(metric, zoo.icosphere(1)[0], method="paper", tolerance=tolerance)
 
     monkeypatch.setattr(isoembed, "embed", listen, raising=False)
     arguments = ["--parameter", "Tsteps=20", "--parameter", "path=exponential", "--parameter", "alpha=0.25"]
     assert run("embed", "metric.json", "--method", "paper", "--tolerance", "1e-6", *arguments)[0] == 0
-    assert seen == [(isoembed.Paper(Tsteps=20, path="exponential", alpha=0.25), 1e-6, None, True, None)]
+    assert seen == [(isoembed.Paper(Tsteps=20, path="exponential", alpha=0.25), 1e-6, True, None)]
 
 
 @pytest.mark.parametrize(
@@ -354,6 +354,54 @@ def test_surface_writes_the_mesh(run):
     assert run("surface", "sphere", "--radius", 2, "--vertices", 50, "-o", "m.off")[0] == 0
     points = np.array([line.split() for line in Path("m.off").read_text().splitlines()[2:52]], dtype=float)
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 2, rtol=1e-14)
+
+
+def test_surface_has_sheets_and_a_torus(run):
+    status, out, _ = run("surface", "enneper", "--radius", 0.5, "--vertices", 60, "-o", "m.npz")
+    assert status == 0
+    assert "int k1^2 + k2^2 dA 5.02654824574, int H^2 dA 0" in out  # 8 pi / 5
+    assert len(read_metric("m.npz", any_surface=True).triangulation.boundaries) == 1
+    assert run("surface", "torus", "--vertices", 80, "-o", "t.npz")[0] == 0
+    assert read_metric("t.npz", any_surface=True).triangulation.genus == 1
+
+
+def test_triangulate_makes_discs_and_bands(run):
+    assert run("triangulate", "--disc", -1, 1, "--vertices", 50, "-o", "d.npz")[0] == 0
+    with np.load("d.npz") as archive:
+        u, edges, lengths = (archive[name] for name in ("directions", "edges", "lengths"))
+    r, phi = np.arccos(u[:, 2]), np.arctan2(u[:, 1], u[:, 0])
+    assert r.max() == pytest.approx(1)
+    x = np.stack([np.cosh(r), np.sinh(r) * np.cos(phi), np.sinh(r) * np.sin(phi)], axis=1)
+    d = x[edges[:, 0]] - x[edges[:, 1]]
+    exact = np.arccosh(1 + 0.5 * (d[:, 1] ** 2 + d[:, 2] ** 2 - d[:, 0] ** 2))
+    np.testing.assert_allclose(lengths, exact, rtol=1e-6)
+    horizon = ("--spacetime", "kerr", "--spin", 0.95, "--surface", "horizon", "--zone", 1.0, 2.0)
+    assert run("triangulate", *horizon, "--vertices", 60, "-o", "b.npz")[0] == 0
+    assert len(read_metric("b.npz", any_surface=True).triangulation.boundaries) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--disc", 1, 4], "with curvature 1 the radius must be less than 3.14159, not 4"),
+        (["--disc", 0, -1], "the radius must be positive, not -1"),
+        (["--disc", 0, 1, "--zone", 0, 1], "--zone does not go with a --disc"),
+        (["grid.npz", "--disc", 0, 1], "the input grid.npz does not go with a --disc"),
+        (
+            ["--disc", 0, 1, "--spacetime", "kerr", "--surface", "horizon"],
+            "--disc does not go with a --spacet",
+        ),
+        (
+            ["--spacetime", "kerr", "--surface", "horizon", "--zone", 2, 1],
+            "two angles with 0 <= start < stop",
+        ),
+        ([], "which metric? Give a GRID, a --spacetime and a --surface, or a --disc"),
+    ],
+)
+def test_triangulate_refuses(run, arguments, sentence):
+    status, _, err = run("triangulate", *arguments, "--vertices", 50, "-o", "m.npz")
+    assert status == 2
+    assert sentence in err
 
 
 def test_surface_draws_irregular_triangles(run):

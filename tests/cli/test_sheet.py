@@ -1,5 +1,7 @@
 """Surfaces with boundary by the command."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -53,8 +55,42 @@ def test_what_to_type_is_said(call, cap):
 def test_inspection(call, cap):
     status, out, _ = call("inspect", "cap.npz")
     assert status == 0
-    assert "genus 0, 1 boundary of 24 edges; 21 motions keep the lengths" in out
+    assert (
+        "genus 0, 1 boundary of 24 edges; 21 motions keep the lengths: a boundary in a plane, at given "
+        "heights or along a given curve fixes them, or least bending" in out
+    )
     assert "sum - 2 pi" in out
+    assert "degree 3" not in out  # corners of the boundary
+    surface = {"genus": 0, "boundaries": 1, "free_motions": 21}
+    kinds = ["plane", "heights", "curve", "free"]
+    assert json.loads(call("inspect", "cap.npz", "--json")[1])["surface"] == surface | {"fixed_by": kinds}
+
+
+def test_conditions_that_suit(call):
+    points, faces = discs.hexagonal(2)
+    saddle = np.column_stack([points, points[:, 0] ** 2 - points[:, 1] ** 2])
+    flat = np.column_stack([points, 0 * points[:, 0]])
+    for name, mesh, fixed in (
+        ("saddle.npz", (saddle, faces), ["curve", "free"]),
+        ("flat.npz", (flat, faces), ["plane", "curve", "free"]),
+        ("torus.npz", discs.torus(8, 6), []),
+    ):
+        write_metric(name, PolyhedralMetric.from_mesh(*mesh))
+        assert json.loads(call("inspect", name, "--json")[1])["surface"]["fixed_by"] == fixed
+
+
+def test_certificates(call, cap):
+    assert call("embed", "cap.npz", "--boundary", "plane", "-o", "cap.ply")[0] == 0
+    status, out, _ = call("certify", "cap.ply", "cap.npz", "--boundary", "plane")
+    assert (status, "it is the convex cap" in out) == (0, True)
+    status, out, _ = call("certify", "cap.ply", "cap.npz")
+    assert (status, "in a family with 21 parameters" in out) == (0, True)
+    np.save("heights.npy", np.arange(24.0))
+    status, out, _ = call("certify", "cap.ply", "cap.npz", "--boundary", "heights.npy")
+    assert (status, "misses its height" in out) == (3, True)
+    np.save("heights.npy", np.arange(3.0))
+    status, _, err = call("certify", "cap.ply", "cap.npz", "--boundary", "heights.npy")
+    assert (status, "heights.npy has the shape (3,), not (24,)" in err) == (2, True)
 
 
 def test_a_scan_in_single_precision_is_inspected(call):

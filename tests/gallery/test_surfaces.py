@@ -438,6 +438,7 @@ def test_registry_offers_every_surface_with_help_for_every_option():
     assert set(SURFACES) == {
         *("ellipsoid", "drum", "sphere", "superellipsoid", "cassini-peanut", "kerr-horizon", "ergosphere"),
         *("harmonic", "bean", "bent-tube"),
+        *("cap", "cone", "catenoid", "enneper", "torus"),
     }
     for name, cls in SURFACES.items():
         surface = cls()

@@ -22,7 +22,7 @@ def messages(function, *arguments, **options):
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
         result = function(*arguments, **options)
-    assert all(note.category is MeshNote for note in notes)
+    assert all(note.category is MeshNote and note.filename == __file__ for note in notes)
     return result, [str(note.message) for note in notes]
 
 

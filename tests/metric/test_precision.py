@@ -10,7 +10,7 @@ from isoembed.errors import InvalidMetric
 from isoembed.metric.convexity import DEVIATIONS, check_convex, deficit_spread
 from isoembed.metric.curvature import deficits
 from isoembed.metric.inspection import inspect
-from isoembed.metric.precision import Precision, shared_errors
+from isoembed.metric.precision import Precision, rounding_error, shared_errors
 
 POINTS = 3 * np.random.default_rng(0).normal(size=(500, 3))
 SINGLE = POINTS.astype("f4").astype(float)
@@ -146,3 +146,18 @@ def test_equal_lengths_have_one_error_in_a_design_only():
     assert len(np.unique(measured)) <= 81
     assert len(np.unique(shared_errors(measured, rounded))) == 234
     assert len(np.unique(shared_errors(few + 1e-4, rounded))) == 234
+
+
+@pytest.mark.parametrize("typed", [[], [0.5], [0.5, 0.25], [0.3, 0.4]])
+def test_a_few_lengths_with_another_decimal_do_not_tell_the_digits_of_all(typed):
+    lengths = np.round(np.random.default_rng(0).uniform(30, 90, 120))
+    lengths[: len(typed)] += typed
+    error = 1.0 if typed != [0.5, 0.25] else 0.1  # two decimals more are another precision
+    assert rounding_error(lengths) == pytest.approx(error / np.sqrt(12) / lengths.mean(), rel=1e-12)
+
+
+def test_lengths_in_halves_and_in_tenths():
+    exact = np.random.default_rng(0).uniform(30, 90, 120)
+    for step, unit in ((0.5, 1.0), (0.1, 0.1)):
+        lengths = np.round(exact / step) * step
+        assert rounding_error(lengths) == pytest.approx(unit / np.sqrt(12) / lengths.mean(), rel=1e-12)

@@ -7,9 +7,9 @@ import pytest
 
 import isoembed
 import smooth_bodies
-from isoembed import Paper, PolyhedralMetric
+from isoembed import InvalidParameter, Paper, PolyhedralMetric
 from isoembed.gallery import Ergosphere, triangulate
-from isoembed.plot import Film
+from isoembed.plot import Film, frames_of
 from isoembed.plot.film import ANSWER
 from isoembed.surface.measures import edge_lengths, volume
 
@@ -78,3 +78,28 @@ def test_a_leap_leaves_the_answer_alone():
         surface, frames = filmed(metric, method=method)
         assert [frame.stage for frame in frames] == [ANSWER]
         assert frames[0].vertices is surface.vertices
+
+
+def test_frames_of_a_series_are_turned_onto_each_other(by_the_paper):
+    last, _ = by_the_paper
+    turn = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    surfaces = [
+        isoembed.Embedding(last.metric, k * last.vertices @ turn + 5.0, method="given", tolerance=1.0)
+        for k in (0.5, 0.8)
+    ]
+    frames = frames_of([*surfaces, last], ["small", "larger", "all"])
+    assert [frame.stage for frame in frames] == ["small", "larger", "all"]
+    assert frames[-1].vertices is last.vertices
+    centered = last.vertices - last.vertices.mean(axis=0)
+    for frame, k in zip(frames, (0.5, 0.8, 1.0), strict=True):
+        found = frame.vertices - frame.vertices.mean(axis=0)
+        np.testing.assert_allclose(found, k * centered, atol=1e-9 * np.abs(last.vertices).max())
+
+
+def test_a_series_has_headings_and_one_triangulation(by_the_paper):
+    last, _ = by_the_paper
+    with pytest.raises(InvalidParameter, match="there are 1 surfaces, but 2 headings"):
+        frames_of([last], ["a", "b"])
+    other = isoembed.embed(PolyhedralMetric.from_mesh(*triangulate(Ergosphere(), 20)))
+    with pytest.raises(InvalidParameter, match="the triangles of surface 0 are not those of the last one"):
+        frames_of([other, last], ["a", "b"])

@@ -179,6 +179,15 @@ def test_concave_edges_are_marked(tmp_path):
     assert np.count_nonzero(share) == 6
 
 
+def test_boundaries_are_in_the_page(page, tmp_path):
+    metric = PolyhedralMetric([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], [1.0] * 8)
+    write_page(tmp_path / "a.html", embed(metric, boundary="plane"))
+    _, _, data, arrays = read(tmp_path / "a.html")
+    ends = unpacked(arrays, data["meshes"][0]["boundary"]).reshape(-1, 2)
+    assert ends.tolist() == [[0, 1], [0, 3], [1, 2], [2, 3]]
+    assert page[2]["meshes"][0]["boundary"] is None
+
+
 def test_a_message_cannot_break_out(ellipsoid, tmp_path):
     surface, frames = ellipsoid
     evil = "</script><script>alert(1)</script> & <!-- {{json}}"

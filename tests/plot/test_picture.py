@@ -18,6 +18,7 @@ from places import SUPPORT
 pytest.importorskip("matplotlib")
 
 from isoembed.plot import Panel, color_scale, draw_panel, figure, panels, write_picture
+from isoembed.plot.coloring import Quantity
 from isoembed.plot.view import View
 
 
@@ -140,6 +141,17 @@ def test_a_polyhedron_is_drawn_with_its_faces():
     assert seen_lines == front and len(lines.get_segments()) == len(front)
 
 
+def test_boundaries_are_drawn():
+    metric = PolyhedralMetric([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], [1.0] * 8)
+    [shapes] = figure(embed(metric, boundary="plane")).axes[0].collections
+    corners = [len(path.vertices) for path in shapes.get_paths()]
+    faces, lines = ([k for k, count in enumerate(corners) if count == n] for n in (4, 3))
+    assert (len(faces), len(lines)) == (4, 4)
+    dark = shapes.get_edgecolors()[lines]
+    assert (dark[:, :3] < 0.2).all()
+    assert shapes.get_linewidths()[lines[0]] > shapes.get_linewidths()[faces[0]]
+
+
 def test_seams_that_are_hidden_are_not_drawn(folded):
     faces, lines = figure(folded).axes[0].collections
     ends, _ = folded.surface.seams
@@ -220,6 +232,26 @@ def test_plot_into_axes_of_ones_own(peanut):
 @pytest.mark.parametrize("name", ["Gaussian curvature", "gaussian_curvature", "gaussian-curvature"])
 def test_colors_by_their_names(peanut, name):
     assert peanut.plot(color=name).axes[1].get_ylabel().startswith("Gaussian curvature")
+
+
+def test_colors_by_values(peanut):
+    values = peanut.vertices[:, 2]
+    drawn = peanut.plot(color=values)
+    assert drawn.axes[1].get_ylim() == pytest.approx(Quantity("", "", values).bounds)
+
+
+@pytest.mark.parametrize(
+    ("color", "said"),
+    [
+        (np.zeros(3), r"values of shape \(3,\), not \(\d+,\): one for each of the vertices"),
+        (Quantity("k", "k", np.zeros((2, 2)), at="faces"), "one for each of the faces"),
+        (["a", "b"], "the color is a list, not the name of a quantity"),
+        (object(), "the color is a object, not the name of a quantity"),
+    ],
+)
+def test_colors_that_are_none(peanut, color, said):
+    with pytest.raises(InvalidParameter, match=said):
+        peanut.plot(color=color)
 
 
 def test_a_color_that_is_mistyped(peanut):

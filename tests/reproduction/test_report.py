@@ -73,3 +73,18 @@ def test_figures_are_drawn_the_same_twice():
     heavy = rendered(squares(HEAVY))
     assert heavy.ending == ".png"
     assert heavy.data.startswith(b"\x89PNG")
+
+
+def test_several_figures_are_a_film_that_does_not_begin_by_itself():
+    from io import BytesIO
+
+    from PIL import Image
+
+    film = rendered([squares(n) for n in (1, 2, 3)])
+    assert film.ending == ".gif" and film == rendered([squares(n) for n in (1, 2, 3)])
+    with Image.open(BytesIO(film.data)) as images:
+        assert images.n_frames == 3
+    section = a_section()
+    html = page([Made("sizes", {}, section, {"squares": film}, 1.25)], "tiny")
+    assert '<details><summary>Film</summary><img src="data:image/gif;base64,' in html
+    assert Page(html).loaded

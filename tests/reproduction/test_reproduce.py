@@ -67,7 +67,7 @@ def test_a_folder_in_the_place_of_a_file_is_refused_before_anything_is_made(tmp_
 
 
 def test_sizes_fit_their_studies():
-    assert len({study.name for study in STUDIES}) == len(STUDIES) == 16
+    assert len({study.name for study in STUDIES}) == len(STUDIES) == 18
     for study in STUDIES:
         for sizes in (study.full, study.quick):
             inspect.signature(study.make).bind(**sizes)

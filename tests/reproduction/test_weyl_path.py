@@ -37,7 +37,7 @@ def test_the_area_of_the_ricci_flow_falls_by_8_pi():
 
 
 def test_the_section():
-    section = weyl_path.study(sizes=(0.7, 0.5), vertices=300)
+    section = weyl_path.study(sizes=(0.7, 0.5), vertices=300, images=3)
     check_section(section)
     assert max(one["error"] for one in section.numbers["path"]) < 1e-12
     assert section.numbers["order"] == pytest.approx(2, abs=0.3)

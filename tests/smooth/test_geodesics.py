@@ -135,13 +135,9 @@ def test_ends_on_opposite_sides_are_refused():
 
 def test_a_metric_that_is_not_positive_is_refused_with_the_place_and_the_value():
     P, Q = direction(0.2, 1.0), direction(0.3, 1.0)
-    with pytest.raises(
-        InvalidMetric, match=r"has the eigenvalue -0\.5 at theta = 0\.2\d+, phi = 0\.9\d+: it must be"
-    ):
+    with pytest.raises(InvalidMetric, match=r"has the eigenvalue -0\.5 at theta = 0\.2, phi = 1: it must be"):
         geodesic_lengths(Dented(-1.5), P, Q)
-    with pytest.raises(
-        InvalidMetric, match=r"the metric is not finite at theta = 0\.2\d+, phi = 0\.9\d+: it must"
-    ):
+    with pytest.raises(InvalidMetric, match=r"the metric is not finite at theta = 0\.2, phi = 1: it must"):
         geodesic_lengths(Dented(np.nan), P, Q)
     with pytest.raises(InvalidMetric, match=r"has the eigenvalue -0\.5 at theta = 0\.2, phi = 1"):
         gaussian_curvature(Dented(-1.5), P)

@@ -1,6 +1,5 @@
 """Sections of the report: one that is made up, and what every one has to be."""
 
-import io
 import json
 
 import pytest
@@ -10,8 +9,10 @@ pytest.importorskip("matplotlib")
 import numpy as np
 
 from reproduction import plots
+from reproduction.report import rendered
 from reproduction.section import Comparison, Illustration, Section, Table
 
+STARTS = {".svg": b"<?xml", ".png": b"\x89PNG", ".gif": b"GIF89a"}
 UNSAFE = "<script>alert('&')</script> \"quoted\""
 
 
@@ -21,9 +22,8 @@ def check_section(section):
     assert section.text
     assert section.comparisons
     for illustration in section.figures:
-        page = io.BytesIO()
-        illustration.figure.savefig(page, format="svg")
-        assert b"<path" in page.getvalue()
+        image = rendered(illustration.figure)
+        assert image.data.startswith(STARTS[image.ending])
     for table in section.tables:
         assert all(len(row) == len(table.header) for row in table.rows)
     names = [illustration.name for illustration in section.figures]

@@ -56,6 +56,11 @@ class BestFit:
     noise: float
     score: float
 
+    @property
+    def degrees_of_freedom(self) -> float:
+        """Of the residuals: the number of edges less those that the fit uses up, and at least 1."""
+        return (self.noise / self.score) ** 2 if self.score < np.inf else 1.0
+
 
 def best_fit(
     metric: PolyhedralMetric,

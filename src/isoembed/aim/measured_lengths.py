@@ -5,6 +5,8 @@ minimizes ``sum (r / s)^2 + mu |R x|^2``, s the standard deviations and R the ro
 (`isoembed.aim.regularized_energy`).  Fits follow one another from large mu to small, so that the surface
 stays smooth, until ``sum (r / s)^2`` is no more than its expected value, E - trace H, H being the matrix from
 given to fitted lengths: the discrepancy principle, corrected for the degrees of freedom that the fit uses up.
+Where no mu comes so far, the smoothest fit is taken whose sum chi-square does not reject; there is none where
+a length is a blunder, or the errors are larger than stated.
 On rough ellipsoids of 80 vertices this came nearer to the true vertices than generalized cross-validation,
 marginal likelihood and a fixed mu.
 
@@ -16,19 +18,25 @@ Morozov, On the solution of functional equations by the method of regularization
 
 from __future__ import annotations
 
+from itertools import compress
+
 import numpy as np
+from scipy.special import chdtri
 
 from isoembed.aim.best_fit import WEIGHT, BestFit, Fits
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.embedding.measured import MeasuredSurface
+from isoembed.embedding.measured import SIGNIFICANCE, MeasuredSurface
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.progress.work import Budget
 
 LEAST_WEIGHT = 1e-14
 """mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
+
+RISES = 5
+"""Fits in turn none of which is better than one before, after which no smaller mu helps: a factor of 300."""
 
 START = 0.01
 """Share of the sum of the squared lengths that the roughness of the start may cost at the first mu."""
@@ -45,7 +53,14 @@ neighbors, and the smoother one is right more often."""
 
 def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, tolerance: float) -> MeasuredSurface:
     """The surface of a fit to the lengths of a metric with errors, by the method of this name."""
-    return MeasuredSurface(metric, fit.vertices, method=name, tolerance=tolerance, weight=fit.weight)
+    return MeasuredSurface(
+        metric,
+        fit.vertices,
+        method=name,
+        tolerance=tolerance,
+        weight=fit.weight,
+        degrees_of_freedom=fit.degrees_of_freedom,
+    )
 
 
 def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
@@ -72,14 +87,16 @@ def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
     with log.stage("fit within errors") as recorder:
         fit = fit_within_errors(measured, errors, start, recorder)
     found = measured_surface(measured, fit, exact.method, exact.tolerance)
-    if not found.converged or (
-        exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness
-    ):
+    if exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness:
         return exact
+    digits = f"the errors are those of the last digit of the lengths, {rounding:.1e} of the mean edge length"
+    if not found.converged:
+        if not exact.converged:
+            return exact
+        return exact._with_message(f"{exact.message}; {found.message}; {digits}")
     said = (
-        f"{found.message}; the errors are those of the last digit of the lengths, {rounding:.1e} of "
-        f"the mean edge length: the surface that has them exactly is "
-        f"{'rougher' if exact.converged else 'not found'}; errors of zero insist on it"
+        f"{found.message}; {digits}: the surface that has them exactly is "
+        f"{'rougher' if exact.converged else 'not found'}; errors of zero take the lengths as exact"
     )
     return found._with_others([exact] if exact.converged else [])._with_message(said)
 
@@ -111,11 +128,21 @@ def fit_within_errors(
     penalty = float(np.sum(start * energy.roughness(start, 0.0)))
     bound = START * float(metric.lengths @ metric.lengths) / metric.mean_length**2
     weight = min(WEIGHT, bound / penalty) if penalty > 0 else WEIGHT
-    before = fit = fits.fit(start, weight)
     known = rms / metric.mean_length  # as the noise that a fit sees, over the mean edge length
-    while fit.noise > known and fit.weight > LEAST_WEIGHT:
+    found = [fits.fit(start, weight)]
+    while (fit := found[-1]).noise > known:
         r = energy.residuals(fit.vertices, metric.lengths)
         if np.sqrt(np.mean(r**2)) < BELOW_NOISE * rms:
             return fit
-        before, fit = fit, fits.fit(fit.vertices, fit.weight / np.sqrt(10.0))
+        least = int(np.argmin([one.noise for one in found]))
+        if fit.weight <= LEAST_WEIGHT or len(found) - least > RISES:
+            agrees = (one.noise / known < _largest_ratio(one.degrees_of_freedom) for one in found)
+            return next(compress(found, agrees), found[least])
+        found.append(fits.fit(fit.vertices, fit.weight / np.sqrt(10.0)))
+    before = found[-2:][0]
     return before if before.noise * fit.noise < known**2 else fit  # the nearer, by the ratio to what is known
+
+
+def _largest_ratio(degrees_of_freedom: float) -> float:
+    """Largest ratio of the noise that a fit sees to what is known that chi-square does not reject."""
+    return float(np.sqrt(chdtri(degrees_of_freedom, SIGNIFICANCE) / degrees_of_freedom))

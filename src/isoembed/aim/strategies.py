@@ -27,6 +27,7 @@ from isoembed.progress.checkpoints import Arrays
 if TYPE_CHECKING:
     from isoembed.aim.regularized_continuation import Continued
     from isoembed.embedding.measured import MeasuredSurface
+    from isoembed.metric.polyhedral import PolyhedralMetric
 
 # What a strategy needs is imported when it runs: all of it is slow to import, and convex bodies do without.
 
@@ -56,14 +57,14 @@ class FitWithinErrors(Strategy):
         return pipeline.metric.length_errors is not None
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.measured_lengths import SMALL, fit_within_errors
+        from isoembed.aim.measured_lengths import fit_within_errors
 
         metric, errors = pipeline.metric, np.asarray(pipeline.metric.length_errors)
         start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
         with pipeline.log.stage("fit within errors") as recorder:
             state = replace(state, measured=fit_within_errors(metric, errors, start, recorder))
         found = measured_surface(state, pipeline)
-        if not found.converged or errors.max() < SMALL * metric.mean_length:
+        if not found.converged or has_small_errors(metric):
             return state
         return replace(state, answer=found, is_final=True)
 
@@ -445,7 +446,11 @@ class AskedFor(Strategy):
 
 
 class SmootherWithinErrors(Strategy):
-    """For lengths with errors: the smooth fit, with the vertices of the exact surface if that is better."""
+    """For lengths with errors: the smooth fit, with the vertices of the exact surface if that is better.
+
+    That is where it is smoother, or where the errors are too small for a fit.  A rougher one would follow
+    blunders.
+    """
 
     key, is_decision = "smoother within errors", True
 
@@ -454,9 +459,15 @@ class SmootherWithinErrors(Strategy):
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         found, exact = measured_surface(state, pipeline), answered(state)
-        smoother = exact.converged and exact.surface.fine_roughness < found.surface.fine_roughness
-        if smoother or (not found.converged and exact.residual < found.residual):
-            found = replace(found, vertices=exact.vertices, weight=0.0, message="")
+        if not exact.converged:
+            return replace(state, answer=found)
+        smoother = exact.surface.fine_roughness < found.surface.fine_roughness
+        if smoother or (not found.converged and has_small_errors(pipeline.metric)):
+            found = replace(found, vertices=exact.vertices, weight=0.0, degrees_of_freedom=1.0, message="")
+        elif not found.converged:
+            found = found._with_message(
+                f"{found.message}; the surface that has the lengths exactly is rougher, and among its others"
+            )._with(others=(exact,))
         return replace(state, answer=found)
 
 
@@ -544,6 +555,13 @@ def polished_polyhedron(vertices: Floats, pipeline: Pipeline) -> Embedding:
     with pipeline.log.stage("polish") as recorder:
         polished = pipeline.problem.annealed(vertices, recorder)
     return found if polished.surface.concave_edges.any() else polished
+
+
+def has_small_errors(metric: PolyhedralMetric) -> bool:
+    """Whether the errors of the lengths are so small that a surface with exactly these is sought as well."""
+    from isoembed.aim.measured_lengths import SMALL
+
+    return bool(np.max(np.asarray(metric.length_errors)) < SMALL * metric.mean_length)
 
 
 def measured_surface(state: State, pipeline: Pipeline) -> MeasuredSurface:

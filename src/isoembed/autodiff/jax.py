@@ -12,21 +12,22 @@ from isoembed.autodiff.realization import Linearized, Realization
 from isoembed.embedding.embedding import Embedding
 
 
-def realization(surface: Embedding) -> Callable[[jax.Array], jax.Array]:
+def realization(surface: Embedding) -> Callable[..., jax.Array]:
     """Make the function from lengths to vertices near a surface, for JAX in double precision.
 
     Parameters
     ----------
     surface : Embedding
-        Converged, in R^3.
+        Converged, in R^3: closed and of genus 0, or a `SheetEmbedding`.
 
     Returns
     -------
     callable
         Takes lengths (E,), in the order of the metric's edges, and returns vertices (V, 3), turned and moved
-        onto those of the surface.  It may be transformed by `jax.jit`, `jax.grad` and `jax.vmap`, which goes
-        through a batch one by one; derivatives are first ones.  The factors of the last lengths are kept:
-        a backward pass takes two solves.
+        onto those of the surface, as `isoembed.autodiff.realization.Realization` does.  Where heights (B,) or
+        positions (B, 3) are given at a boundary, ``boundary=`` takes others.  It may be transformed by
+        `jax.jit`, `jax.grad` and `jax.vmap`, which goes through a batch one by one; derivatives are first
+        ones.  The factors of the last lengths are kept: a backward pass takes two solves.
 
     Raises
     ------
@@ -36,27 +37,40 @@ def realization(surface: Embedding) -> Callable[[jax.Array], jax.Array]:
     if not jax.config.jax_enable_x64:
         raise RuntimeError('lengths are doubles: jax.config.update("jax_enable_x64", True) first')
     known, n, count = Realization(surface), len(surface.vertices), len(surface.metric.edges)
-    placed, pulled = jax.ShapeDtypeStruct((n, 3), jnp.float64), jax.ShapeDtypeStruct((count,), jnp.float64)
+    shape = known.boundary.shape
+    placed = jax.ShapeDtypeStruct((n, 3), jnp.float64)
+    pulled = tuple(jax.ShapeDtypeStruct(each, jnp.float64) for each in ((count,), shape))
 
     @lru_cache(maxsize=1)
-    def linearized(lengths: bytes) -> Linearized:
-        return known.linearized(np.frombuffer(lengths))
+    def linearized(lengths: bytes, boundary: bytes) -> Linearized:
+        return known.linearized(np.frombuffer(lengths), np.frombuffer(boundary).reshape(shape))
 
-    def forward(lengths: Floats) -> Floats:
-        return linearized(np.asarray(lengths).tobytes()).vertices
+    def at(lengths: Floats, boundary: Floats) -> Linearized:
+        return linearized(np.asarray(lengths).tobytes(), np.asarray(boundary).tobytes())
 
-    def backward(lengths: Floats, gradient: Floats) -> Floats:
-        return linearized(np.asarray(lengths).tobytes()).vjp(np.asarray(gradient))
+    def forward(lengths: Floats, boundary: Floats) -> Floats:
+        return at(lengths, boundary).vertices
+
+    def backward(lengths: Floats, boundary: Floats, gradient: Floats) -> tuple[Floats, Floats]:
+        found, g = at(lengths, boundary), np.asarray(gradient)
+        return found.vjp(g), found.boundary_vjp(g)
 
     @jax.custom_vjp
-    def vertices(lengths: jax.Array) -> jax.Array:
-        return jax.pure_callback(forward, placed, lengths, vmap_method="sequential")
+    def realized(lengths: jax.Array, boundary: jax.Array) -> jax.Array:
+        return jax.pure_callback(forward, placed, lengths, boundary, vmap_method="sequential")
 
-    def remembered(lengths: jax.Array) -> tuple[jax.Array, jax.Array]:
-        return vertices(lengths), lengths
+    def remembered(lengths: jax.Array, boundary: jax.Array) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
+        return realized(lengths, boundary), (lengths, boundary)
 
-    def pulled_back(lengths: jax.Array, gradient: jax.Array) -> tuple[jax.Array]:
-        return (jax.pure_callback(backward, pulled, lengths, gradient, vmap_method="sequential"),)
+    def pulled_back(given: tuple[jax.Array, jax.Array], gradient: jax.Array) -> tuple[jax.Array, jax.Array]:
+        both: tuple[jax.Array, jax.Array] = jax.pure_callback(
+            backward, pulled, *given, gradient, vmap_method="sequential"
+        )
+        return both
 
-    vertices.defvjp(remembered, pulled_back)
+    realized.defvjp(remembered, pulled_back)
+
+    def vertices(lengths: jax.Array, boundary: jax.Array | None = None) -> jax.Array:
+        return realized(lengths, jnp.asarray(known.boundary) if boundary is None else boundary)
+
     return vertices

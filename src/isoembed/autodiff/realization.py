@@ -1,8 +1,9 @@
-"""Embedding as a differentiable function of the lengths: values, derivative and adjoint."""
+"""Embedding as a differentiable function of lengths and boundary data: values, derivative and adjoint."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +15,9 @@ from isoembed.method import solve
 from isoembed.methods import configured
 from isoembed.nonlinear.acceptance import contraction
 from isoembed.nonlinear.stopping import below
+from isoembed.sheets.derivatives import SheetDerivatives
+from isoembed.sheets.nearby import nearby_sheet
+from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.alignment import aligned
 from isoembed.surface.checked import checked
 from isoembed.surface.derivatives import LengthDerivatives
@@ -28,27 +32,46 @@ class Linearized:
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-    derivatives : LengthDerivatives
-    gauge : ndarray, shape (3 V, 6)
+    derivatives : LengthDerivatives or SheetDerivatives
+    gauge : ndarray, shape (3 V, k)
         Of the motions dx, those with ``gauge^T dx = 0`` leave the vertices aligned to the reference.
-    rigid : ndarray, shape (3 V, 6)
-        Rigid motions, of which ``gauge^T rigid = 1``.
+    rigid : ndarray, shape (3 V, k)
+        The k = 6 rigid motions, of which ``gauge^T rigid = 1``; 3 horizontal ones of a surface with given
+        heights of its boundary, none of one with a given curve.
     """
 
     vertices: Floats
-    derivatives: LengthDerivatives
+    derivatives: LengthDerivatives | SheetDerivatives
     gauge: Floats
     rigid: Floats
 
     def jvp(self, changes: Floats) -> Floats:
         """How the vertices move, (V, 3), when the lengths change by dl, (E,)."""
-        dx = self.derivatives.jvp(changes).ravel()
-        return (dx - self.rigid @ (self.gauge.T @ dx)).reshape(-1, 3)
+        return self._aligned(self.derivatives.jvp(changes))
 
     def vjp(self, gradient: Floats) -> Floats:
         """Derivatives by the lengths, (E,), from those by the vertices, (V, 3)."""
+        return self.derivatives.vjp(self._unaligned(gradient))
+
+    def boundary_jvp(self, changes: Floats) -> Floats:
+        """How the vertices move, (V, 3), when what is given at the boundary changes; zeros if nothing is."""
+        if not isinstance(self.derivatives, SheetDerivatives):
+            return np.zeros_like(self.vertices)
+        return self._aligned(self.derivatives.boundary_jvp(changes))
+
+    def boundary_vjp(self, gradient: Floats) -> Floats:
+        """Derivatives by what is given at the boundary, in its shape, from those by the vertices, (V, 3)."""
+        if not isinstance(self.derivatives, SheetDerivatives):
+            return np.zeros(0)
+        return self.derivatives.boundary_vjp(self._unaligned(gradient))
+
+    def _aligned(self, motion: Floats) -> Floats:
+        dx = motion.ravel()
+        return (dx - self.rigid @ (self.gauge.T @ dx)).reshape(-1, 3)
+
+    def _unaligned(self, gradient: Floats) -> Floats:
         g = gradient.ravel()
-        return self.derivatives.vjp((g - self.gauge @ (self.rigid.T @ g)).reshape(-1, 3))
+        return (g - self.gauge @ (self.rigid.T @ g)).reshape(-1, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +79,19 @@ class Realization:
     """The surface near a given one with other lengths, turned and moved onto it as near as may be.
 
     Its triangles are kept.  The vertices depend smoothly on the lengths, so that they can be differentiated.
+    With boundary they also depend on what is given there, and the surface is held as the given one was.
+    It is then moved horizontally only where heights are given, and not at all where a curve is; with a curve,
+    and with handles, lengths are met in least squares.
 
     Parameters
     ----------
     surface : Embedding
-        In R^3.
+        In R^3: closed and of genus 0, or a `SheetEmbedding`.
+
+    Attributes
+    ----------
+    boundary : ndarray, shape (B,), (B, 3) or (0,)
+        What is given at the boundary of the surface: heights, positions, or nothing.
 
     Raises
     ------
@@ -76,8 +107,26 @@ class Realization:
         if not self.surface.converged:
             raise InvalidParameter(f"the surface is none to begin from: {self.surface.message}")
 
-    def __call__(self, lengths: ArrayLike) -> Floats:
+    @cached_property
+    def boundary(self) -> Floats:
+        """What is given at the boundary."""
+        surface = self.surface
+        if not isinstance(surface, SheetEmbedding):
+            return np.zeros(0)
+        if surface.heights is not None:
+            return surface.heights
+        if surface.condition == "curve":
+            return surface.vertices[np.concatenate(surface.triangulation.boundaries)]
+        return np.zeros(0)
+
+    def __call__(self, lengths: ArrayLike, boundary: ArrayLike | None = None) -> Floats:
         """The vertices, (V, 3), with these lengths, (E,), in the order of the metric's edges.
+
+        Parameters
+        ----------
+        lengths : array_like, shape (E,)
+        boundary : array_like, in the shape of `boundary`, optional
+            Heights or positions of the boundary's vertices; by default those of the surface.
 
         Raises
         ------
@@ -85,7 +134,12 @@ class Realization:
             They are not lengths of a metric.
         NotEmbedded
             No surface with these lengths was found.
+        InvalidParameter
+            The lengths or what is given at the boundary have another shape.
         """
+        if isinstance(self.surface, SheetEmbedding):
+            return self._sheet(self.surface, lengths, boundary).vertices
+        self._given(boundary)
         given, t = self.surface, self.surface.triangulation
         metric = given.metric.with_lengths(checked(lengths, (t.n_edges,), "lengths"))
         unit = metric.unit
@@ -103,8 +157,32 @@ class Realization:
         vertices = unit * found.point.x if near else solve(metric, configured("aim")).vertices
         return aligned(vertices, given.vertices)
 
-    def linearized(self, lengths: ArrayLike) -> Linearized:
-        """The surface with these lengths, and its derivatives by them.
+    def _given(self, boundary: ArrayLike | None) -> Floats:
+        return (
+            self.boundary
+            if boundary is None
+            else checked(boundary, self.boundary.shape, "data at the boundary")
+        )
+
+    def _sheet(
+        self, surface: SheetEmbedding, lengths: ArrayLike, boundary: ArrayLike | None
+    ) -> SheetEmbedding:
+        count = len(surface.metric.lengths)
+        metric = surface.metric.with_lengths(checked(lengths, (count,), "lengths"))
+        given = self._given(boundary)
+        found = nearby_sheet(surface, metric, given if given.size else None)
+        y = surface.vertices - surface.vertices.mean(axis=0)
+        if surface.heights is not None:
+            upright = np.array([0.0, 0.0, 1.0])
+            x = found.vertices - found.vertices.mean(axis=0)
+            middle = (1 - upright) * surface.vertices.mean(axis=0) + upright * found.vertices.mean(axis=0)
+            return replace(found, vertices=_turned_level(x, y) + middle)
+        if given.size:
+            return found
+        return replace(found, vertices=aligned(found.vertices, surface.vertices))
+
+    def linearized(self, lengths: ArrayLike, boundary: ArrayLike | None = None) -> Linearized:
+        """The surface with these lengths and this at its boundary, and its derivatives by them.
 
         Raises
         ------
@@ -113,14 +191,28 @@ class Realization:
         SingularMatrix
             It is not infinitesimally rigid.
         """
-        x = self(lengths)
-        unit = self.surface.metric.unit
-        goal = np.asarray(lengths, dtype=np.float64) / unit
-        derivatives = LengthDerivatives.of(self.surface.triangulation, x / unit, goal)
+        unit, motions = self.surface.metric.unit, np.arange(6)
+        derivatives: LengthDerivatives | SheetDerivatives
+        if isinstance(self.surface, SheetEmbedding):
+            sheet = self._sheet(self.surface, lengths, boundary)
+            x, derivatives = sheet.vertices, SheetDerivatives.of(sheet)
+            if self.boundary.size:
+                motions = np.array([0, 1, 5] if self.boundary.ndim == 1 else [], dtype=np.int64)
+        else:
+            x = self(lengths, boundary)
+            goal = np.asarray(lengths, dtype=np.float64) / unit
+            derivatives = LengthDerivatives.of(self.surface.triangulation, x / unit, goal)
         # Aligned means: the same centroid, and sum y x dx = 0 about it, y being the reference.
         y = (self.surface.vertices - self.surface.vertices.mean(axis=0)) / unit
-        constraints, rigid = _rigid_fields(y), _rigid_fields((x - x.mean(axis=0)) / unit)
+        constraints, rigid = (_rigid_fields(p)[:, motions] for p in (y, (x - x.mean(axis=0)) / unit))
         return Linearized(x, derivatives, constraints, rigid @ np.linalg.inv(constraints.T @ rigid))
+
+
+def _turned_level(x: Floats, y: Floats) -> Floats:
+    """Points (V, 3) turned about the vertical axis as near to others as may be."""
+    angle = np.arctan2(np.sum(x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]), np.sum(x[:, :2] * y[:, :2]))
+    c, s = np.cos(angle), np.sin(angle)
+    return x @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _rigid_fields(x: Floats) -> Floats:

@@ -10,19 +10,21 @@ from isoembed.autodiff.realization import Realization
 from isoembed.embedding.embedding import Embedding
 
 
-def realization(surface: Embedding) -> Callable[[torch.Tensor], torch.Tensor]:
+def realization(surface: Embedding) -> Callable[..., torch.Tensor]:
     """Make the function from lengths to vertices near a surface, for PyTorch in double precision.
 
     Parameters
     ----------
     surface : Embedding
-        Converged, in R^3.
+        Converged, in R^3: closed and of genus 0, or a `SheetEmbedding`.
 
     Returns
     -------
     callable
         Takes lengths (..., E), doubles in the order of the metric's edges, and returns vertices (..., V, 3),
-        turned and moved onto those of the surface.  Derivatives are first ones; the forward pass keeps the
+        turned and moved onto those of the surface, as `isoembed.autodiff.realization.Realization` does.
+        Where heights (B,) or positions (B, 3) are given at a boundary, ``boundary=`` takes others, the same
+        for all lengths.  Derivatives are first ones; the forward pass keeps the
         factors that they take, so that a backward pass takes two solves for each surface.
 
     Raises
@@ -34,24 +36,33 @@ def realization(surface: Embedding) -> Callable[[torch.Tensor], torch.Tensor]:
 
     class Vertices(torch.autograd.Function):
         @staticmethod
-        def forward(ctx: Any, lengths: torch.Tensor) -> torch.Tensor:
-            if lengths.dtype != torch.float64:
-                raise TypeError(f"the lengths are {lengths.dtype}, not torch.float64")
+        def forward(ctx: Any, lengths: torch.Tensor, boundary: torch.Tensor) -> torch.Tensor:
+            for name, given in (("lengths", lengths), ("boundary data", boundary)):
+                if given.dtype != torch.float64:
+                    raise TypeError(f"the {name} are {given.dtype}, not torch.float64")
             rows = lengths.detach().cpu().numpy().reshape(-1, lengths.shape[-1])
-            if lengths.requires_grad:
-                ctx.surfaces = [known.linearized(row) for row in rows]
+            held = boundary.detach().cpu().numpy()
+            if lengths.requires_grad or boundary.requires_grad:
+                ctx.surfaces = [known.linearized(row, held) for row in rows]
                 found = [each.vertices for each in ctx.surfaces]
             else:
-                found = [known(row) for row in rows]
+                found = [known(row, held) for row in rows]
             shape = (*lengths.shape[:-1], n, 3)
             return torch.from_numpy(np.array(found).reshape(shape)).to(lengths.device)
 
         @staticmethod
         @torch.autograd.function.once_differentiable
-        def backward(ctx: Any, gradient: torch.Tensor) -> torch.Tensor:
+        def backward(ctx: Any, gradient: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
             rows = gradient.detach().cpu().numpy().reshape(-1, n, 3)
             pulled = [each.vjp(row) for each, row in zip(ctx.surfaces, rows, strict=True)]
             shape = (*gradient.shape[:-2], len(surface.metric.edges))
-            return torch.from_numpy(np.array(pulled).reshape(shape)).to(gradient.device)
+            at_boundary = sum(each.boundary_vjp(row) for each, row in zip(ctx.surfaces, rows, strict=True))
+            by_lengths = torch.from_numpy(np.array(pulled).reshape(shape)).to(gradient.device)
+            return by_lengths, torch.from_numpy(np.array(at_boundary)).to(gradient.device)
 
-    return Vertices.apply
+    own = torch.from_numpy(np.array(known.boundary))
+
+    def vertices(lengths: torch.Tensor, boundary: torch.Tensor | None = None) -> torch.Tensor:
+        return Vertices.apply(lengths, own if boundary is None else boundary)
+
+    return vertices

@@ -211,7 +211,7 @@ def _run(options: argparse.Namespace) -> int:
         ):
             status = int(options.run(options))
     except (UsageError, OutputError, FileError, InvalidMetric, InvalidParameter) as error:
-        print_error("; ".join([str(error), *notes]))
+        print_error(f"{error} (note: {'; '.join(notes)})" if notes else str(error))
         return WRONG
     for note in () if quiet else notes:
         print_error(note, "note")

@@ -22,7 +22,9 @@ from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_
 from isoembed.io.files import Writer, ending
 from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
+from isoembed.surface.estimate import Estimate
 
+INTEGRALS = {"integrated_mean_curvature": "int H dA"}
 CERTIFIED = 10_000  # vertices: of more, a certificate takes as long as the surface
 
 
@@ -124,7 +126,7 @@ def answer(
 def _end(
     options: argparse.Namespace, embedding: isoembed.Embedding, outputs: Outputs, *, failed: bool
 ) -> None:
-    """Say what was found and written, in at most four lines."""
+    """Say what was found and written, in four lines as a rule."""
     if failed and not options.keep:
         outputs = Outputs((name, path) for name, path in outputs.items() if name in ("report", "metric"))
     files = tuple(outputs.values())
@@ -133,33 +135,33 @@ def _end(
         print_aside(f"{embedding.status}: {written(options, *files)}{keep}")
         return
     if options.output:
-        found = f"{embedding.status}: "
-        if embedding.converged:
-            found += f"the largest length error is {embedding.residual:.1e} of the mean edge length"
-        else:
-            found += embedding.message
-        print_aside("\n".join(line for line in (found, _proof(embedding), _beside(embedding)) if line))
+        found = f"{embedding.status}: {embedding.message}"
+        lines = found, _proof(embedding), _integrals(embedding)
+        print_aside("\n".join(line for line in lines if line))
     print_written(options, *files)
 
 
-def _beside(embedding: isoembed.Embedding) -> str:
-    """How many other realizations there are, and how far away."""
-    if not embedding.others:
-        return ""
-    count, nearest = len(embedding.others), min(embedding.distance(other) for other in embedding.others)
-    realizations = "another realization" if count == 1 else f"{count} other realizations, the nearest"
-    return f"{realizations} {nearest:.1g} mean edge lengths away"
-
-
 def _proof(embedding: isoembed.Embedding) -> str:
-    """Whether the surface is certified, where that is not much beside finding it."""
-    if not embedding.converged:
+    """Whether the surface is certified, where it has exact lengths and that is not much beside finding it."""
+    if not embedding.converged or embedding.metric.length_errors is not None:
         return ""
     if embedding.triangulation.n_vertices > CERTIFIED:
         return "not certified: 'isoembed certify' does that for many vertices"
     from isoembed.embedding.certify import certify
 
     return certify(embedding).reason
+
+
+def _integrals(embedding: isoembed.Embedding) -> str:
+    """Area, volume and int H dA with their standard deviations, of lengths with errors."""
+    errors = embedding.length_errors
+    if errors is None or not embedding.triangulation.is_sphere:
+        return ""
+    sigma = isoembed.Sensitivity(embedding).integral_deviation(errors).report
+    return ", ".join(
+        f"{INTEGRALS.get(name, name)} {Estimate(getattr(embedding, name), error)}"
+        for name, error in sigma.items()
+    )
 
 
 def solved(

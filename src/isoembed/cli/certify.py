@@ -3,17 +3,23 @@
 import argparse
 from pathlib import Path
 
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import add_json_option, add_merge_option, add_quiet_option
 from isoembed.cli.same_triangles import check_same_triangles
-from isoembed.cli.screen import print_json, print_out
+from isoembed.cli.screen import UsageError, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.io import MESH_ENDINGS, read_metric, read_surface
 from isoembed.io.registry import METRIC_ENDINGS
-from isoembed.proof.certificate import certify
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.proof.boundary_heights import certify as certify_heights
+from isoembed.proof.certificate import Certificate, certify
 
 EXAMPLES = (
     "isoembed certify surface.ply metric.npz",
-    "isoembed certify surface.ply metric.npz --json",
+    "isoembed certify cap.ply dome.obj --boundary plane",
 )
 
 
@@ -24,6 +30,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "metric", type=Path, metavar="METRIC", help=f"the lengths, on the same triangles ({endings})"
     )
+    parser.add_argument(
+        "--boundary",
+        metavar="plane|FILE",
+        help="of a disc, what its boundary was to be: plane, of one height z, or a .npy file of heights (B,)",
+    )
     add_merge_option(parser)
     add_json_option(parser)
     add_quiet_option(parser)
@@ -31,12 +42,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print the certificate; return the exit status."""
-    metric = read_metric(options.metric, merge=options.merge)
+    metric = read_metric(options.metric, merge=options.merge, any_surface=True)
     surface = read_surface(options.surface, merge=options.merge)
     check_same_triangles(metric, surface.metric, options.metric, options.surface, "a certificate is for")
-    found = certify(metric, surface.vertices)
+    found = _certificate(metric, surface.vertices, options.boundary)
     if options.json:
         print_json(found.as_json())
     else:
         print_out(found.reason)
     return OK if found.certified else NOT_EMBEDDED
+
+
+def _certificate(metric: PolyhedralMetric, vertices: Floats, boundary: str | None) -> Certificate:
+    if boundary is None:
+        return certify(metric, vertices)
+    count = int(metric.triangulation.boundary_vertices.sum())
+    heights = np.zeros(count) if boundary == "plane" else read_numbers(Path(boundary))
+    if heights.shape != (count,):
+        raise UsageError(
+            f"{boundary} has the shape {heights.shape}, not ({count},): heights of the boundary's vertices"
+        )
+    return certify_heights(metric, vertices, heights)

@@ -20,7 +20,6 @@ from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, r
 from isoembed.io.files import ending
 from isoembed.methods import configuration, method_names
 from isoembed.progress.stages import Listener
-from isoembed.surface.checked import checked_errors
 
 WHICH = ("convex", "smoothest")
 """The values of ``--which`` that are no file."""
@@ -147,15 +146,15 @@ def run(options: argparse.Namespace) -> int:
     errors = length_errors(options)
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
-    metric = read_metric(source, merge=options.merge, space=options.space, any_surface=True)
+    metric = read_metric(
+        source, merge=options.merge, space=options.space, any_surface=True, length_errors=errors
+    )
     if options.which is not None and options.which not in WHICH:
         near = Path(options.which)
         own = read_surface(near, merge=options.merge).metric
         check_same_triangles(metric, own, source, near, "a surface is near to one on")
-    if errors is not None:
-        checked_errors(metric, errors)  # before anything is computed
-    elif metric.length_errors is not None and not method.takes_length_errors:
-        if method.keeps_triangles and not method.takes_boundary:
+    if metric.length_errors is not None and not method.takes_length_errors:
+        if errors is not None or (method.keeps_triangles and not method.takes_boundary):
             errors = metric.length_errors
         else:
             print_error(f"the method {method.name!r} takes lengths as exact: their errors are unused", "note")
@@ -168,7 +167,6 @@ def run(options: argparse.Namespace) -> int:
             metric,
             method=method,
             tolerance=options.tolerance,
-            length_errors=errors if method.takes_length_errors else None,
             progress=heard_by(progress, checkpoints.listen),
             resume=kept,
         )

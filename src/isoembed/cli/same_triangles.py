@@ -38,7 +38,8 @@ def check_same_triangles(
     if other.any():
         f = int(np.argmax(other))
         raise UsageError(
-            f"face {f} {metric.faces[f].tolist()} of {path} is not in {surface}: {why} the same triangles"
+            f"face {f} {metric.faces[f].tolist()} of {path} is not in {surface}: {why} the same triangles, "
+            "with the same numbers of vertices"
         )
 
 

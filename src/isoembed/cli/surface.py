@@ -8,7 +8,7 @@ from isoembed.cli.options import add_output_option, add_quiet_option
 from isoembed.cli.outputs import written
 from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
-from isoembed.gallery import SURFACES, Surface, triangulate
+from isoembed.gallery import SURFACES, Surface, ZoneSurface, triangulate
 from isoembed.io import (
     METRIC_ENDINGS,
     SURFACE_ENDINGS,
@@ -74,14 +74,20 @@ def run(options: argparse.Namespace) -> int:
     write_atomically({options.output: writer})
     print_aside(
         f"{surface!r}, {metric.triangulation.n_vertices} vertices; the smooth surface has "
-        f"area {surface.area:.12g}, volume {surface.volume:.12g}, "
-        f"int H dA {surface.integrated_mean_curvature:.12g} with H = (k1 + k2)/2\n"
+        f"area {surface.area:.12g}, {_integrals(surface)} with H = (k1 + k2)/2\n"
         f"{written(options, options.output)}"
     )
     return OK
 
 
-def _meshed(options: argparse.Namespace) -> tuple[Surface, Any, Any]:
+def _integrals(surface: Surface | ZoneSurface) -> str:
+    """Words on what a surface encloses, or how much it is bent."""
+    if isinstance(surface, Surface):
+        return f"volume {surface.volume:.12g}, int H dA {surface.integrated_mean_curvature:.12g}"
+    return f"int k1^2 + k2^2 dA {surface.second_form_energy:.12g}, int H^2 dA {surface.bending_energy:.12g}"
+
+
+def _meshed(options: argparse.Namespace) -> tuple[Surface | ZoneSurface, Any, Any]:
     kind = SURFACES[options.name]
     values = {field.name: getattr(options, field.name) for field in fields(kind)}  # type: ignore[arg-type]
     try:
@@ -105,11 +111,11 @@ def _add_option(parser: argparse.ArgumentParser, field: Field[Any], type_: Any) 
     )
 
 
-def _purpose(surface: type[Surface]) -> str:
+def _purpose(surface: type[Surface | ZoneSurface]) -> str:
     return (surface.__doc__ or "").partition("\n")[0].rstrip(".")
 
 
-def _defaults(surface: type[Surface]) -> str:
+def _defaults(surface: type[Surface | ZoneSurface]) -> str:
     options = (f"--{f.name.replace('_', '-')} {_shown(f.default)}" for f in fields(surface))  # type: ignore[arg-type]
     return f" ({', '.join(options)})"
 

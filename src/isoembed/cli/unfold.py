@@ -57,10 +57,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--scale",
-        type=float,
+        type=_scale,
         metavar="MM",
-        help="millimeters a unit of the solid (default: the largest with which each sheet fits on a page); "
-        "sheets larger than a page are cut into several",
+        help="millimeters a unit of the solid, as 0.25 or 1:4 (default: the largest with which each sheet "
+        "fits on a page); sheets larger than a page are cut into several",
     )
     parser.add_argument(
         "--size",
@@ -138,3 +138,11 @@ def _edge(text: str) -> tuple[int, int]:
     if found is None:
         raise argparse.ArgumentTypeError(f"{text!r} is not two numbers of vertices, as 3-17 is")
     return int(found[1]), int(found[2])
+
+
+def _scale(text: str) -> float:
+    found = re.fullmatch(r"([\d.]+)\s*[:/]\s*([\d.]+)", text)
+    try:
+        return float(found[1]) / float(found[2]) if found else float(text)
+    except (ValueError, ZeroDivisionError):
+        raise argparse.ArgumentTypeError(f"{text!r} is no scale, as 0.25 and 1:4 are") from None

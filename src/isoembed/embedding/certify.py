@@ -20,7 +20,9 @@ def certify(embedding: Embedding) -> Certificate:
         Why nothing is proven, if nothing is.  Of a `ConvexPolyhedron` a `ConvexCertificate`: the proof that
         this is the polyhedron of its metric up to a stated distance.  It takes the lengths on the triangles
         of `ConvexPolyhedron.core` as exact numbers; `ConvexPolyhedron.path_residuals` say how far they are
-        from the given ones.
+        from the given ones.  Of a `SheetEmbedding` with a boundary in a plane or with given heights a
+        `CapCertificate`; of others with boundary, the proof that one of a family of exact surfaces is near;
+        of those with more equations than unknowns, none.
 
     Raises
     ------

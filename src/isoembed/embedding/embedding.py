@@ -325,7 +325,7 @@ class Embedding:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
         return self.surface.integrated_mean_curvature
 
-    def save(self, path: str | os.PathLike[str], *, color: str | Quantity | None = None) -> None:
+    def save(self, path: str | os.PathLike[str], *, color: str | Quantity | ArrayLike | None = None) -> None:
         """Write the surface, by the ending of the file: as a mesh, a picture or a page for the browser.
 
         Parameters
@@ -334,8 +334,8 @@ class Embedding:
             ``.ply``, ``.obj``, ``.stl``, ``.off``, ``.npz``, ``.json``, ``.fold``, ``.vtk``, ``.vtu``,
             or ``.vtp`` for the surface, as `isoembed.io.write_surface` writes it;
             ``.png``, ``.svg`` or ``.pdf`` for a picture; ``.html`` for a page.
-        color : str or Quantity, optional
-            Of a picture: what the colors show, one of `isoembed.plot.QUANTITIES`.
+        color : str, Quantity, or array_like, shape (V,), optional
+            Of a picture: what the colors show, as of `plot`.
 
         Raises
         ------
@@ -350,15 +350,20 @@ class Embedding:
         save_surface(self, path, color=color)
 
     def plot(
-        self, *, color: str | Quantity = "mean curvature", caption: str = "", ax: Axes | None = None
+        self,
+        *,
+        color: str | Quantity | ArrayLike = "mean curvature",
+        caption: str = "",
+        ax: Axes | None = None,
     ) -> Figure:
         """Draw the surface; a notebook shows the picture, with pyplot and without.
 
         Parameters
         ----------
-        color : str or Quantity
+        color : str, Quantity, or array_like, shape (V,)
             What the colors show: ``"mean curvature"``, ``"Gaussian curvature"``, ``"residual"``,
-            ``"concave edges"``, ``"conformal factor"``, ``"sides"``, or a quantity of one's own.
+            ``"concave edges"``, ``"conformal factor"``, ``"sides"``, a quantity of one's own, or a number at
+            each vertex.
         caption : str
             By default the number of vertices, int H dA and the residual.
         ax : matplotlib.axes.Axes, optional
@@ -389,13 +394,19 @@ class Embedding:
     @cached_property
     def _certificate(self) -> Certificate:
         """What `isoembed.certify` returns."""
-        from isoembed.proof.certificate import NO_SPHERE, Certificate, certify
+        from isoembed.proof.certificate import Certificate, certify
 
-        if not self.triangulation.is_sphere:
-            return NO_SPHERE
         if not self.converged:
             return Certificate(False, "not certified, because the lengths miss the tolerance")
         return certify(self.metric, self.vertices)
+
+    def _length_derivatives(self) -> Any:
+        """What has `jvp` and `vjp` by the lengths; raises InvalidMetric of other than spheres."""
+        from isoembed.surface.derivatives import LengthDerivatives
+
+        t, normalized = self.triangulation, self.metric.normalized
+        t.check_sphere()  # elsewhere J is not square, rigid motions apart
+        return LengthDerivatives.of(t, self.vertices / self.metric.unit, normalized.lengths, normalized.space)
 
     @cached_property
     def _smallest_singular_value(self) -> float:

@@ -12,7 +12,7 @@ from isoembed.embedding.embedding import Embedding, checked_embedding
 from isoembed.embedding.mirrored import mirrored_dents
 from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.metric.curvature import negative_deficits
-from isoembed.proof.certificate import NO_SPHERE, NOT_ASKED
+from isoembed.proof.certificate import NOT_ASKED
 from isoembed.strict_json import plain
 from isoembed.version import __version__
 
@@ -36,9 +36,7 @@ def report(embedding: Embedding) -> dict[str, Any]:
     entries = np.sum(triangulation.degrees**2)  # of J J^T
     is_small = triangulation.is_sphere and entries <= MAX_REPORTED_ENTRIES
     certificate = NOT_ASKED
-    if not triangulation.is_sphere:
-        certificate = NO_SPHERE
-    elif entries <= 1_200_000:  # of J J^T, of 30,000 vertices: for more, a report asks for no certificate
+    if entries <= 1_200_000:  # of J J^T, of 30,000 vertices: for more, a report asks for no certificate
         certificate = embedding._certificate
     found = {
         "status": embedding.status,

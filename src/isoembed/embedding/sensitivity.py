@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +33,8 @@ class Sensitivity:
     Parameters
     ----------
     embedding : Embedding
-        Closed, of genus 0: derivatives of others, such as a `SheetEmbedding`, raise `InvalidMetric`.
+        Closed, of genus 0, or a `SheetEmbedding`, which has `jvp`, `vjp`, `boundary_jvp` and `boundary_vjp`
+        only: the rest raises `InvalidMetric`.
 
     Raises
     ------
@@ -56,13 +57,15 @@ class Sensitivity:
         return frozen(self.embedding.vertices / self._metric.unit)
 
     @cached_property
-    def _derivatives(self) -> LengthDerivatives:
-        """J and its factors where the vertices are, kept for all derivatives; raises InvalidMetric."""
-        self._metric.triangulation.check_sphere()  # elsewhere J is not square, rigid motions apart
-        normalized = self._metric.normalized
-        return LengthDerivatives.of(
-            self._metric.triangulation, self._normalized, normalized.lengths, normalized.space
-        )
+    def _derivatives(self) -> Any:
+        """The factors that all derivatives need; raises InvalidMetric."""
+        return self.embedding._length_derivatives()
+
+    @property
+    def _closed(self) -> LengthDerivatives:
+        """J and its factors, of a closed surface of genus 0; raises InvalidMetric of others."""
+        self._metric.triangulation.check_sphere()
+        return cast(LengthDerivatives, self._derivatives)
 
     def jvp(self, changes: ArrayLike) -> Floats:
         """How the vertices move, to first order, when the lengths change.
@@ -76,14 +79,16 @@ class Sensitivity:
         -------
         ndarray, shape (..., V, 3)
             ``J^+ dl``, in the same unit, without translation and rotation.  (In hyperbolic and spherical
-            space, of least norm among the motions w z by z.)
+            space, of least norm among the motions w z by z.)  Of a `SheetEmbedding`, how its vertices move
+            while what is given at the boundary stays: with given heights without horizontal motions, of a
+            surface of least bending to seven digits or so.
 
         Raises
         ------
         InvalidParameter
             The changes have another shape or are not finite.
         InvalidMetric
-            The surface has a boundary or handles: its lengths are not as many as its motions.
+            The surface has a boundary, and nothing that holds it there.
         SingularMatrix
             The surface is not infinitesimally rigid: a vertex is flat, as they are in the faces of a
             `ConvexPolyhedron`.
@@ -112,6 +117,60 @@ class Sensitivity:
             As `jvp`.
         """
         return self._derivatives.vjp(checked(gradient, (len(self.embedding.vertices), 3), "gradient"))
+
+    def boundary_jvp(self, changes: ArrayLike) -> Floats:
+        """How the vertices of a `SheetEmbedding` move, to first order, when what is given there changes.
+
+        Parameters
+        ----------
+        changes : array_like, shape (..., B) or (..., B, 3)
+            Of the heights, also of a boundary in a plane, or of the positions of the boundary's vertices, in
+            the order of `Triangulation.boundaries`.
+
+        Returns
+        -------
+        ndarray, shape (..., V, 3)
+            While the lengths stay; with a given curve, in least squares of these.
+
+        Raises
+        ------
+        InvalidParameter
+            Nothing is given at the boundary, or as `jvp`.
+        InvalidMetric, SingularMatrix
+            As `jvp`.
+        """
+        derivatives = self._at_boundary
+        return derivatives.boundary_jvp(checked(changes, derivatives.shape, "changes"))
+
+    def boundary_vjp(self, gradient: ArrayLike) -> Floats:
+        """Derivatives by what is given at the boundary of a function of the vertices.
+
+        Parameters
+        ----------
+        gradient : array_like, shape (..., V, 3)
+            As that of `vjp`.
+
+        Returns
+        -------
+        ndarray, shape (..., B) or (..., B, 3)
+            The transpose of `boundary_jvp`.
+
+        Raises
+        ------
+        InvalidParameter, InvalidMetric, SingularMatrix
+            As `boundary_jvp`.
+        """
+        derivatives = self._at_boundary
+        return derivatives.boundary_vjp(checked(gradient, (len(self.embedding.vertices), 3), "gradient"))
+
+    @property
+    def _at_boundary(self) -> Any:
+        """Derivatives of a surface with given heights or positions; raises InvalidParameter of others."""
+        if not np.prod(getattr(self._derivatives, "shape", (0,))):
+            raise InvalidParameter(
+                "nothing is given at the boundary: boundary derivatives are by heights or positions"
+            )
+        return self._derivatives
 
     @cached_property
     def _by_given(self) -> Any:
@@ -199,7 +258,7 @@ class Sensitivity:
         if dl.ndim > 1:
             raise InvalidParameter(f"the changes have the shape {dl.shape}, not {lengths.shape}")
         t, vertices = metric.triangulation, self._normalized
-        return Variation.of(self._derivatives, t, vertices, lengths, dl).scaled(unit)
+        return Variation.of(self._closed, t, vertices, lengths, dl).scaled(unit)
 
     def deviation(self, errors: ArrayLike) -> Deviation:
         """How far a surface in R^3 may be off because its lengths have independent errors, to first order.
@@ -221,7 +280,7 @@ class Sensitivity:
         """
         sigma = self._flat_errors(errors)
         shared = shared_errors(self._metric.lengths, sigma * self._metric.unit)
-        found = Deviation.of(self._derivatives, self._metric.normalized, self._normalized, sigma, shared)
+        found = Deviation.of(self._closed, self._metric.normalized, self._normalized, sigma, shared)
         return found.scaled(self._metric.unit)
 
     def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
@@ -243,7 +302,7 @@ class Sensitivity:
         shared, sigma = shared_errors(self._metric.lengths, sigma), sigma / self._metric.unit
         metric, x = self._metric.normalized, self._normalized
         try:
-            volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x, metric.space))
+            volume_rates = self._closed.vjp(volume_gradient(metric.triangulation, x, metric.space))
         except SingularMatrix:
             volume_rates = np.full(len(sigma), np.inf)
         return IntegralDeviation.of(metric, x, sigma, shared, volume_rates).scaled(self._metric.unit)
@@ -270,7 +329,7 @@ class Sensitivity:
         bounds = self._flat_errors(errors)
         metric, x = self._metric.normalized, self._normalized
         try:
-            volume_rates = self._derivatives.vjp(volume_gradient(metric.triangulation, x))
+            volume_rates = self._closed.vjp(volume_gradient(metric.triangulation, x))
             found = DeviationBound.of(metric, x, bounds, volume_rates)
         except (SingularMatrix, NotProven) as obstacle:
             return DeviationBound.unproven(metric.triangulation, str(obstacle))

@@ -1,7 +1,8 @@
 """Closed-form surfaces.
 
-``SURFACES`` offers them by name; the fields of each dataclass are its options. A surface knows its points
-and curvatures exactly, and its area, volume and int H dA to rounding, for meshes to be compared with.
+``SURFACES`` offers them by name; the fields of each dataclass are its options. A closed surface of genus 0
+knows its points and curvatures exactly, and its area, volume and int H dA to rounding, for meshes to be
+compared with; a surface with boundary, and a torus, its points, area, and integrals of H^2 and k1^2 + k2^2.
 """
 
 from isoembed.gallery.bent import Bean, BentTube
@@ -10,14 +11,16 @@ from isoembed.gallery.implicit import Drum, Ellipsoid, Sphere, Superellipsoid
 from isoembed.gallery.kerr import Ergosphere, KerrHorizon
 from isoembed.gallery.revolution import CassiniPeanut
 from isoembed.gallery.surface import Surface
+from isoembed.gallery.zone_surface import Cap, Catenoid, Cone, Enneper, Torus, ZoneSurface
 from isoembed.meshing.surface_mesh import triangulate
 
-SURFACES: dict[str, type[Surface]] = {
+SURFACES: dict[str, type[Surface | ZoneSurface]] = {
     cls.name: cls
     for cls in (
         *(Ellipsoid, Drum, Sphere, Superellipsoid),
         *(CassiniPeanut, HarmonicSurface, Bean, BentTube),
         *(KerrHorizon, Ergosphere),
+        *(Cap, Cone, Catenoid, Enneper, Torus),
     )
 }
 """The surfaces by the names that the command line uses."""
@@ -26,14 +29,20 @@ __all__ = [
     "SURFACES",
     "Bean",
     "BentTube",
+    "Cap",
     "CassiniPeanut",
+    "Catenoid",
+    "Cone",
     "Drum",
     "Ellipsoid",
+    "Enneper",
     "Ergosphere",
     "HarmonicSurface",
     "KerrHorizon",
     "Sphere",
     "Superellipsoid",
     "Surface",
+    "Torus",
+    "ZoneSurface",
     "triangulate",
 ]

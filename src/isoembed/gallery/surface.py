@@ -84,8 +84,8 @@ def unit_vectors(directions: ArrayLike) -> Floats:
     return u / length[:, None]
 
 
-class Surface(ABC):
-    """A closed surface of genus zero known in closed form.
+class ClosedForm(ABC):
+    """A surface known in closed form, the image of the unit sphere or of a zone of it.
 
     Subclasses are frozen dataclasses: their fields, made by `option`, are the surface's parameters. They
     implement the underscored methods, all in units of ``_unit`` and for unit vectors that were checked.
@@ -111,6 +111,14 @@ class Surface(ABC):
     def _points(self, u: Floats) -> Floats:
         """Points (n, 3)."""
 
+    def point(self, directions: ArrayLike) -> Floats:
+        """Points (n, 3) of the surface named by directions (n, 3)."""
+        return self._unit * self._points(unit_vectors(directions))
+
+
+class Surface(ClosedForm):
+    """A closed surface of genus zero known in closed form: the image of the unit sphere."""
+
     @abstractmethod
     def _normals(self, u: Floats) -> Floats:
         """Outward unit normals (n, 3)."""
@@ -131,10 +139,6 @@ class Surface(ABC):
     @abstractmethod
     def _integrals(self) -> Floats:
         """Area, volume and int H dA."""
-
-    def point(self, directions: ArrayLike) -> Floats:
-        """Points (n, 3) of the surface named by directions (n, 3)."""
-        return self._unit * self._points(unit_vectors(directions))
 
     def normal(self, directions: ArrayLike) -> Floats:
         """Outward unit normals (n, 3) at the points named by directions (n, 3)."""

@@ -64,7 +64,7 @@ class Correction:
 
 
 def corrected(
-    sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]], tolerance: Tolerance
+    sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]], tolerance: Tolerance, any_surface: bool
 ) -> tuple[list[Polygon], Correction | None]:
     """Move the corners of sheets by the least sum of squares that makes glued lengths equal.
 
@@ -77,6 +77,8 @@ def corrected(
     runs : sequence of pairs of Run
         Glued lengths, equal within the tolerance.
     tolerance : Tolerance
+    any_surface : bool
+        Whether it may have a boundary or handles.
 
     Returns
     -------
@@ -103,7 +105,7 @@ def corrected(
     if largest <= rounded and not tolerance.units.any():
         return list(sheets), None
     errors = tolerance.errors(largest) / size
-    flat = _flat_vertices(sheets, runs, tolerance, first, after, start, errors)
+    flat = _flat_vertices(sheets, runs, tolerance, (first, after, start), errors, any_surface)
     points = _nearest(start, sides, flat)
     moved = np.linalg.norm(points - start, axis=1) * size
     worst = int(np.argmax(moved))
@@ -221,18 +223,18 @@ def _flat_vertices(
     sheets: Sequence[Polygon],
     runs: Sequence[tuple[Run, Run]],
     tolerance: Tolerance,
-    first: Indices,
-    after: Indices,
-    points: Floats,
+    outlines: tuple[Indices, Indices, Floats],
     errors: Floats,
+    any_surface: bool,
 ) -> _Flat:
     """The vertices that are flat if corners are off by no more than the errors, by polygon."""
+    first, after, points = outlines
     stops, mates = cut_outlines(sheets, runs, tolerance)
     starts = np.cumsum([0, *map(len, stops)])
     whole = np.concatenate(stops)
     owners = np.repeat(np.arange(len(sheets)), np.diff(starts))
     at_corner = np.flatnonzero(whole % 1 == 0)
-    vertices = glued_points(starts, mates, at_corner)
+    vertices = glued_points(starts, mates, at_corner, any_surface)
     corners = first[owners[at_corner]] + whole[at_corner].astype(np.int64)
     before = np.empty_like(after)
     before[after] = np.arange(len(after))
@@ -244,6 +246,7 @@ def _flat_vertices(
     inverse = sum(1 / np.linalg.norm(points[end] - points[corners], axis=1) for end in (before, following))
     off = np.bincount(of_corner, np.sqrt(2) * errors[owners[at_corner]] * inverse, minlength=n)
     flat = (np.abs(total - 2 * np.pi) <= off) & (off > 0)
+    flat[vertices[mates == np.arange(len(mates))]] = False  # on a boundary
     number = np.cumsum(flat) - 1
     kept = flat[of_corner]
     count = np.bincount(of_corner, minlength=n)

@@ -92,6 +92,8 @@ class Lines:
         By which the outlines were offset for a beam, its whole width, mm.
     error : float
         Of the points of the solid, where these were rounded, mm.
+    any_surface : bool
+        Whether sides without a number are a boundary, and there may be handles.
     """
 
     lines: tuple[Line, ...]
@@ -99,6 +101,7 @@ class Lines:
     unit: float = 0.0
     kerf: float = 0.0
     error: float = 0.0
+    any_surface: bool = False
 
 
 def last_unit(values: Floats) -> float:

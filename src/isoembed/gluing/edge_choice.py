@@ -38,8 +38,9 @@ def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
         Something is no edge between two faces, an edge is in both, or edges that are kept lead around a
         vertex, which cannot lie flat then, or in another ring.
     """
-    ends = faces.corners[faces.twins]
-    number = {pair: s for s, pair in enumerate(zip(faces.corners.tolist(), ends.tolist(), strict=True))}
+    glued = np.flatnonzero(faces.twins != np.arange(len(faces.twins)))
+    pairs = zip(faces.corners[glued].tolist(), faces.ends[glued].tolist(), strict=True)
+    number = dict(zip(pairs, glued.tolist(), strict=True))
     twins = faces.twins.tolist()
     found: dict[str, list[int]] = {"cut": [], "keep": []}
     for name, edges in (("cut", cut), ("keep", keep)):
@@ -54,7 +55,7 @@ def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
                     + (f"; those of vertex {known} lead to {others}" if others else "")
                 )
             found[name].append(min(s, twins[s]))
-    is_cut = np.zeros(len(ends), dtype=np.bool_)
+    is_cut = np.zeros(len(twins), dtype=np.bool_)
     is_cut[found["cut"]] = True
     is_cut |= is_cut[faces.twins]
     kept = list(dict.fromkeys(found["keep"]))

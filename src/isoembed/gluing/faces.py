@@ -26,7 +26,7 @@ class Faces(NamedTuple):
     points : ndarray, shape (S, 2)
         Where that lies, in the plane of the face.
     twins : ndarray of int, shape (S,)
-        The side that each is glued to, which runs the other way.
+        The side that each is glued to, which runs the other way; itself on a boundary.
     angles : ndarray, shape (S,)
         The exterior dihedral angle there: positive where the surface is convex, 0 where it is flat.
     """
@@ -37,11 +37,19 @@ class Faces(NamedTuple):
     twins: Indices
     angles: Floats
 
+    @property
+    def ends(self) -> Indices:
+        """The vertex at which each side ends, shape (S,)."""
+        after = np.arange(1, len(self.corners) + 1)
+        after[self.first[1:] - 1] = self.first[:-1]
+        return self.corners[after]
+
 
 def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.0) -> Faces:
     """The faces of a surface: triangles joined where it is flat, sides where two of them end in line.
 
-    A face that has holes, or whose outline meets itself, stays in triangles.
+    A face that has holes, or whose outline meets itself, stays in triangles.  On a boundary every vertex is a
+    corner.
 
     Parameters
     ----------
@@ -57,12 +65,13 @@ def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.
         A face is so thin that it lies in no plane.
     """
     t = triangulation
+    across = np.where(t.sides_across < 0, np.arange(t.faces.size), t.sides_across)
     thin = ~(face_areas(t.faces, vertices) > 0)
     if thin.any():
         f = int(np.argmax(thin))
         raise InvalidMetric(f"face {f} {t.faces[f].tolist()} is so thin that it lies in no plane")
     faces = coplanar_faces(t, vertices, error=error)
-    creased = np.repeat(faces, 3) != faces[t.twins // 3]
+    creased = (np.repeat(faces, 3) != faces[across // 3]) | (t.sides_across < 0)
     bend = np.where(creased, dihedral_angles(t, vertices)[t.face_edges.ravel()], 0.0)
     creased |= np.repeat(_no_polygons(t, vertices, creased, faces)[faces], 3)
     faces, ways = flat_faces(t, creased), outlines(t, creased)
@@ -82,7 +91,7 @@ def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.
         points.append(flattened(around - around[0], upward[faces[way[0] // 3]]))
     number = np.full(start.size, -1)
     number[sides] = np.arange(len(sides))
-    return Faces(np.array(first), start[sides], np.concatenate(points), number[t.twins[last]], bend[sides])
+    return Faces(np.array(first), start[sides], np.concatenate(points), number[across[last]], bend[sides])
 
 
 def _no_polygons(t: Triangulation, vertices: Floats, creased: Mask, faces: Indices) -> Mask:
@@ -110,7 +119,7 @@ def _straight(t: Triangulation, vertices: Floats, creased: Mask, error: float) -
     start, end = t.faces.ravel(), np.roll(t.faces, -1, axis=1).ravel()
     rim = np.flatnonzero(creased)
     rim = rim[np.argsort(start[rim], kind="stable")]
-    passed = np.bincount(start[rim], minlength=t.n_vertices) == 2
+    passed = (np.bincount(start[rim], minlength=t.n_vertices) == 2) & ~t.boundary_vertices
     pairs = end[rim[passed[start[rim]]]].reshape(-1, 2)
     here = np.flatnonzero(passed)
     to, onward = vertices[here] - vertices[pairs[:, 0]], vertices[pairs[:, 1]] - vertices[here]

@@ -38,13 +38,15 @@ def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
     return [list(names) for names in given]
 
 
-def sides_of(corners: Names, sheets: Sequence[Polygon], tolerance: Tolerance) -> list[tuple[Side, Side]]:
-    """Pairs of sides whose ends have the same names.
+def sides_of(
+    corners: Names, sheets: Sequence[Polygon], tolerance: Tolerance, any_surface: bool
+) -> list[tuple[Side, Side]]:
+    """Pairs of sides whose ends have the same names; of any surface, one may be alone.
 
     Raises
     ------
     InvalidMetric
-        A side is alone, or one of three, or as long as its partner is not.
+        A side is alone and may not be, or is one of three, or as long as its partner is not.
     """
     found: dict[frozenset[Hashable], list[Side]] = {}
     for p, names in enumerate(corners):
@@ -59,6 +61,8 @@ def sides_of(corners: Names, sheets: Sequence[Polygon], tolerance: Tolerance) ->
     wrong, difference = "", 0.0
     for some in found.values():
         (p, k), a, b = some[0], *_ends(corners, some[0])
+        if len(some) == 1 and any_surface:
+            continue
         if len(some) == 1:
             raise InvalidMetric(
                 f"side {k} of polygon {p} is glued to nothing: no other side joins corners {a!r} and {b!r}"
@@ -80,7 +84,7 @@ def sides_of(corners: Names, sheets: Sequence[Polygon], tolerance: Tolerance) ->
             )
     if wrong:
         raise UnequalLengths(wrong, difference)
-    return [(one, other) for one, other in found.values()]
+    return [(some[0], some[1]) for some in found.values() if len(some) == 2]
 
 
 def faced_alike(

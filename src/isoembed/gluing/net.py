@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, warn_of_mesh
 from isoembed.gluing.correction import Correction, corrected
 from isoembed.gluing.named_corners import check_together, faced_alike, read_names, sides_of
 from isoembed.gluing.outline_points import cut_outlines, glued_points
@@ -69,6 +69,7 @@ class Net(GluedMetric):
         runs: Sequence[tuple[Run, Run]],
         correction: Correction | None = None,
         precision: Precision | None = None,
+        any_surface: bool = False,
     ) -> None:
         stops, mates = cut_outlines(sheets, runs, Tolerance.exact(len(sheets)))
         space = sheets[0].space
@@ -78,7 +79,7 @@ class Net(GluedMetric):
             start + np.searchsorted(some, np.arange(sheet.n) * (-1 if sheet.turned else 1) % sheet.n)
             for start, some, sheet in zip(first, stops, sheets, strict=False)
         ]
-        vertices = glued_points(first, mates, np.concatenate(corners))
+        vertices = glued_points(first, mates, np.concatenate(corners), any_surface)
         triangles, owners = _triangles(polygons, first, space)
         twins, seams = _sewn(triangles, mates)
         points = np.concatenate(polygons)
@@ -86,7 +87,10 @@ class Net(GluedMetric):
         lengths = distances(points[triangles], points[np.roll(triangles, -1, axis=1)], space).ravel()
         rim = triangles.ravel()[seams]
         lengths[seams] = (steps[rim] + steps[mates[rim]]) / 2
-        super().__init__(vertices[triangles], twins, lengths.reshape(-1, 3), curvature=space.curvature)
+        if any_surface:
+            self._set_any_surface(vertices[triangles], twins, lengths.reshape(-1, 3), space)
+        else:
+            super().__init__(vertices[triangles], twins, lengths.reshape(-1, 3), curvature=space.curvature)
         for name, value in (
             ("polygons", polygons),
             ("outlines", tuple(map(frozen, np.split(vertices, first[1:-1])))),
@@ -119,6 +123,7 @@ def glue(
     tolerance: float | None = None,
     curvature: float = 0.0,
     model: Model = "ambient",
+    any_surface: bool = False,
 ) -> Net:
     """Glue polygons along their sides to a polyhedral metric on the sphere: a paper net.
 
@@ -136,7 +141,7 @@ def glue(
         The corners of each, in either orientation.  Polygons are simple; they need not be convex,
         consecutive sides may be in line, and where in the plane they lie is all the same.
     sides : sequence of pairs
-        Every point of every boundary is glued exactly once.
+        Every point of every boundary is glued exactly once, unless `any_surface` is true.
     corners : sequence of sequence of str or int
         Instead of `sides`, what each polygon's corners are called: sides whose ends have the same two names
         are glued, as they are in a list of the faces of a polyhedron.  A polygon is turned over where its
@@ -153,6 +158,9 @@ def glue(
         The coordinates of corners there: those on the hyperboloid or on the sphere, of Poincare's disk or
         stereographic projection, of Klein's disk or gnomonic projection.  On the sphere a polygon is in the
         open half about the origin.
+    any_surface : bool, optional
+        Whether the surface may have a boundary, which is what is glued to nothing, and handles.  Such metrics
+        are embedded with a condition at the boundary, as of `isoembed.embed`.
 
     Returns
     -------
@@ -164,7 +172,7 @@ def glue(
     ------
     InvalidMetric
         A polygon is not simple, two runs differ in length by more than the tolerance, a stretch is glued
-        twice or to nothing, or the result is not one sphere.
+        twice or to nothing, or the result is not one sphere, or one surface.
     InvalidParameter
         An identification is not of the form above, there are both sides and corners, or neither, the
         tolerance is not a length from 0 on, or there is no such curvature or model.
@@ -205,9 +213,10 @@ def glue(
     if (sides is None) == (corners is None):
         raise InvalidParameter("what is glued is told either by the sides or by the names of the corners")
     try:
-        return _glued(sheets, sides, corners, Tolerance.of(sheets, tolerance))
+        return _glued(sheets, sides, corners, Tolerance.of(sheets, tolerance), any_surface)
     except UnequalLengths as error:
-        raise InvalidMetric(f"{error}{_remedy(sheets, sides, corners, error.difference)}") from None
+        remedy = _remedy(sheets, sides, corners, error.difference, any_surface)
+        raise InvalidMetric(f"{error}{remedy}") from None
 
 
 def glue_rounded(
@@ -215,6 +224,7 @@ def glue_rounded(
     sides: Sequence[Any],
     precision: Precision | None,
     tolerance: float | None = None,
+    any_surface: bool = False,
 ) -> Net:
     """Glue the sheets of a solid whose coordinates have this precision, the error of a length in their unit.
 
@@ -223,49 +233,57 @@ def glue_rounded(
     if precision is not None and tolerance is None:
         sheets = [Polygon.of(polygon, p, Space(0.0), "ambient") for p, polygon in enumerate(polygons)]
         try:
-            return _glued(sheets, sides, None, Tolerance.of(sheets)).knowing(precision=precision)
+            net = _glued(sheets, sides, None, Tolerance.of(sheets), any_surface)
         except UnequalLengths:
             allowed = Tolerance.of(sheets, precision.vertex_error)
             with warnings.catch_warnings():  # the precision says it
                 warnings.simplefilter("ignore", MeshNote)
-                return _glued(sheets, sides, None, allowed).knowing(precision=precision)
-    return glue(polygons, sides, tolerance=tolerance).knowing(precision=precision)
+                net = _glued(sheets, sides, None, allowed, any_surface)
+        return net.knowing(precision=precision)
+    net = glue(polygons, sides, tolerance=tolerance, any_surface=any_surface)
+    return net.knowing(precision=precision)
 
 
-def _remedy(sheets: Sequence[Polygon], sides: Any, corners: Any, difference: float) -> str:
+def _remedy(sheets: Sequence[Polygon], sides: Any, corners: Any, difference: float, any_surface: bool) -> str:
     """The tolerance with which sheets are glued whose sides differ by so much, if it helps."""
     word = rounded_up(difference)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MeshNote)
         try:
-            net = _glued(sheets, sides, corners, Tolerance.of(sheets, float(word)))
+            net = _glued(sheets, sides, corners, Tolerance.of(sheets, float(word)), any_surface)
         except InvalidMetric:
             return "; correct them"
     moved = 0.0 if net.correction is None else net.correction.largest
     return f"; correct them, or allow it: tolerance={word} moves corners by {moved:.1g}"
 
 
-def _glued(sheets: Sequence[Polygon], sides: Sequence[Any] | None, corners: Any, allowed: Tolerance) -> Net:
+def _glued(
+    sheets: Sequence[Polygon],
+    sides: Sequence[Any] | None,
+    corners: Any,
+    allowed: Tolerance,
+    any_surface: bool,
+) -> Net:
     if sides is not None:
-        return _net(sheets, sides, allowed)
+        return _net(sheets, sides, allowed, any_surface)
     names = read_names(corners, sheets)
-    pairs = sides_of(names, sheets, allowed)
+    pairs = sides_of(names, sheets, allowed, any_surface)
     sheets = faced_alike(names, sheets, pairs)
-    net = _net(sheets, pairs, allowed)
+    net = _net(sheets, pairs, allowed, any_surface)
     check_together(names, net.corners)
     return net
 
 
-def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance) -> Net:
+def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance, any_surface: bool) -> Net:
     """The net of the corrected sheets; a correction of more than rounding is said."""
-    runs = read_sides(sides, sheets, tolerance)
-    changed, correction = corrected(sheets, runs, tolerance)
+    runs = read_sides(sides, sheets, tolerance, any_surface)
+    changed, correction = corrected(sheets, runs, tolerance, any_surface)
     if correction is None:
-        return Net(sheets, runs)
+        return Net(sheets, runs, any_surface=any_surface)
     if correction.largest > GLUING.same_length * max(sheet.perimeter for sheet in sheets):
-        warnings.warn(str(correction), MeshNote, stacklevel=4)
-    exact = read_sides(sides, changed, Tolerance.exact(len(changed)))
-    return Net(changed, exact, correction, tolerance.precision(correction.difference))
+        warn_of_mesh(str(correction))
+    exact = read_sides(sides, changed, Tolerance.exact(len(changed)), any_surface)
+    return Net(changed, exact, correction, tolerance.precision(correction.difference), any_surface)
 
 
 def _triangles(polygons: Sequence[Floats], first: Indices, space: Space) -> tuple[Indices, Indices]:

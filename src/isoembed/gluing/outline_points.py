@@ -24,7 +24,7 @@ def cut_outlines(
         The positions on each outline, from corner 0 on.
     ndarray of int
         For each step between two of them, all outlines in a row, the one that it is glued to, which runs
-        the other way.
+        the other way; itself where it is glued to nothing.
     """
     cuts = [(one.polygon, other.polygon, *cut(one, other, tolerance)) for one, other in runs]
     positions = [{float(k) for k in range(sheet.n)} for sheet in sheets]
@@ -34,20 +34,20 @@ def cut_outlines(
     stops = [np.array(sorted(some)) for some in positions]
     count = itertools.count()
     index = [{position: next(count) for position in some.tolist()} for some in stops]
-    mates = np.empty(next(count), dtype=np.int64)
+    mates = np.arange(next(count))
     for p, q, ours, theirs in cuts:
         for here, there in zip(ours[:-1], theirs[1:], strict=True):
             mates[index[p][here]], mates[index[q][there]] = index[q][there], index[p][here]
     return stops, mates
 
 
-def glued_points(first: Indices, mates: Indices, corners: Indices) -> Indices:
+def glued_points(first: Indices, mates: Indices, corners: Indices, any_surface: bool) -> Indices:
     """The vertex that each point of the outlines becomes; those of corners first.
 
     Raises
     ------
     InvalidMetric
-        The polygons do not make one sphere.
+        The polygons do not make one surface, or it is no sphere and is to be one.
     """
     n = len(mates)
     owners = np.repeat(np.arange(len(first) - 1), np.diff(first))
@@ -60,10 +60,11 @@ def glued_points(first: Indices, mates: Indices, corners: Indices) -> Indices:
         )
     ends = np.arange(1, n + 1)
     ends[first[1:] - 1] = first[:-1]
-    classes = components(np.arange(n), ends[mates], n)
+    glued = np.flatnonzero(mates != np.arange(n))
+    classes = components(glued, ends[mates[glued]], n)
     count = int(classes.max()) + 1
     euler = count - n // 2 + len(first) - 1
-    if euler != 2:
+    if euler != 2 and not any_surface:
         raise InvalidMetric(
             f"the polygons make a surface of Euler characteristic {euler} (genus {1 - euler // 2}), not 2: "
             "not a sphere"

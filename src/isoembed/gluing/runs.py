@@ -64,9 +64,9 @@ class Run:
 
 
 def read_sides(
-    sides: Sequence[Any], polygons: Sequence[Polygon], tolerance: Tolerance
+    sides: Sequence[Any], polygons: Sequence[Polygon], tolerance: Tolerance, any_surface: bool
 ) -> list[tuple[Run, Run]]:
-    """The identifications of `glue`, checked to glue every boundary exactly once.
+    """The identifications of `glue`, checked to glue every boundary exactly once, or of any surface at most.
 
     Parameters
     ----------
@@ -74,6 +74,7 @@ def read_sides(
         Each of the two a side ``(p, k)`` or a run ``(p, a, b)``.
     polygons : sequence of Polygon
     tolerance : Tolerance
+    any_surface : bool
 
     Returns
     -------
@@ -97,7 +98,7 @@ def read_sides(
         runs.append((_read(pair[0], i, polygons), _read(pair[1], i, polygons)))
     runs = _joined(runs)
     _check_lengths(runs, tolerance)
-    _check_cover(runs, polygons)
+    _check_cover(runs, polygons, any_surface)
     return [_folded(one, tolerance) if one == other else (one, other) for one, other in runs]
 
 
@@ -207,12 +208,12 @@ def _check_lengths(runs: list[tuple[Run, Run]], tolerance: Tolerance) -> None:
         )
 
 
-def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon]) -> None:
-    """Refuse what is glued twice or not at all."""
+def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon], any_surface: bool) -> None:
+    """Refuse what is glued twice or, unless it may be a boundary, not at all."""
     for p, polygon in enumerate(polygons):
         own = [(i, run) for i, pair in enumerate(runs) for run in dict.fromkeys(pair) if run.polygon == p]
         stops = sorted({x for _, run in own for x in (run.start, run.stop)})
-        if not own:
+        if not own and not any_surface:
             raise InvalidMetric(f"polygon {p} is glued to nothing")
         place = {x: k for k, x in enumerate(stops)}
         glued = [-1] * len(stops)  # by which identification, from each stop to the next
@@ -226,7 +227,7 @@ def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon]) -> No
                 k = (k + 1) % len(stops)
                 if k == last:
                     break
-        if -1 in glued:
+        if -1 in glued and not any_surface:
             raise InvalidMetric(f"{_stretch(p, polygon, stops, glued.index(-1))} is glued to nothing")
 
 

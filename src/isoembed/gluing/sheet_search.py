@@ -62,7 +62,6 @@ def found_sheets(
     if objective not in get_args(Objective):
         raise InvalidParameter(f"objective is {objective!r}, not one of {', '.join(get_args(Objective))}")
     is_cut, kept = chosen
-    is_cut, kept = chosen
     anything = len(steps), np.full(2, np.inf)
     _check_kept(faces, kept, anything, "join overlap")
     if objective == "faces":
@@ -76,8 +75,8 @@ def found_sheets(
     free = ~is_cut
     free[kept] = False
 
-    def start() -> Indices:
-        if objective == "length":
+    def start(by_length: bool) -> Indices:
+        if by_length:
             order = np.argsort(-lengths, kind="stable")
             order = order[order < faces.twins[order]]
         else:
@@ -90,7 +89,8 @@ def found_sheets(
     def cost(found: Sheets) -> float:
         return float(lengths[found[1] >= 0].sum()) if objective == "length" else len(np.unique(found[2]))
 
-    order = start()
+    one_start = objective == "length"
+    order = start(one_start)
     best = tried(order)
     least = cost(best)
     # If nothing overlapped, faces would be joined to trees, along long sides where the cuts are to be short.
@@ -98,11 +98,11 @@ def found_sheets(
     bound = float(len(faces.first) - 1 - len(tree))
     if objective == "length":
         bound = float(lengths.sum() - 2 * lengths[tree].sum()) * (1 + 1e-12)
-    one_start = objective == "length"
-    for k in range(UNFOLDING.directions if one_start else 1, UNFOLDING.directions + UNFOLDING.exchanges):
+    last = UNFOLDING.directions  # start, by length
+    for k in range(last + 1 if one_start else 1, last + 1 + UNFOLDING.exchanges):
         if least <= bound:
             break
-        exchange = k >= UNFOLDING.directions
+        exchange = k > last
         if exchange:  # join two sheets first that did not come together, or faces that were cut apart
             between = np.flatnonzero(best[2][order] != best[2][faces.twins[order]])
             if not len(between):
@@ -110,7 +110,7 @@ def found_sheets(
             first = rng.choice(between)
             changed = np.concatenate([[order[first]], np.delete(order, first)])
         else:
-            changed = start()
+            changed = start(k == last)
         found = tried(changed)
         value = cost(found)
         if value < least or (exchange and value == least):
@@ -122,7 +122,7 @@ def _check_kept(faces: Faces, kept: Indices, limits: tuple[int, Floats], why: st
     apart = joined(faces, kept, *limits)[1][kept] >= 0
     if apart.any():
         s = kept[np.argmax(apart)]
-        a, b = faces.corners[s], faces.corners[faces.twins[s]]
+        a, b = faces.corners[s], faces.ends[s]
         raise InvalidParameter(
             f"the edge ({a}, {b}) cannot be kept: faces that it and others before it {why}"
         )
@@ -133,8 +133,10 @@ def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
     slopes = directions @ (up / np.linalg.norm(up))
     sharp = np.abs(faces.angles) > UNFOLDING.sharp
     faceted = np.bincount(faces.corners, sharp) > 0
-    # Of the sides that lead up from a vertex the steepest is cut, and no diagonal of a face.
-    climb = np.where(sharp | ~faceted[faces.corners], slopes, 0.0)
+    boundary = np.zeros(len(faceted), dtype=np.bool_)
+    boundary[faces.corners[faces.twins == np.arange(len(slopes))]] = True
+    # Of the sides that lead up from a vertex inside the steepest is cut, and no diagonal of a face.
+    climb = np.where((sharp | ~faceted[faces.corners]) & ~boundary[faces.corners], slopes, 0.0)
     by_climb = np.lexsort([climb, faces.corners])
     steepest = by_climb[np.append(np.diff(faces.corners[by_climb]) != 0, True)]
     cut = np.zeros(len(slopes), dtype=np.bool_)

@@ -13,6 +13,9 @@ from isoembed.nonlinear.acceptance import contraction
 from isoembed.nonlinear.stopping import never
 from isoembed.progress.checkpoints import Checkpoint
 from isoembed.progress.stages import Listener, Log
+from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.sheets.newton_on_lengths import nearest_with_lengths
+from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
 
@@ -37,16 +40,19 @@ def embed_net(
     Embedding
         Where the net says how it is folded and that is not convex, the solid folded so.  Otherwise the convex
         polyhedron of its metric, by the method ``"alexandrov"``.  Where there is none, or fold angles are far
-        off, what ``"aim"`` finds with flat polygons between the folds.
+        off, what ``"aim"`` finds with flat polygons between the folds.  With boundary or handles, the surface
+        that the net is folded to, a `SheetEmbedding`.
 
     Raises
     ------
     InvalidMetric
-        The metric is not convex, the net does not say how it is folded, and no solid was found whose faces
-        are its polygons.
+        The net has a boundary or handles and does not say how it is folded; or the metric is not convex, the
+        net does not say it either, and no solid was found whose faces are its polygons.
     NotEmbedded
         No surface was found.
     """
+    if not net.is_sphere:
+        return _folded_sheet(net, tolerance, progress)
     folded = None if net.folded is None else _folded(net, tolerance, progress)
     if folded is not None and folded.surface.concave_edges.any():
         return folded
@@ -84,6 +90,46 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
 
     solids = (found, *found.others)
     return next((s for s in solids if all(is_flat(s.vertices[outline]) for outline in net.outlines)), None)
+
+
+def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> SheetEmbedding:
+    """The surface with boundary or handles that a net is folded to.
+
+    Raises
+    ------
+    InvalidMetric, NotEmbedded
+    """
+    metric = net.simplicial()
+    instead = "give boundary='free', 'plane', heights or positions"
+    if net.folded is None:
+        raise InvalidMetric(
+            "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "
+            f"determine the surface: {instead}"
+        )
+    if len(net.folded) != metric.triangulation.n_vertices:
+        raise InvalidMetric(
+            "faces of the net have several sides in common, and where the vertices are that tell these apart "
+            f"is not known: {instead}"
+        )
+    t = metric.triangulation
+    if net.precision is not None and t.n_edges > 3 * t.n_vertices - 6:
+        # Rounding leaves no surface that has all lengths, as there are more of these than unknowns.
+        tolerance = max(tolerance, net.precision.vertex_error)
+    log = Log(progress)
+    with log.stage("folding") as recorder:
+        lengths = LengthConstraints(metric.normalized)
+        vertices = nearest_with_lengths(lengths, net.folded / metric.unit, recorder)
+    found = SheetEmbedding(
+        metric,
+        metric.unit * vertices,
+        method="folding",
+        tolerance=tolerance,
+        stages=log.stages,
+        condition="folded",
+    )
+    if not found.converged:
+        raise NotEmbedded(found.message, found)
+    return found
 
 
 def _folded(net: Net, tolerance: float, progress: Listener | None) -> Embedding | None:

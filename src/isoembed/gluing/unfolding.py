@@ -15,6 +15,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gluing.edge_choice import Edges, chosen_sides
 from isoembed.gluing.faces import Faces, true_faces
 from isoembed.gluing.net import Net, glue_rounded
+from isoembed.gluing.sheet_faces import glued_faces
 from isoembed.gluing.sheet_search import UNFOLDING, Objective, found_sheets
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision
@@ -49,6 +50,8 @@ class Unfolding:
         Of the solid.
     kept : frozenset of (int, int)
         Edges that are not to be cut, by the vertices at their ends, in either order.
+    any_surface : bool
+        Whether the surface has a boundary, whose sides are glued to nothing, or handles.
     """
 
     sheets: tuple[Floats, ...]
@@ -61,6 +64,7 @@ class Unfolding:
     numbers: tuple[Indices, ...] = ()
     vertices: Floats | None = None
     kept: frozenset[tuple[int, int]] = frozenset()
+    any_surface: bool = False
 
     def __repr__(self) -> str:
         return f"Unfolding({self})"
@@ -80,8 +84,24 @@ class Unfolding:
 
     @cached_property
     def net(self) -> Net:
-        """The sheets glued: the metric of the solid, from paper."""
-        return glue_rounded(self.sheets, self.sides, self.precision)
+        """The sheets glued: the metric of the solid, from paper.
+
+        That of a surface with boundary or handles, which its metric does not determine, has the faces for
+        polygons and knows how they are folded.
+        """
+        if not self.any_surface:
+            return glue_rounded(self.sheets, self.sides, self.precision)
+        sides = glued_faces(self.faces, self.sides, list(map(len, self.sheets)))
+        points = [sheet[face] for sheet, faces in zip(self.sheets, self.faces, strict=True) for face in faces]
+        net = glue_rounded(points, sides, self.precision, any_surface=True)
+        if self.vertices is None:
+            return net
+        own = [
+            corners[face] for corners, faces in zip(self.corners, self.faces, strict=True) for face in faces
+        ]
+        folded = np.empty((net.n_vertices, 3))
+        folded[np.concatenate(net.corners)] = self.vertices[np.concatenate(own)]
+        return net.knowing(folded=folded)
 
     def save(
         self,
@@ -163,7 +183,7 @@ def unfold(
     ------
     InvalidMetric
         A face is so thin that it lies in no plane, a side is so short that rounding hides it, or the surface
-        is in hyperbolic or spherical space, or has a boundary or handles.
+        is in hyperbolic or spherical space.
     InvalidParameter
         Something is no edge between two faces, an edge is both cut and kept, edges that are kept lead around
         a vertex, faces that they join overlap or do not fit, or there is no such objective or rectangle.
@@ -180,7 +200,6 @@ def unfold(
     >>> unfold(tetrahedron)
     Unfolding(1 sheet, 3 pairs of sides, 3 folds)
     """
-    surface.triangulation.check_sphere()
     if not surface.metric.space.is_euclidean:
         raise InvalidMetric(f"the surface is in {surface.metric.space.name} space: paper is flat")
     room = np.full(2, np.inf) if within is None else np.array(within, dtype=np.float64)
@@ -192,7 +211,7 @@ def unfold(
     precision = surface.metric.precision or Precision.of(surface.vertices, mean_length, UNFOLDING.digits)
     error = 0.0 if precision is None else precision.vertex_error * mean_length / unit
     faces = true_faces(surface.triangulation, vertices, error)
-    steps = vertices[faces.corners[faces.twins]] - vertices[faces.corners]
+    steps = vertices[faces.ends] - vertices[faces.corners]
     lengths = np.linalg.norm(steps, axis=1)
     size = float(np.ldexp(1.0, int(np.frexp(lengths.sum())[1])))
     small = faces._replace(points=faces.points / size)
@@ -208,6 +227,7 @@ def unfold(
         _cut_out(faces, points * size * unit, after, sheets),
         precision=None if precision is None else precision.in_means(mean_length),
         vertices=surface.vertices,
+        any_surface=not surface.triangulation.is_sphere,
         kept=frozenset((int(a), int(b)) for edge in keep for a, b in (edge, edge[::-1])),
     )
 

@@ -5,7 +5,7 @@ same two names are glued.  Where there are none, the sheet is folded up by its f
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -16,6 +16,7 @@ from isoembed.gluing import Net, glue
 from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance, put_together
 from isoembed.gluing.net import glue_rounded
 from isoembed.gluing.polygon import is_number, points_of_the_plane
+from isoembed.gluing.sheet_faces import glued_faces
 from isoembed.gluing.unfolding import Unfolding
 from isoembed.io import json
 from isoembed.io.files import FileError
@@ -26,6 +27,7 @@ from isoembed.version import __version__
 
 ANGLES = "edges_foldAngle"  # in degrees
 PRECISION = "file_isoembed:precision"  # of the coordinates of the solid
+ANY_SURFACE = "file_isoembed:any_surface"  # true where sides without a mate are a boundary
 GAP = 0.1  # between sheets, of the width of the one before
 
 
@@ -50,6 +52,8 @@ def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
             names |= {"edges": "edges_vertices", "angles": ANGLES}
         if PRECISION in document:
             names |= {"precision": PRECISION}
+        if document.get(ANY_SURFACE):
+            names |= {"any_surface": ANY_SURFACE}
         for name in names.values():
             if not document.get(name):
                 raise FileError(
@@ -80,14 +84,14 @@ def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
     elif not isinstance(corners, list) or len(corners) != len(points):
         raise FileError(f"{file}: {CORNERS} is not a list of {len(points)} names, one for each vertex")
     names = [[corners[v] for v in face] for face in faces]
-    net = glue([points[face] for face in faces], corners=names, tolerance=tolerance)
+    any_surface = tables.get("any_surface") is True
+    polygons = [points[face] for face in faces]
+    net = glue(polygons, corners=names, tolerance=tolerance, any_surface=any_surface)
     return with_places(net.knowing(precision=_precision(tables.get("precision"), str(file))), faces, folded)
 
 
-def creased_net(
-    sheets: Sequence[Any], sides: Any, folds: Any, precision: Any, tolerance: float | None, name: str
-) -> Net:
-    """Glue sheets with folds, as of `creases`, along whole sides.
+def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str) -> Net:
+    """Glue the ``polygons`` of a document with ``folds``, as of `creases`, along whole ``sides``.
 
     Raises
     ------
@@ -96,11 +100,12 @@ def creased_net(
     InvalidMetric, InvalidParameter
         As `glue`.
     """
-    outlines = [points_of_the_plane(sheet, f"polygon {p}") for p, sheet in enumerate(sheets)]
+    sides, folds = document["sides"], document["folds"]
+    outlines = [points_of_the_plane(sheet, f"polygon {p}") for p, sheet in enumerate(document["polygons"])]
     if not isinstance(folds, list) or len(folds) != len(outlines):
         raise FileError(f"the folds of {name} are not {len(outlines)} lists, one for each polygon")
-    faces: list[list[int]] = []
-    angles, place, first = {}, {}, 0
+    faces: list[list[list[int]]] = []
+    angles, first = {}, [0]
     for p, (outline, own) in enumerate(zip(outlines, folds, strict=True)):
         n, chords = len(outline), []
         for fold in own if isinstance(own, list) else [own]:
@@ -111,31 +116,36 @@ def creased_net(
                 )
             chords.append(fold[:2])
             a, b = sorted(fold[:2])
-            angles[first + a, first + b] = -math.radians(fold[2])
-        for face in _faces(n, np.array(chords, dtype=np.int64).reshape(-1, 2)):
-            for k, corner in enumerate(face):
-                place[p, corner, face[(k + 1) % len(face)]] = len(faces), k
-            faces.append([first + corner for corner in face])
-        first += n
-
-    def moved(side: Any) -> tuple[int, int]:
+            angles[first[-1] + a, first[-1] + b] = -math.radians(fold[2])
+        faces.append(_faces(n, np.array(chords, dtype=np.int64).reshape(-1, 2)))
+        first.append(first[-1] + n)
+    if not isinstance(sides, list) or any(not isinstance(pair, list) or len(pair) != 2 for pair in sides):
+        raise FileError(f"the sides of {name} are not a list of pairs")
+    for side in (side for pair in sides for side in pair):
         whole = isinstance(side, list) and len(side) == 2 and all(isinstance(x, int) for x in side)
         if not whole or not 0 <= side[0] < len(outlines):
             raise FileError(f"{name} glues {str(side)[:40]}: with folds, sides are [polygon, side]")
-        p, k = side
-        if (p, k, (k + 1) % len(outlines[p])) not in place:
-            raise FileError(f"{name} glues side {k} of polygon {p}, which has {len(outlines[p])} sides")
-        return place[p, k, (k + 1) % len(outlines[p])]
-
-    if not isinstance(sides, list) or any(not isinstance(pair, list) or len(pair) != 2 for pair in sides):
-        raise FileError(f"the sides of {name} are not a list of pairs")
-    pairs = [(moved(one), moved(other)) for one, other in sides]
-    pairs += [(at, place[p, b, a]) for (p, a, b), at in place.items() if a < b and (p, b, a) in place]
+        if not 0 <= side[1] < len(outlines[side[0]]):
+            raise FileError(
+                f"{name} glues side {side[1]} of polygon {side[0]}, which has {len(outlines[side[0]])} sides"
+            )
+    pairs = glued_faces(faces, sides, list(map(len, outlines)))
     points = np.concatenate(outlines)
-    known = _precision(precision, name)
-    net = glue_rounded([points[face] for face in faces], pairs, known, tolerance)
-    folded = fold_up(points, faces, angles, meeting_tolerance(points))
-    return with_places(net, faces, folded)
+    every = [
+        [start + corner for corner in face] for start, own in zip(first, faces, strict=False) for face in own
+    ]
+    known, any_surface = _precision(document.get("precision"), name), said_any_surface(document, name)
+    net = glue_rounded([points[face] for face in every], pairs, known, tolerance, any_surface)
+    folded = fold_up(points, every, angles, meeting_tolerance(points))
+    return with_places(net, every, folded)
+
+
+def said_any_surface(document: Mapping[str, Any], name: str) -> bool:
+    """Whether sides of the net in a file of this name that are glued to nothing are a boundary."""
+    said = document.get("any_surface", False)
+    if not isinstance(said, bool):
+        raise FileError(f"{name}: any_surface is {str(said)[:40]}, not true or false")
+    return said
 
 
 def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
@@ -146,9 +156,10 @@ def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
     ]
 
 
-def precision_entry(unfolding: Unfolding, key: str) -> dict[str, Any]:
-    """The precision of the solid under this key, where it has one."""
-    return {} if unfolding.precision is None else {key: asdict(unfolding.precision)}
+def solid_entries(unfolding: Unfolding, precision: str, any_surface: str) -> dict[str, Any]:
+    """Under these keys the precision of the solid, where it has one, and whether it is any surface."""
+    known = {} if unfolding.precision is None else {precision: asdict(unfolding.precision)}
+    return {**known, any_surface: True} if unfolding.any_surface else known
 
 
 def _is_fold(fold: Any, n: int) -> bool:
@@ -219,7 +230,7 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
         "file_classes": ["singleModel"],
         "frame_classes": ["creasePattern"],
         "frame_attributes": ["2D", "manifold", "orientable"],
-        **precision_entry(unfolding, PRECISION),
+        **solid_entries(unfolding, PRECISION, ANY_SURFACE),
         "vertices_coords": np.concatenate(points),
         CORNERS: np.concatenate(unfolding.corners),
         "edges_vertices": edges,

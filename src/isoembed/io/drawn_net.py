@@ -36,7 +36,8 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     Outlines are cut, and lines between are folded.  Tabs, which have glue on them, are left away.  Sides are
     glued that have the same number; then those of the same color, if it has no third; those that meet when
     the sheet is folded by its angles; those of the same length, if it has no third; and the only convex way
-    that is left.  Two curves are a D-form: they are glued all around, from their first points on.
+    that is left.  Where the drawing says that the surface may have a boundary, sides without a number are
+    there.  Two curves are a D-form: they are glued all around, from their first points on.
 
     Parameters
     ----------
@@ -77,14 +78,17 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     quiet = tolerance is None
     if tolerance is None and (drawing.unit > 0 or drawing.error > 0):
         tolerance = max(UNITS * drawing.unit, 2 * drawing.error)
-    sheets = graph.without(_tabs(graph, glued, drawing.numbers))
+    any_surface = drawing.any_surface
+    sheets = graph.without(_tabs(graph, glued, () if any_surface else drawing.numbers))
     folded = _folded(sheets, near)
-    pairs = _mates(sheets, drawing.numbers, folded, near if tolerance is None else max(tolerance, near))
+    allowed = near if tolerance is None else max(tolerance, near)
+    pairs = _mates(sheets, drawing, folded, allowed)
     pairs += [(side, twin) for side, twin in sheets.twins.items() if side < twin]
     with warnings.catch_warnings():
         if quiet:  # the digits of the file explain by how much sides differ
             warnings.simplefilter("ignore", MeshNote)
-        net = glue([sheets.points[face] for face in sheets.faces], pairs, tolerance=tolerance)
+        polygons = [sheets.points[face] for face in sheets.faces]
+        net = glue(polygons, pairs, tolerance=tolerance, any_surface=any_surface)
     return with_places(net, sheets.faces, folded)
 
 
@@ -166,7 +170,7 @@ def _shared(sheets: LineGraph) -> int:
 
 
 def _mates(
-    sheets: LineGraph, numbers: Sequence[Number], folded: tuple[Floats, np.ndarray] | None, tolerance: float
+    sheets: LineGraph, drawing: Lines, folded: tuple[Floats, np.ndarray] | None, tolerance: float
 ) -> list[Pair]:
     """The pairs of sides that are glued."""
     left = [
@@ -186,7 +190,9 @@ def _mates(
         done = {side for pair in found for side in pair}
         left = [side for side in left if side not in done]
 
-    match(_numbered(sheets, numbers, left, tolerance).get)
+    match(_numbered(sheets, drawing.numbers, left, tolerance).get)
+    if drawing.any_surface:
+        return pairs
     colors = {sheets.lines[side].color for side in left}
     if len(colors) > 1:
         match(lambda side: sheets.lines[side].color or None)

@@ -19,6 +19,8 @@ APPLICATION = "ISOEMBED"
 """Of what is said of an entity besides: the angle of a fold."""
 PROPERTIES = ("kerf", "error")
 """Of a drawing, mm: by whose half its outlines are offset; of the points of the solid."""
+ANY_SURFACE = "any_surface"
+"""There where sides without a number are a boundary."""
 FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_NESTED = 10  # blocks
@@ -95,8 +97,9 @@ def _drawn(ezdxf: Any, document: Any, file: str) -> Lines:
         color = str(entity.dxf.get("true_color", entity.dxf.color))
         lines.append(Line(points, purpose, color, _angle(entity), kind == "CIRCLE", path.has_curves))
     properties = dict(document.header.custom_vars.properties)
-    said = [_millimeters(properties, name, file) for name in PROPERTIES]
-    return Lines(tuple(lines), tuple(numbers), unit * last_unit(np.concatenate(values)), *said)
+    kerf, error = (_millimeters(properties, name, file) for name in PROPERTIES)
+    last = unit * last_unit(np.concatenate(values))
+    return Lines(tuple(lines), tuple(numbers), last, kerf, error, ANY_SURFACE in properties)
 
 
 def _millimeters(properties: dict[str, str], name: str, file: str) -> float:

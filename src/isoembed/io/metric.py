@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
@@ -28,6 +29,7 @@ CONVERTERS = {
     ".amf": "PrusaSlicer",
 }
 """Free programs that export meshes of formats that are not read."""
+DRAWINGS = (".svg", ".dxf")
 
 
 def read_metric(
@@ -36,6 +38,7 @@ def read_metric(
     merge: float | None = None,
     space: Space | str | None = None,
     any_surface: bool = False,
+    length_errors: ArrayLike | None = None,
 ) -> PolyhedralMetric:
     """Read a metric.
 
@@ -61,6 +64,9 @@ def read_metric(
         `least_convex_space`, if the file says none; ``"spherical"`` alone says what the file must.
     any_surface : bool
         Whether it may be a metric on a surface with boundary, or of higher genus.
+    length_errors : float or array_like, shape (E,), optional
+        Standard deviations of the lengths, in the order of the file's edges, in the place of those that it
+        holds.
 
     Returns
     -------
@@ -79,7 +85,8 @@ def read_metric(
     MeshNote
         Vertices or faces are merged or left out, or polygons are not planar.
     """
-    metric = metric_of(read_tables(source, merge))
+    tables = read_tables(source, merge)
+    metric = metric_of(tables if length_errors is None else {**tables, "length_errors": length_errors})
     if not any_surface:
         metric.triangulation.check_sphere()
     return in_space(metric, space, source)
@@ -110,6 +117,8 @@ def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> T
     """
     if source == "-":
         return _tables(json.read_standard_input(), "standard input", merge)
+    if input_ending(source) in DRAWINGS:
+        raise FileError(f"{source} is a net: glue it first, with 'isoembed glue {source} -o surface.ply'")
     if (program := CONVERTERS.get(input_ending(source))) and input_ending(source) not in FORMATS:
         raise FileError(
             f"{source} is of a format that is not read: open it with {program}, and export it as .stl or .obj"
@@ -162,6 +171,8 @@ def metric_of(tables: Tables) -> PolyhedralMetric:
         metric = PolyhedralMetric(*given, length_errors=errors, **said)
     else:
         metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **said)
+        if errors is not None:
+            metric = metric.with_length_errors(errors)
     if "rounding_error" in tables:
         error = tables["rounding_error"] / metric.mean_length
         return metric._knowing(precision=Precision(tables["precision"], error))

@@ -27,8 +27,9 @@ from isoembed.io.crease_pattern import (
     crease_pattern,
     creased_net,
     creases,
-    precision_entry,
     read_crease_pattern,
+    said_any_surface,
+    solid_entries,
 )
 from isoembed.io.drawn_net import drawn_net
 from isoembed.io.dxf_lines import read_dxf_lines
@@ -77,7 +78,8 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
 
         Beside ``polygons``, ``regular`` or ``zip`` there may be a ``"curvature"``, that of the hyperbolic
         plane or of the sphere which the polygons are cut from, and the ``"model"`` in which the corners are
-        given, as of `isoembed.glue`.
+        given, as of `isoembed.glue`; beside ``polygons``, ``"any_surface": true`` where sides that are glued
+        to nothing are a boundary.
 
         Or a ``.fold`` file: a crease pattern whose vertices have names, in ``vertices_isoembed:corner``, as
         the corners of `isoembed.glue`.
@@ -135,7 +137,7 @@ def net_writer(path: str | os.PathLike[str], unfolding: Unfolding) -> Writer:
     unfolding.net  # noqa: B018, who reads it will glue it
     is_fold = ending(path) == ".fold"
     sheets = {"polygons": unfolding.sheets, "sides": unfolding.sides, "folds": creases(unfolding)}
-    sheets |= precision_entry(unfolding, "precision")
+    sheets |= solid_entries(unfolding, "precision", "any_surface")
     text = strict_json(crease_pattern(unfolding) if is_fold else sheets) + "\n"
     return lambda temporary: temporary.write_text(text, encoding="utf-8")
 
@@ -172,16 +174,16 @@ def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net
     surface = _surface(document, name) if form in ("polygons", "regular", "zip") else {}
     if form == "polygons":
         how = "corners" if "corners" in document else "sides"
-        entries = _entries(document, name, ("polygons", how), (*surface, "folds", "precision"))
+        optional = (*surface, "any_surface", "folds", "precision")
+        entries = _entries(document, name, ("polygons", how), optional)
         polygons = _list(entries["polygons"], f"polygons of {name}")
         if "folds" in entries:
             if how != "sides" or surface:
                 raise FileError(f"{name} has folds, which are for sides that are glued, in the plane")
-            known = (entries["folds"], entries.get("precision"))
-            return creased_net(polygons, entries["sides"], *known, tolerance, name)
+            return creased_net(entries, tolerance, name)
         shapes = [_polygon(polygon, f"polygon {p}", **surface) for p, polygon in enumerate(polygons)]
         glued = _list(entries[how], f"{how} of {name}")
-        told: dict[str, Any] = {how: glued, **surface}
+        told: dict[str, Any] = {how: glued, **surface, "any_surface": said_any_surface(entries, name)}
         return glue(shapes, tolerance=tolerance, **told)
     if tolerance is not None:
         raise InvalidParameter(f"{name} holds {form}, which is exact: a tolerance is for polygons")

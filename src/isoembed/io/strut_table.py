@@ -17,7 +17,7 @@ from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import LONGEST
-from isoembed.metric.precision import COARSE, PRECISION
+from isoembed.metric.precision import COARSE, PRECISION, common_unit
 
 LENGTHS = ("length", "chord factor")
 """Columns of lengths: the first of these that a table has."""
@@ -39,8 +39,8 @@ def read(file: InputFile) -> Tables:
     other columns and tables are left aside.  Hubs are numbers or names.  Every three hubs that are joined are
     a triangle, unless they cut the frame in two.
 
-    The errors of the lengths are those of their last digit, the same in all, unless there is one length only,
-    or they have so few or so many digits that they are exact.
+    The errors of the lengths are those of the last digit that most have, the same in all, unless there is one
+    length only, or they have so few or so many digits that they are exact.
 
     Raises
     ------
@@ -211,7 +211,7 @@ def _error(written: Collection[str], lengths: np.ndarray) -> float:
     decimals = [DECIMALS.fullmatch(word) for word in written]
     if any(found is None for found in decimals):  # in powers of ten
         return 0.0
-    unit = 10.0 ** -max(len(found[1] or "") for found in decimals if found)
+    unit = common_unit(lengths, 10.0 ** -max(len(found[1] or "") for found in decimals if found))
     error = unit / math.sqrt(12)
     exact = unit < 10.0 ** (math.floor(math.log10(lengths.max())) + 1 - PRECISION.most)
     coarse = COARSE if unit == 1.0 else ONE_DIGIT  # small whole numbers are a design

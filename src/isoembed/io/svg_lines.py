@@ -88,7 +88,9 @@ def read_svg_lines(file: InputFile) -> Lines:
         tuple(reader.lines),
         tuple(reader.numbers),
         unit * scale * math.sqrt(reader.steps),
-        *said,
+        kerf=said[0],
+        error=said[1],
+        any_surface=root.get("data-any-surface") is not None,
     )
 
 

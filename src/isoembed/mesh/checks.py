@@ -2,7 +2,6 @@
 
 import numbers
 import sys
-import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Indices, Mask
-from isoembed.errors import InvalidMetric, MeshNote
+from isoembed.errors import InvalidMetric, warn_of_mesh
 from isoembed.mesh.components import components
 
 LARGEST = 2**62  # what 64 bits hold; gaps among the indices are refused anyway
@@ -167,11 +166,9 @@ def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
     over = _turned_over(edges, face_edges, faces)
     if over.any():
         f = int(np.argmax(over))
-        warnings.warn(
+        warn_of_mesh(
             f"{over.sum()} of {len(faces)} faces are turned over, so that all are oriented as face 0 is: "
-            f"the first is face {f} {faces[f].tolist()}",
-            MeshNote,
-            stacklevel=4,
+            f"the first is face {f} {faces[f].tolist()}"
         )
         faces[over] = faces[over, ::-1]
         return checked_tables(faces)

@@ -3,8 +3,10 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.meshing.surface import Surface, spread_directions, vertex_density
+
+CANDIDATES = 5  # random points for each that stays
 
 
 def _crowded_pairs(x: Floats, radii: Floats) -> tuple[Indices, Indices, Floats]:
@@ -23,24 +25,40 @@ def _crowded_pairs(x: Floats, radii: Floats) -> tuple[Indices, Indices, Floats]:
 def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
     """Random directions (n, 3) whose points have the `vertex_density` and keep their distance.
 
+    A point crowds another in space, not along the surface: where the surface is thinner than the points are
+    apart, its two sides share them.
+    """
+    u = spread_directions(surface, np.random.default_rng(seed).random((CANDIDATES * n, 2)))
+    density = vertex_density(surface, u)
+    total = 4.0 * np.pi * surface._radius**2 / float(np.mean(1.0 / density))
+    return u[least_crowded(surface._points(u), density, total, n)]
+
+
+def least_crowded(x: Floats, density: Floats, total: float, n: int) -> Mask:
+    """Which of random points (m, 3) of a surface are the n that keep their distance best.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m, 3)
+    density : ndarray, shape (m,)
+        Wanted points per area there, up to a factor.
+    total : float
+        Its integral over the surface: the area over the mean of 1/density.
+    n : int
+
     Notes
     -----
-    Of five times as many random points the most crowded are taken out until n are left: in every round those
-    that are more crowded than all of their neighbors, the worse half of them. A point crowds another in
-    space, not along the surface: where the surface is thinner than the points are apart, its two sides
-    share them.
+    The most crowded are taken out until n are left: in every round those that are more crowded than all of
+    their neighbors, the worse half of them.
 
     References
     ----------
     C. Yuksel, "Sample elimination for generating Poisson disk sample sets" (2015).
     """
-    count = 5 * n  # random points for each that stays
-    u = spread_directions(surface, np.random.default_rng(seed).random((count, 2)))
-    density = vertex_density(surface, u)
-    # Balls of the densest packing of n in the plane; int density dA is the area over the mean of 1/density.
-    total = 4.0 * np.pi * surface._radius**2 / np.mean(1.0 / density)
+    # Balls of the densest packing of n in the plane.
     radii = np.sqrt(total / (2.0 * np.sqrt(3.0) * n * density))
-    i, j, weight = _crowded_pairs(surface._points(u), radii)
+    count = len(x)
+    i, j, weight = _crowded_pairs(x, radii)
 
     stays, left = np.ones(count, dtype=bool), count
     while left > n:
@@ -56,4 +74,4 @@ def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
         peaks = peaks[np.argsort(-rank[peaks])][: min(left - n, (len(peaks) + 1) // 2)]
         stays[peaks] = False
         left -= len(peaks)
-    return u[stays]
+    return stays

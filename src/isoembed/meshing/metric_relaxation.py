@@ -1,9 +1,9 @@
-"""Relaxation of a spherical triangulation until its triangles are nearly equilateral in a metric."""
+"""Relaxation of a triangulation on the sphere until its triangles are nearly equilateral in a metric."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,12 +19,16 @@ from isoembed.meshing.spreading import Cells
 
 OPTIMAL_SWEEPS = 10  # sweeps towards optimal Delaunay meshes, before centroidal ones
 MAX_GEODESICS = 50.0  # measured for an edge: no smooth metric asks so many
+LEG = 1e4  # length of the legs of cones over the longest edge
 FLIP_ROUNDS = 5  # flips and measurements in turn: these may ask flips back
 
 
 @dataclass(eq=False)
 class MetricMesh:
     """A triangulation of the sphere of directions that is being improved.
+
+    Where only a zone of it is wanted, cones over the boundaries close it.  Their legs are so long that no
+    flip touches them.
 
     Attributes
     ----------
@@ -36,24 +40,52 @@ class MetricMesh:
         Directions of the vertices.
     tables : HalfEdges
         The triangles with their lengths.
+    boundary : int
+        How many vertices are on the boundary: the first ones, which stay.
+    apexes : int
+        How many cones there are: their apexes are the last vertices, and stay.
     """
 
     tensor: Callable[[Floats], Floats]
     distances: Callable[[Floats, Floats], Floats]
     u: Floats
     tables: HalfEdges
+    boundary: int = 0
+    apexes: int = 0
 
     @classmethod
     def hull(
-        cls, u: Floats, tensor: Callable[[Floats], Floats], distances: Callable[[Floats, Floats], Floats]
+        cls,
+        u: Floats,
+        tensor: Callable[[Floats], Floats],
+        distances: Callable[[Floats, Floats], Floats],
+        boundary: int = 0,
+        apexes: int = 0,
     ) -> MetricMesh:
         """The convex hull of directions (V, 3), not yet measured."""
         faces = hull_faces(u)
-        return cls(tensor, distances, u, HalfEdges.of(faces, twin_halfedges(faces), np.ones(faces.shape)))
+        tables = HalfEdges.of(faces, twin_halfedges(faces), np.ones(faces.shape))
+        return cls(tensor, distances, u, tables, boundary, apexes)
 
     def copy(self) -> MetricMesh:
         """A copy whose tables may change."""
-        return MetricMesh(self.tensor, self.distances, self.u, self.tables.copy())
+        return replace(self, tables=self.tables.copy())
+
+    @property
+    def is_cone(self) -> Mask:
+        """Whether a triangle (F,) belongs to a cone over a boundary."""
+        return np.asarray((self.tables.faces >= self.n_vertices).any(axis=1))
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices but for apexes."""
+        return len(self.u) - self.apexes
+
+    def delaunay(self) -> MetricMesh:
+        """The same vertices, connected anew."""
+        self._flip_roughly()
+        self._flip(np.ones(len(self.u), dtype=bool))
+        return self
 
     def relaxed(self, density: Cells | None) -> MetricMesh:
         """The best of all meshes on the way to angles within the window.
@@ -64,6 +96,7 @@ class MetricMesh:
             Wanted vertices per area, up to a factor; by default even.
         """
         mesh, everywhere = self, np.ones(len(self.u), dtype=bool)
+        everywhere[: self.boundary] = everywhere[self.n_vertices :] = False
         best, least = mesh, np.inf
         for sweep in range(31):  # thirty sweeps of all vertices
             mesh._flip_roughly()
@@ -74,7 +107,7 @@ class MetricMesh:
                 break
             mesh._move(density, everywhere, sweep < OPTIMAL_SWEEPS)
 
-        mesh, least, moved = best.copy(), np.inf, everywhere
+        mesh, least, moved = best.copy(), np.inf, np.ones(len(self.u), dtype=bool)
         fewest, stale, spent = len(mesh.tables.corners), 0, 0
         for touch in range(301):  # of the vertices near bad angles
             spent += mesh._flip(moved)
@@ -87,24 +120,38 @@ class MetricMesh:
             if bad == 0 or stale == 40 or much:  # sweeps that made no progress
                 break
             # after eight sweeps in vain, vertices move one edge farther away
-            moved = mesh._about(beyond_each > 0.0, RINGS + stale // 8)
+            moved = mesh._about(beyond_each > 0.0, RINGS + stale // 8) & everywhere
             # Each kind of step frees what the other is stuck in.
             mesh._move(density, moved, touch % (2 * OPTIMAL_SWEEPS) < OPTIMAL_SWEEPS)
         return best
 
     def _flip_roughly(self) -> None:
         """Flip to Delaunay by lengths from the metric at the vertices alone."""
-        q = self.tensor(self.u)
-        end_lengths(self.u, q, self.tables)
+        q = np.zeros((len(self.u), 3, 3))
+        q[: self.n_vertices] = self.tensor(self.u[: self.n_vertices])
+        self._measure_roughly(q)
         for _ in range(FLIP_ROUNDS):
             if len(flip_to_delaunay(self.u, self.tables.views)) == 0:
                 break
-            end_lengths(self.u, q, self.tables)
+            self._measure_roughly(q)
+
+    def _measure_roughly(self, q: Floats) -> None:
+        """Measure all edges by tensors (V, 3, 3) at the vertices, and make the legs of cones long."""
+        end_lengths(self.u, q, self.tables)
+        legs = self._legs
+        self.tables.lengths[legs] = LEG * self.tables.lengths[~legs].max()
+
+    @property
+    def _legs(self) -> Mask:
+        """Whether a half-edge (3F,) joins a vertex to the apex of a cone."""
+        begins = self.tables.corners >= self.n_vertices
+        return np.asarray(begins | begins[self.tables.twins])
 
     def _measure(self, h: Indices) -> int:
         """Measure the edges of half-edges, and count them."""
         corners, twins, lengths, _, _ = self.tables
         h = np.unique(np.minimum(h, twins[h]))
+        h = h[~self._legs[h]]
         lengths[h] = lengths[twins[h]] = self.distances(self.u[corners[h]], self.u[corners[twins[h]]])
         return len(h)
 
@@ -125,7 +172,8 @@ class MetricMesh:
         """Excess (F,) of each triangle's angles beyond the window."""
         # degrees
         angles, (least, largest) = angles_from_lengths(self.tables.lengths), np.radians((35.0, 100.0))
-        return np.maximum(least - angles.min(axis=1), angles.max(axis=1) - largest)
+        beyond = np.maximum(least - angles.min(axis=1), angles.max(axis=1) - largest)
+        return np.where(self.is_cone, 0.0, beyond)
 
     def _about(self, faces: Mask, rings: int) -> Mask:
         """The vertices within so many edges of triangles."""

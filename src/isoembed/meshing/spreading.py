@@ -10,6 +10,8 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import directions_at
 
+Zone = tuple[float, float]
+WHOLE: Zone = (0.0, np.pi)
 CHUNK = 4096  # points at a time whose angles are looked up, which bounds the memory
 
 
@@ -22,7 +24,9 @@ def roundest_axis(sizes: Floats) -> int:
 
 @dataclass(frozen=True)
 class Cells:
-    """A positive function on the sphere, by its values in the middle of cells of even steps in theta and phi.
+    """A positive function on a zone of the sphere, by its values in the middle of cells.
+
+    The cells have even steps in theta and phi.
 
     Attributes
     ----------
@@ -30,25 +34,30 @@ class Cells:
         By theta, then phi; these are angles about the axis, not those of the function's own coordinates.
     axis : int
         0, 1 or 2: the Cartesian axis about which the angles are taken.
+    zone : tuple of float
+        Range of theta; by default the whole sphere.
     """
 
     values: Floats
     axis: int
+    zone: Zone = WHOLE
 
     @classmethod
-    def of(cls, function: Callable[[Floats], Floats], shape: tuple[int, int], axis: int = 2) -> Cells:
+    def of(
+        cls, function: Callable[[Floats], Floats], shape: tuple[int, int], axis: int = 2, zone: Zone = WHOLE
+    ) -> Cells:
         """Sample a function, which takes unit vectors (k, 3) and returns (k,)."""
-        return cls(function(cell_centers(shape, axis)).reshape(shape), axis)
+        return cls(function(cell_centers(shape, axis, zone)).reshape(shape), axis, zone)
 
     def integral(self) -> float:
-        """Integral over the unit sphere."""
-        return float(2.0 * np.pi * np.mean(self.values, axis=1) @ _zones(len(self.values)))
+        """Integral over the zone of the unit sphere."""
+        return float(2.0 * np.pi * np.mean(self.values, axis=1) @ _heights(len(self.values), self.zone))
 
     def at(self, u: Floats) -> Floats:
         """Values (k,) in the directions u (k, 3), linear between the middles of the cells."""
         m, n = self.values.shape
         x, y, z = np.roll(u, 2 - self.axis, axis=1).T
-        row = np.clip(np.arctan2(np.hypot(x, y), z) * (m / np.pi) - 0.5, 0.0, m - 1.0)
+        row = self._row(np.arctan2(np.hypot(x, y), z))
         column = np.arctan2(y, x) % (2.0 * np.pi) * (n / (2.0 * np.pi)) - 0.5
         i, j = np.minimum(row.astype(np.int64), m - 2), np.floor(column).astype(np.int64)
         s, t = row - i, column - j
@@ -65,12 +74,12 @@ class Cells:
         the inverses of the marginal distribution in theta and of the conditional one in phi carry them.
         """
         m, n = self.values.shape
-        cells = self.values * _zones(m)[:, None]
+        cells = self.values * _heights(m, self.zone)[:, None]
         marginal = np.concatenate([[0.0], np.cumsum(cells.sum(axis=1))])
         heights, turns = square.T
-        theta = np.interp(heights, marginal / marginal[-1], np.linspace(0.0, np.pi, m + 1))
+        theta = np.interp(heights, marginal / marginal[-1], np.linspace(*self.zone, m + 1))
         # The conditional distribution of the point's own height: a blend of the two nearest rows.
-        row = np.clip(theta * (m / np.pi) - 0.5, 0.0, m - 1.0)
+        row = self._row(theta)
         low = np.minimum(row.astype(np.int64), m - 2)
         conditional = np.cumsum(self.values / self.values.sum(axis=1)[:, None], axis=1)
         conditional = np.concatenate([np.zeros((m, 1)), conditional], axis=1)
@@ -85,14 +94,21 @@ class Cells:
             phi[part] = (cell + (turns[part] - F[at, cell]) / rise) * (2.0 * np.pi / n)
         return np.roll(directions_at(np.cos(theta), phi), self.axis - 2, axis=-1)
 
+    def _row(self, theta: Floats) -> Floats:
+        """The row (k,) of angles, with fractions: whole in the middle of a cell."""
+        start, stop = self.zone
+        m = len(self.values)
+        return np.clip((theta - start) * (m / (stop - start)) - 0.5, 0.0, m - 1.0)
 
-def cell_centers(shape: tuple[int, int], axis: int) -> Floats:
+
+def cell_centers(shape: tuple[int, int], axis: int, zone: Zone = WHOLE) -> Floats:
     """The directions (m n, 3) in the middle of the cells, by theta, then phi."""
-    theta = (np.arange(shape[0]) + 0.5) * (np.pi / shape[0])
+    start, stop = zone
+    theta = start + (np.arange(shape[0]) + 0.5) * ((stop - start) / shape[0])
     phi = (np.arange(shape[1]) + 0.5) * (2.0 * np.pi / shape[1])
     return np.roll(directions_at(np.cos(theta)[:, None], phi), axis - 2, axis=-1).reshape(-1, 3)
 
 
-def _zones(m: int) -> Floats:
-    """The heights (m,) of the zones of the unit sphere between even steps in theta."""
-    return -np.diff(np.cos(np.linspace(0.0, np.pi, m + 1)))
+def _heights(m: int, zone: Zone) -> Floats:
+    """The heights (m,) of the parts of a zone of the unit sphere between even steps in theta."""
+    return -np.diff(np.cos(np.linspace(*zone, m + 1)))

@@ -1,12 +1,12 @@
-"""Interface of surfaces to be triangulated, and vertex densities."""
+"""Interfaces of surfaces to be triangulated, and vertex densities."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
-from isoembed.meshing.spreading import Cells, roundest_axis
+from isoembed.meshing.spreading import Cells, Zone, roundest_axis
 
 CELLS = (1024, 256)  # in theta and phi, where the density is sampled
 
@@ -43,6 +43,34 @@ class Surface(Protocol):
 
     def _moved(self, u: Floats, displacement: Floats) -> Floats:
         """Directions of the points displaced by tangent vectors, right to first order."""
+
+
+@runtime_checkable
+class ZoneSurface(Protocol):
+    """A surface that is the image of a zone of the unit sphere: a disc, a band, or a torus cut open.
+
+    The underscored methods are as those of a `Surface`.
+    """
+
+    @property
+    def zone(self) -> Zone:
+        """Range of theta."""
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether the circles at both ends of the zone are one curve, parametrized alike."""
+
+    def point(self, directions: ArrayLike) -> Floats:
+        """Points (n, 3), in the unit of the user."""
+
+    def _points(self, u: Floats) -> Floats:
+        """Points (n, 3)."""
+
+    def _tensor(self, u: Floats) -> Floats:
+        """First fundamental form (n, 3, 3): symmetric, and zero along u."""
+
+    def _area_density(self, u: Floats) -> Floats:
+        """Area of the surface over area of the sphere of directions (n,)."""
 
 
 def vertex_density(surface: Surface, u: Floats) -> Floats:

@@ -14,8 +14,9 @@ from isoembed.meshing.blue_noise import blue_noise_directions
 from isoembed.meshing.flips import corner_angles, flip_to_delaunay, twin_halfedges
 from isoembed.meshing.lloyd import lloyd_step
 from isoembed.meshing.sphere import fibonacci_lattice, hull_faces
-from isoembed.meshing.surface import Surface, spread_directions, vertex_density
+from isoembed.meshing.surface import Surface, ZoneSurface, spread_directions, vertex_density
 from isoembed.meshing.touch_up import touch_up
+from isoembed.meshing.zone_mesh import zone_mesh
 
 MIN_VERTICES = 12  # of a triangulated surface
 LARGE = 20_000  # vertices: beyond them only those near bad angles move
@@ -49,7 +50,7 @@ def checked_count(name: str, value: SupportsIndex, least: int, most: float = np.
 
 
 def triangulate(
-    surface: Surface, n_vertices: SupportsIndex, *, irregular: SupportsIndex | None = None
+    surface: Surface | ZoneSurface, n_vertices: SupportsIndex, *, irregular: SupportsIndex | None = None
 ) -> tuple[Floats, Indices]:
     """Triangulate a surface with vertices that lie on it: nearly equilateral triangles, or irregular ones.
 
@@ -65,14 +66,16 @@ def triangulate(
     Returns
     -------
     vertices : (V, 3)
-        Points of the surface, denser where it is more curved.
-    faces : (2 V - 4, 3)
+        Points of the surface, denser where it is more curved if it is closed and of genus 0. Those on a
+        boundary come first.
+    faces : (F, 3)
         Triangles, oriented outward. The same input gives the same mesh.
 
     Raises
     ------
     InvalidParameter
-        If ``n_vertices`` is not an integer of at least 12, or ``irregular`` not one of at least 0.
+        If ``n_vertices`` is not an integer of at least 12, or so few that all would be on the boundary, or
+        ``irregular`` not an integer of at least 0.
 
     Notes
     -----
@@ -81,12 +84,17 @@ def triangulate(
     for 100 sweeps; the mesh with the best angles of all sweeps is returned. Beyond 20,000 vertices only those
     near angles outside of the window move. Irregular: blue noise of the same density (random points that
     keep their distance), connected in the same way and left alone; its angles lie in about 15-135 degrees.
+    Surfaces with boundary, and tori, are triangulated in the same way, by `isoembed.meshing.zone`, with even
+    triangles between 35 and 100 degrees.
     Where the vertices are too few for the surface's sharpest features either window may be missed.
     """
     n = checked_count("the number of vertices", n_vertices, MIN_VERTICES)
-    if irregular is None:
+    seed = None if irregular is None else checked_count("the seed of an irregular mesh", irregular, 0)
+    if isinstance(surface, ZoneSurface):
+        return zone_mesh(surface, n, seed)
+    if seed is None:
         return _regular(surface, n)
-    u = blue_noise_directions(surface, n, checked_count("the seed of an irregular mesh", irregular, 0))
+    u = blue_noise_directions(surface, n, seed)
     faces = hull_faces(u)
     faces, _ = flip_to_delaunay(surface._points(u), surface._normals(u), faces, twin_halfedges(faces))
     return surface.point(u), faces

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, warn_of_mesh
 from isoembed.mesh.checks import polygon_corners, real_array
 from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.mesh.polygons import next_corners
@@ -198,14 +198,14 @@ def _merged(
     moved = first != np.arange(len(used))
     if moved.any() and not quiet:
         v = int(np.argmax(moved))
-        _say(
+        warn_of_mesh(
             f"{_count(moved.sum(), 'vertex is', 'vertices are')} merged with others; the first is "
             f"vertex {used[v]} with vertex {used[first[v]]}"
         )
     new_corners, new_sizes, left = without_repetitions(used[first[corner]], sizes)
     if not left.all():
         f = int(np.argmin(left))
-        _say(
+        warn_of_mesh(
             f"{_count((~left).sum(), 'face is', 'faces are')} an edge or a point when merged, and left out; "
             f"the first is face {f} {corners[ends[f] - sizes[f] : ends[f]].tolist()}"
         )
@@ -225,12 +225,14 @@ def _split(points: Floats, corners: Indices, sizes: Indices, distance: float) ->
     if thin.all():
         return corners, sizes
     if thin.any():
-        _say(f"{_count(thin.sum(), 'triangle without area is', 'triangles without area are')} left out")
+        warn_of_mesh(
+            f"{_count(thin.sum(), 'triangle without area is', 'triangles without area are')} left out"
+        )
         corners, sizes = corners[~np.repeat(thin, sizes)], sizes[~thin]
     places, vertices, _ = vertices_on_sides(points, corners, sizes, distance)
     if len(places):
         a, b = corners[places[0]], corners[next_corners(sizes)][places[0]]
-        _say(
+        warn_of_mesh(
             f"{_count(len(places), 'vertex', 'vertices')} on sides of other faces (T-junctions) split them; "
             f"the first is vertex {vertices[0]} on the side from vertex {a} to {b}"
         )
@@ -252,7 +254,7 @@ def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
     warped = warps > PLANAR
     if warped.any():
         f = int(np.argmax(warped))
-        _say(
+        warn_of_mesh(
             f"{_count(warped.sum(), 'face is', 'faces are')} not planar, and taken as the triangles into "
             f"which they are cut; the first is face {f}, with corners {warps[f]:.1g} of its size off a plane"
         )
@@ -266,7 +268,7 @@ def _renumbered(points: Floats, triangles: Indices, given: Indices) -> tuple[Flo
         return points, triangles
     unused = np.bincount(given, minlength=len(points)) == 0
     if unused.any():
-        _say(
+        warn_of_mesh(
             f"{_count(unused.sum(), 'vertex is', 'vertices are')} in no face, and left out; the first is "
             f"vertex {np.argmax(unused)}"
         )
@@ -275,7 +277,3 @@ def _renumbered(points: Floats, triangles: Indices, given: Indices) -> tuple[Flo
 
 def _count(number: int, one: str, more: str) -> str:
     return f"{number} {one if number == 1 else more}"
-
-
-def _say(note: str) -> None:
-    warnings.warn(note, MeshNote, stacklevel=5)

@@ -107,6 +107,7 @@ class GluedMetric:
             It is not a metric on the sphere.
         """
         if isinstance(metric, GluedMetric):
+            metric.check_sphere()
             return metric
         metric.triangulation.check_sphere()
         twins = metric.triangulation.twins
@@ -126,6 +127,11 @@ class GluedMetric:
         metric = cls.__new__(cls)
         metric._set(faces, twins, face_lengths, space, seams, precision)
         return metric
+
+    def _set_any_surface(self, faces: Indices, twins: Indices, face_lengths: Floats, space: Space) -> None:
+        """The triangles of a manifold, on whose boundary half-edges are their own twins, or with handles."""
+        _check_triangles(faces, face_lengths, space)
+        self._set(faces, twins, _matched(twins, face_lengths), space)
 
     def _with(self, face_lengths: Floats, space: Space) -> GluedMetric:
         return GluedMetric._made(self.faces, self.twins, face_lengths, space, self.seams, self.precision)
@@ -161,24 +167,45 @@ class GluedMetric:
 
     @property
     def n_vertices(self) -> int:
-        """V = F / 2 + 2."""
-        return self.n_faces // 2 + 2
+        """V: F / 2 + 2 on the sphere."""
+        return int(self.faces.max()) + 1
 
     @property
     def n_edges(self) -> int:
-        """E = 3 V - 6."""
-        return self.twins.size // 2
+        """E: 3 V - 6 on the sphere."""
+        return (self.twins.size + len(self._boundary)) // 2
 
     @property
     def n_faces(self) -> int:
-        """F = 2 V - 4."""
+        """F: 2 V - 4 on the sphere."""
         return len(self.faces)
+
+    @cached_property
+    def _boundary(self) -> Indices:
+        """Half-edges on the boundary of a `Net`: their own twins."""
+        return np.flatnonzero(self.twins == np.arange(self.twins.size))
+
+    @property
+    def is_sphere(self) -> bool:
+        """Whether it has neither boundary nor handles: always, unless it is a `isoembed.gluing.Net`."""
+        return not len(self._boundary) and self.n_vertices - self.n_edges + self.n_faces == 2
+
+    def check_sphere(self) -> None:
+        """Refuse nets of surfaces with boundary or handles; raises InvalidMetric."""
+        if len(self._boundary):
+            raise InvalidMetric(
+                f"{_side(int(self._boundary[0]))} is glued to none ({len(self._boundary)} such sides): the "
+                "surface is not closed"
+            )
+        check_euler(self.n_vertices, self.n_faces)
 
     @cached_property
     def mean_length(self) -> float:
         """Mean edge length: the unit of every residual."""
-        largest = self.face_lengths.max()
-        return float(largest * np.mean(self.face_lengths / largest))
+        largest, lengths = self.face_lengths.max(), self.face_lengths
+        if len(self._boundary):  # edges count once, and these have one half-edge
+            lengths = np.append(lengths, lengths.ravel()[self._boundary])
+        return float(largest * np.mean(lengths / largest))
 
     @property
     def unit(self) -> float:
@@ -236,12 +263,14 @@ class GluedMetric:
 
     @cached_property
     def deficits(self) -> Floats:
-        """Angle deficits, 2 pi less the sum of the angles at each vertex, shape (V,).
+        """Angle deficits, 2 pi less the sum of the angles at each vertex, pi on a boundary, shape (V,).
 
-        They sum to 4 pi less curvature times area.
+        On the sphere they sum to 4 pi less curvature times area.
         """
         total = np.bincount(self.faces.ravel(), self.triangles.angles.ravel())
-        return frozen(2 * np.pi - cast(Floats, total))
+        full = np.full(self.n_vertices, 2 * np.pi)
+        full[self.faces.ravel()[self._boundary]] = np.pi
+        return frozen(full - cast(Floats, total))
 
     def half_edges(self, directed: bool = True) -> HalfEdges:
         """Copy of the triangles as half-edges, which may be flipped, with or without directions."""

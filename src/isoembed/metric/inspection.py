@@ -21,6 +21,7 @@ from isoembed.strict_json import plain
 
 NEEDLE = 5.0  # degrees: a triangle with a smaller angle is a needle
 NARROW = 30.0  # degrees: least angle for which the paper expects convexity to work
+WHERE = {"plane": "in a plane", "heights": "at given heights", "curve": "along a given curve"}
 WIDE = 120.0  # degrees: largest angle for which the paper expects convexity to work
 
 
@@ -30,7 +31,7 @@ class Measure:
 
     name: str
     text: str
-    values: Mapping[str, float | int]
+    values: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def _measures(
     counts = {"vertices": t.n_vertices, "edges": t.n_edges, "faces": t.n_faces}
     yield Measure("counts", ", ".join(f"{count} {name}" for name, count in counts.items()), counts)
     if not t.is_sphere:
-        yield _surface(metric)
+        yield _surface(metric, epsilon)
     degrees = {"min": int(t.degrees.min()), "max": int(t.degrees.max())}
     yield Measure("degrees", f"{degrees['min']} to {degrees['max']} edges at a vertex", degrees)
     mean = metric.mean_length
@@ -135,15 +136,20 @@ def _measures(
     yield Measure("lengths", text, {**_range(lengths), "mean": mean})
     low, high = np.degrees([angles.min(), angles.max()])
     yield Measure("angles", f"{low:.4g} to {high:.4g} degrees", {"min_degrees": low, "max_degrees": high})
-    negative = int((epsilon < -ANGLE_ROUNDING).sum())
     turns = 2 * t.euler_characteristic
     gauss_bonnet = float(epsilon.sum() + metric.curvature * surface - turns * np.pi)
-    text = (
-        f"{epsilon.min():.4g} to {epsilon.max():.4g} radians, {negative} negative, "
-        f"sum{'' if metric.space.is_euclidean else ' + curvature area'} - {turns} pi = {gauss_bonnet:.1e}"
-    )
-    values = {**_range(epsilon), "negative": negative, f"sum_minus_{turns}_pi": gauss_bonnet}
-    yield Measure("deficits", text, values)
+    total = f"sum{'' if metric.space.is_euclidean else ' + curvature area'} - {turns} pi = {gauss_bonnet:.1e}"
+    for name, some in (("deficits", ~t.boundary_vertices), ("exterior angles", t.boundary_vertices)):
+        if not some.any():
+            continue
+        here = epsilon[some]
+        negative = int((here < -ANGLE_ROUNDING).sum())
+        text = f"{here.min():.4g} to {here.max():.4g} radians, {negative} negative"
+        values = {**_range(here), "negative": negative}
+        if name == "deficits":
+            where = "" if t.is_closed else " with the exterior angles of the boundary"
+            text, values = f"{text}, {total}{where}", values | {f"sum_minus_{turns}_pi": gauss_bonnet}
+        yield Measure(name, text, values)
     undefined = int((duals <= 0).sum())
     text = f"{dual['min']:.4g} to {dual['max']:.4g}, {undefined} not positive"
     yield Measure("dual areas", text, {**dual, "not_positive": undefined})
@@ -157,19 +163,33 @@ def _measures(
     yield Measure("area", f"{surface:.12g}", {"total": surface})
 
 
-def _surface(metric: PolyhedralMetric) -> Measure:
-    """The kind of a surface that is no sphere, and how its realizations may be determined."""
+def _surface(metric: PolyhedralMetric, epsilon: Floats) -> Measure:
+    """The kind of a surface that is no sphere, its motions, and the conditions that may fix these."""
     t = metric.triangulation
     sizes = [len(loop) for loop in t.boundaries]
     free = 3 * t.n_vertices - 6 - t.n_edges
     text = f"genus {t.genus}, {len(sizes)} {'boundary' if len(sizes) == 1 else 'boundaries'}"
     if sizes:
         text += f" of {', '.join(map(str, sizes))} edges"
+    fixing = [] if t.is_closed else _conditions(metric, epsilon)
     if free > 0:
-        text += f"; {free} motions keep the lengths: the boundary or least bending may fix them"
+        several = "s keep" if free > 1 else " keeps"
+        *others, last = (WHERE[name] for name in fixing if name != "free")
+        where = f"{', '.join(others)} or {last}" if others else last
+        text += f"; {free} motion{several} the lengths: a boundary {where} fixes them, or least bending"
     elif free < 0:
-        text += f"; {-free} more lengths than unknowns: they must be those of a surface"
-    return Measure("surface", text, {"genus": t.genus, "boundaries": len(sizes), "free_motions": free})
+        more = f"{-free} more lengths than unknowns" if free < -1 else "one more length than unknowns"
+        text += f"; {more}: they must be those of a surface"
+    values = {"genus": t.genus, "boundaries": len(sizes), "free_motions": free, "fixed_by": fixing}
+    return Measure("surface", text, values)
+
+
+def _conditions(metric: PolyhedralMetric, epsilon: Floats) -> list[str]:
+    """The conditions at the boundary that suit a metric."""
+    t = metric.triangulation
+    is_cap = t.genus == 0 and len(t.boundaries) == 1 and (epsilon >= -ANGLE_ROUNDING).all()
+    is_curved = (epsilon[~t.boundary_vertices] > ANGLE_ROUNDING).all()
+    return ["plane"] * bool(is_cap) + ["heights"] * bool(is_cap and is_curved) + ["curve", "free"]
 
 
 def _range(values: Floats) -> dict[str, float]:
@@ -184,44 +204,50 @@ def _warnings(
     needle = least < np.radians(NEEDLE)
     beyond = (least < np.radians(NARROW)) | (largest > np.radians(WIDE))
     # less bending than the square root of rounding
+    inside = ~t.boundary_vertices
     found = (
         (
-            *("negative_deficits", epsilon < -ANGLE_ROUNDING, "negative deficits"),
+            *("negative_deficits", (epsilon < -ANGLE_ROUNDING) & inside, -epsilon, "negative deficits"),
             lambda v: (
                 f"vertex {v} has {epsilon[v]:.4g} rad: the metric is not convex there, Alexandrov's "
                 "theorem does not apply, and an embedding, if there is one, need not be the only one"
             ),
         ),
         (
-            *("flat_vertices", (np.abs(epsilon) <= 1e-6) & ~t.boundary_vertices, "flat vertices"),
+            *("exterior_angles", (epsilon < -ANGLE_ROUNDING) & ~inside, -epsilon),
+            "negative exterior angles of the boundary",
+            lambda v: f"vertex {v} has {epsilon[v]:.4g} rad: the boundary is not convex there",
+        ),
+        (
+            *("flat_vertices", (np.abs(epsilon) <= 1e-6) & inside, -np.abs(epsilon), "flat vertices"),
             lambda v: (
                 f"vertex {v} has deficit {epsilon[v]:.1e}: a flat vertex can move off its plane at "
                 "second order, so coordinates are only as good as the square root of the length error"
             ),
         ),
         (
-            *("degree_three", t.degrees == 3, "vertices of degree 3"),
+            *("degree_three", (t.degrees == 3) & inside, epsilon, "vertices of degree 3"),
             lambda v: (
                 f"vertex {v} has only 3 edges: it can be mirrored in the plane of its neighbors without "
                 "changing a length, so every realization has a second one beside it"
             ),
         ),
         (
-            *("dual_areas", duals <= 0, "dual areas that are not positive"),
+            *("dual_areas", duals <= 0, -duals, "dual areas that are not positive"),
             lambda v: (
                 f"vertex {v}: the curvature k = deficit / dual area is undefined there, and methods "
                 'that flow by it (method="paper") may fail'
             ),
         ),
         (
-            *("needles", needle, f"triangles with an angle below {NEEDLE:g} degrees"),
+            *("needles", needle, -least, f"triangles with an angle below {NEEDLE:g} degrees"),
             lambda f: (
                 f"face {f} {t.faces[f].tolist()} has an angle of {np.degrees(least[f]):.2g} degrees: needles "
                 "are badly conditioned and may keep the residual from falling to rounding"
             ),
         ),
         (
-            *("angles", beyond & ~needle),
+            *("angles", beyond & ~needle, largest - least),
             f"triangles with angles outside {NARROW:g} to {WIDE:g} degrees",
             lambda f: (
                 f"face {f} has {np.degrees(least[f]):.3g} to {np.degrees(largest[f]):.3g} degrees: the "
@@ -229,17 +255,17 @@ def _warnings(
             ),
         ),
         (
-            *("not_delaunay", excess > ANGLE_ROUNDING, "edges that are not Delaunay"),
+            *("not_delaunay", excess > ANGLE_ROUNDING, excess, "edges that are not Delaunay"),
             lambda e: (
                 f"edge {t.edges[e].tolist()}: cotangent weights are negative there, and a convex "
                 "surface has a concave edge in such triangles more often than in Delaunay ones"
             ),
         ),
     )
-    for kind, where, what, text in found:
+    for kind, where, severity, what, text in found:
         if where.any():
-            first = int(np.argmax(where))
-            yield Caution(kind, int(where.sum()), f"{where.sum()} {what}; the first: {text(first)}")
+            worst = int(np.argmax(np.where(where, severity, -np.inf)))
+            yield Caution(kind, int(where.sum()), f"{where.sum()} {what}; the worst: {text(worst)}")
     ratio = float(metric.lengths.max() / metric.lengths.min())
     if ratio > 1000.0:  # edges so uneven get a warning
         yield Caution(

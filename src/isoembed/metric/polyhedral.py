@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isoembed.arrays import Floats, Indices
-from isoembed.errors import InvalidMetric
+from isoembed.errors import InvalidMetric, warn_of_mesh
 from isoembed.mesh.checks import index_array, real_array
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.distances import lengths_between
 from isoembed.metric.given_mesh import merging_advice, triangle_mesh
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.precision import Precision, rounding_error
-from isoembed.metric.triangle_checks import check_triangles
+from isoembed.metric.triangle_checks import check_triangles, within_inequalities
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
 
@@ -63,6 +63,7 @@ class PolyhedralMetric:
         were doubles.
     length_errors : ndarray, shape (E,), or None
         Standard deviations of the lengths, whose errors are independent; None if the lengths are exact.
+        Lengths that break a triangle inequality are changed within their errors so that they do not.
 
     Raises
     ------
@@ -70,6 +71,11 @@ class PolyhedralMetric:
         The faces are not a connected oriented surface, an edge lacks a length, a length is not positive and
         finite, a triangle inequality is broken, or a triangle is too large for its curvature; the message
         names the first offender.
+
+    Warns
+    -----
+    MeshNote
+        Faces are turned over, or lengths are changed within their errors.
 
     Examples
     --------
@@ -101,6 +107,8 @@ class PolyhedralMetric:
             if errors is not None and errors.shape == values.shape:
                 errors = errors[order]
             values = values[order]
+        if errors is not None:
+            values = _within_errors(triangulation, values, errors)
         self._set(triangulation, values, Space(curvature))
         if errors is not None:
             self._put(**self._measured(errors))
@@ -444,7 +452,36 @@ def _check_lengths(triangulation: Triangulation, lengths: Floats, space: Space) 
         e = face_edges.flat[h]
         return f"edge {e} {edges[e].tolist()}"
 
-    check_triangles(triangulation.faces, face_edges, lengths, space, name)
+    try:
+        check_triangles(triangulation.faces, face_edges, lengths, space, name)
+    except InvalidMetric as error:
+        deviation = (rounding_error(lengths) or 0.0) * float(np.mean(lengths))
+        errors = np.full(len(lengths), deviation)
+        if deviation and within_inequalities(face_edges, lengths, errors) is not lengths:
+            raise InvalidMetric(
+                f"{error}; rounding explains it: give {deviation:.2g} as the standard deviation of lengths"
+            ) from None
+        raise
+
+
+def _within_errors(triangulation: Triangulation, lengths: Floats, errors: Floats) -> Floats:
+    """The lengths, changed within their errors where a triangle inequality asks for it, which is said."""
+    if len(lengths) != triangulation.n_edges or errors.size not in (1, len(lengths)):
+        return lengths
+    _check_positive(triangulation.edges, lengths)
+    sigma = np.broadcast_to(errors, lengths.shape)
+    if not (np.isfinite(sigma) & (sigma > 0)).all():
+        return lengths
+    found = within_inequalities(triangulation.face_edges, lengths, sigma)
+    change = np.abs(found - lengths)
+    if change.any():
+        e = int(np.argmax(change / sigma))
+        warn_of_mesh(
+            f"{(change > 0).sum()} lengths are changed within their errors, so that no triangle inequality "
+            f"is broken; farthest that of edge {e} {triangulation.edges[e].tolist()}, from {lengths[e]:.9g} "
+            f"to {found[e]:.9g}"
+        )
+    return found
 
 
 def _ambient(vertices: ArrayLike, space: Space, model: Model) -> Floats:

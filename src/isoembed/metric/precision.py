@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoembed.arrays import Floats, Indices
 from isoembed.thresholds import threshold
@@ -86,11 +87,17 @@ COARSE = 0.01
 """Standard deviation, in mean lengths, above which the last digit is no rounding."""
 
 
+SHARE = 0.4
+"""Share of lengths in whole units above which they were rounded to these: of those rounded to a tenth of it
+one in ten is whole, and of those in halves, one in two."""
+
+
 def rounding_error(lengths: Floats) -> float | None:
     """Standard deviation of lengths that were rounded to a decimal place, over their mean.
 
-    None if they have more than nine digits, take few different values, or are whole multiples of too coarse
-    a unit to be measurements: such lengths are taken as exact.
+    A few lengths, or those in halves, may have one decimal more than the others.  None if they have more than
+    nine digits, take few different values, or are whole multiples of too coarse a unit to be measurements:
+    such lengths are taken as exact.
     """
     if not 1e-200 < lengths.max() < 1e200:
         return None
@@ -102,8 +109,15 @@ def rounding_error(lengths: Floats) -> float | None:
             break
     else:
         return None
+    unit = common_unit(lengths, unit)
     error = unit / math.sqrt(12) / float(lengths.mean())
     return error if error <= COARSE and len(np.unique(np.rint(lengths / unit))) >= DESIGNED else None
+
+
+def common_unit(lengths: Floats, unit: float) -> float:
+    """The unit of the last digit that most lengths have, all being multiples of a power of ten, the unit."""
+    whole = _are_multiples(lengths, 10.0 * unit)
+    return 10.0 * unit if whole.mean() > SHARE and len(lengths) >= DESIGNED else unit
 
 
 def shared_errors(lengths: Floats, errors: Floats) -> Indices:
@@ -174,6 +188,10 @@ def _units(exponents: Floats, digits: int) -> Floats:
 
 
 def _multiples(values: Floats, units: Floats | float) -> bool:
+    return bool(_are_multiples(values, units).all())
+
+
+def _are_multiples(values: Floats, units: Floats | float) -> NDArray[np.bool_]:
     with np.errstate(all="ignore"):
         counts = values / units
-        return bool((np.abs(counts - np.rint(counts)) <= PRECISION.error).all())
+        return np.asarray(np.abs(counts - np.rint(counts)) <= PRECISION.error)

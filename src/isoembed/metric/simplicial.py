@@ -20,6 +20,7 @@ def simplicial(faces: Indices, twins: Indices, face_lengths: Floats, space: Spac
     ----------
     faces : ndarray of int, shape (F, 3)
     twins : ndarray of int, shape (3F,)
+        Of a half-edge on a boundary, itself.
     face_lengths : ndarray, shape (F, 3)
         All of a glued metric, its lengths near 1.
     space : Space
@@ -37,7 +38,7 @@ def simplicial(faces: Indices, twins: Indices, face_lengths: Floats, space: Spac
     """
     pieces = _pieces(faces, twins)
     whole = np.asarray((pieces.reshape(-1, 3) == 1).all(axis=1))
-    if len(faces) == 2 and whole.all():
+    if len(faces) == 2 and whole.all() and (twins // 3 != np.repeat([0, 1], 3)).all():
         whole[0] = False
     triangles = [faces[whole]]
     edges = [np.stack([faces, np.roll(faces, -1, axis=1)], axis=2)[whole].reshape(-1, 2)]
@@ -76,7 +77,7 @@ def simplicial(faces: Indices, twins: Indices, face_lengths: Floats, space: Spac
 def _pieces(faces: Indices, twins: Indices) -> Indices:
     """Into how many pieces each half-edge is to be cut, shape (3F,)."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    h = np.flatnonzero(np.arange(twins.size) < twins)
+    h = np.flatnonzero(np.arange(twins.size) <= twins)
     low, high = np.minimum(start[h], end[h]), np.maximum(start[h], end[h])
     _, first = np.unique(low * (start.max() + 1) + high, return_index=True)
     pieces = np.full(len(h), 2)
@@ -90,10 +91,11 @@ def _pieces(faces: Indices, twins: Indices) -> Indices:
 def _cuts(twins: Indices, pieces: Indices, count: int) -> tuple[list[list[int]], int]:
     """Number the new vertices on every half-edge, in its direction; return them and the next free number."""
     between: list[list[int]] = [[] for _ in range(twins.size)]
-    for h in np.flatnonzero((pieces > 1) & (np.arange(twins.size) < twins)).tolist():
+    for h in np.flatnonzero((pieces > 1) & (np.arange(twins.size) <= twins)).tolist():
         new = list(range(count, count + int(pieces[h]) - 1))
         count += len(new)
-        between[h], between[int(twins[h])] = new, new[::-1]
+        between[int(twins[h])] = new[::-1]
+        between[h] = new  # last: on a boundary both are the same
     return between, count
 
 

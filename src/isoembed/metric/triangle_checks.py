@@ -9,6 +9,8 @@ from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.space import Space
 
+MOST_ERRORS = 4.0  # standard deviations, by which errors may change a length
+MOST_TURNS = 1000  # changes of one triangle
 LONGEST_SIDE = 70.0  # radii of curvature: angles between longer sides are lost beside a full turn
 
 
@@ -53,6 +55,39 @@ def first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
     # A difference of neighbors neither over- nor underflows.
     broken = ~(most - middle < least - margin * most)
     return int(np.argmax(broken)) if broken.any() else -1
+
+
+def within_inequalities(sides: Indices, lengths: Floats, errors: Floats) -> Floats:
+    """Lengths nearest to those given that obey the triangle inequality in the plane, or nearly the nearest.
+
+    Where a triangle breaks it, or is flat, its sides are changed in turn with others by the least sum of
+    squares over their variances, so that the two shorter ones exceed the longest by its error.
+
+    Parameters
+    ----------
+    sides : ndarray of int, shape (F, 3)
+        Which of the lengths each half-edge has.
+    lengths, errors : ndarray, shape (n,)
+        With standard deviations.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The lengths as given, if changes of no more than `MOST_ERRORS` deviations do not do.
+    """
+    changed = lengths.copy()
+    for _ in range(MOST_TURNS):
+        f = first_broken(sides, changed, 0.0)
+        if f < 0:
+            return changed
+        three = sides[f][np.argsort(changed[sides[f]], kind="stable")]
+        a, b, c = changed[three]
+        variances = errors[three] ** 2
+        excess = (c - b - a + errors[three[2]]) / variances.sum()
+        changed[three] += excess * variances * [1.0, 1.0, -1.0]
+        if (np.abs(changed - lengths) > MOST_ERRORS * errors).any():
+            break
+    return lengths
 
 
 def _check_sizes(space: Space, faces: Indices, lengths: Floats, name: Callable[[int], str]) -> None:

@@ -90,6 +90,8 @@ class Drawing:
         By half of it the cuts are offset, mm.
     error : float
         Of the points of the solid, where they were rounded, mm.
+    any_surface : bool
+        Whether sides without a number are a boundary, and there may be handles.
     """
 
     width: float
@@ -106,6 +108,7 @@ class Drawing:
     notes: list[Label]
     kerf: float
     error: float
+    any_surface: bool
 
     @property
     def mountains(self) -> list[Floats]:
@@ -231,6 +234,7 @@ def drawn(
         notes + named,
         material.kerf,
         0.0 if precision is None else layout.scale * precision.vertex_error,
+        unfolding.any_surface,
     )
 
 

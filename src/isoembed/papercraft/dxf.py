@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.io.dxf_lines import APPLICATION, PROPERTIES, ezdxf_for
+from isoembed.io.dxf_lines import ANY_SURFACE, APPLICATION, PROPERTIES, ezdxf_for
 from isoembed.papercraft.drawing import DECIMALS, Drawing
 from isoembed.papercraft.labels import HEIGHT, Label
 
@@ -25,7 +25,7 @@ def write_dxf(path: Path, drawing: Drawing) -> None:
         document = ezdxf.new("R2010", units=MILLIMETERS)
         document.header["$MEASUREMENT"] = 1  # metric
         document.appids.add(APPLICATION)
-        for name in PROPERTIES:
+        for name in (*PROPERTIES, ANY_SURFACE):
             if value := getattr(drawing, name):
                 document.header.custom_vars.append(name, f"{value:.6g}")
         for name, color in COLORS.items():

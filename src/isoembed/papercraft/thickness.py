@@ -100,7 +100,10 @@ def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfoldi
         bends = {}
         for (f, k), (a, b) in shape.ends.items():
             twin = shape.twins.get((f, k))
-            other = mates[p, a] if twin is None else (p, twin[0])
+            other = mates.get((p, a)) if twin is None else (p, twin[0])
+            if other is None:  # on a boundary
+                bends[f, k] = 0.0
+                continue
             vertices = unfolding.vertices[unfolding.corners[p][[a, b]]]
             bends[f, k] = _bend(normals[p, f], normals[other], vertices)
         distances = {at: -shortening(bend, material, at in shape.twins) / scale for at, bend in bends.items()}

@@ -26,6 +26,8 @@ def views(
 ) -> tuple[list[Floats], list[Label]]:
     """Visible edges and face numbers of the solid, seen from two opposite sides, one above the other.
 
+    Of a surface with boundary the inside is seen, too.
+
     Parameters
     ----------
     unfolding : Unfolding
@@ -54,17 +56,24 @@ def views(
         middle = (seen[:, :2].max(axis=0) + seen[:, :2].min(axis=0)) / 2
         center = np.array([(low[0] + high[0]) / 2, high[1] - half[1] / 2 if k == 0 else low[1] + half[1] / 2])
         seen = np.column_stack([(seen[:, :2] - middle) * scale + center, seen[:, 2] * scale])
+        areas = [_area(seen[corners, :2]) for *_, corners in faces]
         front = [
-            (number, corners) for number, _, corners in faces if _area(seen[corners, :2]) > CLOSE * scale**2
+            (number, corners if area > 0 else corners[::-1])
+            for (number, _, corners), area in zip(faces, areas, strict=True)
+            if (abs(area) if unfolding.any_surface else area) > CLOSE * scale**2
         ]
         before = seen[triangles]
-        before = before[[_area(corners[:, :2]) > 0 for corners in before]]
+        upward = np.array([_area(corners[:, :2]) for corners in before]) > 0
+        before = np.concatenate(
+            [before[upward], before[~upward, ::-1][: len(before) * unfolding.any_surface]]
+        )
         edges = {
             tuple(sorted(pair))
             for _, face in front
             for pair in zip(face.tolist(), np.roll(face, 1).tolist(), strict=True)
         }
-        lines += _visible(seen[np.array(sorted(edges))], before, CLOSE * scale)
+        ends = np.array(sorted(edges), dtype=np.int64).reshape(-1, 2)
+        lines += _visible(seen[ends], before, CLOSE * scale)
         numbers = face_numbers([seen[face, :2] for _, face in front], [number for number, _ in front])
         places = np.array(
             [[one.x, one.y, _depth(seen[face], one)] for one, (_, face) in zip(numbers, front, strict=True)]

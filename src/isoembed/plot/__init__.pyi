@@ -9,6 +9,7 @@ from .endings import PAGE_ENDINGS as PAGE_ENDINGS
 from .endings import PICTURE_ENDINGS as PICTURE_ENDINGS
 from .film import Film as Film
 from .film import Frame as Frame
+from .film import frames_of as frames_of
 from .page import page_writer as page_writer
 from .page import write_page as write_page
 from .panel import Panel as Panel

@@ -149,7 +149,15 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
         panel = Panel.of(drawn, image.vertices, replace(shown, values=image.values))
         view = View.of(panel.vertices, panel.faces, pose, image.turn)
         draw_infinity(axes, view, panel.infinity)
-        draw(axes, view, panel.face_values, scale, panel.seams, outlines=panel.outlines)
+        draw(
+            axes,
+            view,
+            panel.face_values,
+            scale,
+            panel.seams,
+            outlines=panel.outlines,
+            boundary=panel.boundary,
+        )
         axes.set_xlim(-1.02 * size, 1.02 * size)
         axes.set_ylim(bottom - 0.02 * height, top + 0.02 * height)
         picture.text(

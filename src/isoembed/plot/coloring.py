@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
@@ -184,14 +185,23 @@ def spelled(name: str) -> str:
     return name.lower().replace(" ", "-").replace("_", "-")
 
 
-def quantity(embedding: Embedding, name: str) -> Quantity:
-    """The quantity of this name, in any of its spellings; NaN everywhere if the surface does not have it.
+def quantity(embedding: Embedding, color: str | Quantity | ArrayLike) -> Quantity:
+    """The quantity that colors show: of this name, in any of its spellings, or given by its values.
+
+    Parameters
+    ----------
+    embedding : Embedding
+    color : str, Quantity, or array_like, shape (V,)
+        Of a name that the surface has no such quantity for, the values are NaN.
 
     Raises
     ------
     InvalidParameter
-        There is no such quantity.
+        There is no such quantity, or it has no value for each vertex or face.
     """
+    if not isinstance(color, str):
+        return _own(embedding, color)
+    name = color
     known = {spelled(each): each for each in QUANTITIES}
     if spelled(name) not in known:
         near = did_you_mean(spelled(name), known)
@@ -202,6 +212,25 @@ def quantity(embedding: Embedding, name: str) -> Quantity:
     found = QUANTITIES[name](embedding)
     nowhere = np.full(embedding.triangulation.n_vertices, np.nan)
     return Quantity(name, f"this surface has no {name}", nowhere) if found is None else found
+
+
+def _own(embedding: Embedding, color: Quantity | ArrayLike) -> Quantity:
+    """A quantity of the caller's, checked."""
+    if not isinstance(color, Quantity):
+        try:
+            color = Quantity("values", "", np.asarray(color, dtype=np.float64))
+        except (TypeError, ValueError):
+            raise InvalidParameter(
+                f"the color is a {type(color).__name__}, not the name of a quantity, a Quantity, or one "
+                "number for each vertex"
+            ) from None
+    places = embedding.triangulation.n_vertices if color.at == "vertices" else len(embedding.polygons)
+    if np.shape(color.values) != (places,):
+        raise InvalidParameter(
+            f"the color has values of shape {np.shape(color.values)}, not ({places},): one for each of the "
+            f"{color.at}"
+        )
+    return color
 
 
 def face_means(values: Floats, faces: Polygons) -> Floats:

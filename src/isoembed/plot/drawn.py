@@ -98,6 +98,12 @@ class Drawn:
         between = self.surface.surface.flat_faces.edges[self.pieces.owners]
         return Segments(placed[self.pieces.edges[between]], self.pieces.beside()[between])
 
+    def boundary(self, placed: Floats) -> Segments:
+        """The edges on the boundary of a surface in R^3 as `put` has placed them."""
+        t = self.surface.triangulation
+        beside = self.surface.surface.flat_faces.of_triangles[t.edge_flanks[t.boundary_edges] // 3]
+        return Segments(placed[t.edges[t.boundary_edges]], beside)
+
     def seams_in_space(self) -> Segments:
         """The seams of a net in pieces, between points of space, and the triangles beside them."""
         ends, beside = self.surface.surface.seams

@@ -1,5 +1,6 @@
-"""Recording of intermediate surfaces for a film."""
+"""Surfaces of a film: those on the way to an answer, or a series."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +24,7 @@ class Frame:
     Attributes
     ----------
     stage : str
-        The stage of the method that reached it; `ANSWER` for the last one.
+        The stage of the method that reached it, `ANSWER` for the last one; or the heading of a series.
     t : float or None
         Position on the path of metrics: 1 is the uniform or the convex metric, 0 the given one.
     residual : float or None
@@ -45,6 +46,39 @@ class Frame:
 def shape(metric: PolyhedralMetric, vertices: Floats, stage: str) -> Embedding:
     """Surface that was not solved for, on the triangles of a metric."""
     return Embedding(metric, vertices, method="", tolerance=1.0, message=stage)
+
+
+def frames_of(surfaces: Sequence[Embedding], headings: Sequence[str]) -> tuple[Frame, ...]:
+    """Frames of a series of surfaces on the same triangles, such as a sheet that swells.
+
+    Parameters
+    ----------
+    surfaces : sequence of Embedding
+        In the order of the film.
+    headings : sequence of str
+        One each.
+
+    Returns
+    -------
+    tuple of Frame
+        Each surface is turned onto the next; for `write_animation` with the last surface.
+
+    Raises
+    ------
+    InvalidParameter
+        The numbers of surfaces and headings differ, or the triangles of a surface are not those of the last.
+    """
+    if len(surfaces) != len(headings):
+        raise InvalidParameter(f"there are {len(surfaces)} surfaces, but {len(headings)} headings")
+    frames: list[Frame] = []
+    for k in reversed(range(len(surfaces))):
+        surface, vertices = surfaces[k], surfaces[k].vertices
+        if not np.array_equal(surface.faces, surfaces[-1].faces):
+            raise InvalidParameter(f"the triangles of surface {k} are not those of the last one")
+        if frames:
+            vertices = aligned(vertices, frames[-1].vertices)
+        frames.append(Frame(headings[k], None, surface.residual, vertices))
+    return tuple(reversed(frames))
 
 
 class Film:

@@ -196,12 +196,13 @@ def _bits(edges: Indices, mask: Mask) -> NDArray[np.uint8]:
 
 def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) -> dict[str, Any]:
     """The triangles that are drawn, and the faces that they are parts of."""
-    faces = embedding.surface.flat_faces
+    faces, t = embedding.surface.flat_faces, embedding.triangulation
     faceted = pieces.cuts > 0 or isinstance(faces, FlatFaces)
     return {
         "faces": packed.add(pieces.faces.ravel()),
         "polygons": packed.add(np.repeat(faces.of_triangles, pieces.per_face)) if faceted else None,
         "outlines": packed.add(_bits(edges, faces.edges)) if faceted else None,
+        "boundary": None if t.is_closed else packed.add(t.edges[t.boundary_edges].ravel()),
         "solid": len(pieces.faces),
         "cuts": pieces.cuts,
         "own": packed.add(pieces.nearest()) if pieces.cuts else None,

@@ -32,6 +32,8 @@ class Panel:
         What the values are of.
     outlines : Segments or None
         Edges, where faces are drawn in pieces whose own are not to be seen.
+    boundary : Segments
+        Lines along the boundary of a surface.
     infinity : float
         The radius of the sphere at infinity about the origin.
     """
@@ -43,11 +45,12 @@ class Panel:
     seams: Segments = field(default_factory=Segments.none)
     at: Literal["vertices", "faces"] = "vertices"
     outlines: Segments | None = None
+    boundary: Segments = field(default_factory=Segments.none)
     infinity: float = np.inf
 
     @classmethod
     def of(cls, drawn: Drawn, vertices: Floats, shown: Quantity) -> Panel:
-        """A surface of vertices (V, 3), and the seams of a net on it."""
+        """A surface of vertices (V, 3), with its boundary, and the seams of a net on it."""
         placed = drawn.put(vertices)
         cut = drawn.pieces.cuts > 0
         return cls(
@@ -57,6 +60,7 @@ class Panel:
             seams=drawn.seams(),
             at="faces" if cut else shown.at,
             outlines=drawn.outlines(placed),
+            boundary=drawn.boundary(placed),
             infinity=drawn.infinity,
         )
 

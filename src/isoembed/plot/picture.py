@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
@@ -41,13 +42,13 @@ GAP = 0.04  # of a panel's width, on both sides
 UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 """Metadata with which the same picture makes the same bytes."""
 INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
-OUTLINE, SEWN = 0.8, 1.2  # widths of edges and of seams
+OUTLINE, SEWN, RIM = 0.8, 1.2, 1.4  # widths of edges, of seams and of boundaries
 
 
 def figure(
     embedding: Embedding,
     *,
-    color: str | Quantity | None = None,
+    color: str | Quantity | ArrayLike | None = None,
     caption: str = "",
     ax: Axes | None = None,
 ) -> Figure:
@@ -56,8 +57,9 @@ def figure(
     Parameters
     ----------
     embedding : Embedding
-    color : str or Quantity, optional
-        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`.  By default the
+    color : str, Quantity, or array_like, shape (V,), optional
+        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`, or a number at
+        each vertex.  By default the
         mean curvature; of polyhedra with up to 200 faces the number of sides of a face.
     caption : str
         By default the number of vertices, int H dA and the residual; in axes of one's own their title, and
@@ -75,10 +77,9 @@ def figure(
     FileError
         matplotlib is not installed.
     InvalidParameter
-        There is no such quantity.
+        There is no such quantity, or its values do not fit the surface.
     """
-    color = usual(embedding) if color is None else color
-    shown = quantity(embedding, color) if isinstance(color, str) else color
+    shown = quantity(embedding, usual(embedding) if color is None else color)
     panel = Panel.of(Drawn.of(embedding), embedding.vertices, shown)
     if ax is not None:
         return _into(ax, panel, shown, caption)
@@ -144,7 +145,7 @@ def draw_panel(axes: Axes, panel: Panel, colors: ScalarMappable) -> None:
     """
     view = View.of(panel.vertices, panel.faces)
     draw_infinity(axes, view, panel.infinity)
-    draw(axes, view, panel.face_values, colors, panel.seams, outlines=panel.outlines)
+    draw(axes, view, panel.face_values, colors, panel.seams, outlines=panel.outlines, boundary=panel.boundary)
 
 
 def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing: Any) -> Writer:
@@ -166,7 +167,7 @@ def figure_writer(path: str | os.PathLike[str], drawn: Figure) -> Writer:
 
 
 def write_picture(
-    path: str | os.PathLike[str], embedding: Embedding, *, color: str | Quantity | None = None
+    path: str | os.PathLike[str], embedding: Embedding, *, color: str | Quantity | ArrayLike | None = None
 ) -> None:
     """Write the picture of a surface as ``.png``, ``.svg`` or ``.pdf``; the last two are vectors.
 
@@ -224,7 +225,15 @@ def _row(
     for k, (panel, view) in enumerate(zip(surfaces, views, strict=True)):
         axes = picture.add_axes((0.02 + k * across / WIDTH, foot, across / WIDTH, share))
         draw_infinity(axes, view, panel.infinity)
-        draw(axes, view, panel.face_values, scale, panel.seams, outlines=panel.outlines)
+        draw(
+            axes,
+            view,
+            panel.face_values,
+            scale,
+            panel.seams,
+            outlines=panel.outlines,
+            boundary=panel.boundary,
+        )
         axes.set_xlim(left, right)
         axes.set_ylim(bottom, top)
         if panel.title:
@@ -291,6 +300,7 @@ def draw(
     seams: Segments | None = None,
     opacity: float = 1.0,
     outlines: Segments | None = None,
+    boundary: Segments | None = None,
 ) -> None:
     """Draw the faces that are seen.
 
@@ -309,6 +319,8 @@ def draw(
         What is behind is seen through faces of less than 1.
     outlines : Segments, optional
         Edges to draw instead of the outlines of all faces.
+    boundary : Segments, optional
+        Edges along a boundary.
     """
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.colors import to_rgb
@@ -325,6 +337,8 @@ def draw(
             [] if seams is None else [(seams, np.array(to_rgb(SEAM)), SEWN)]
         )
         shapes = among_faces(view, shapes._replace(rims=shaded), drawn)
+    elif boundary is not None and len(boundary.ends):
+        shapes = among_faces(view, shapes, [(boundary, np.array(to_rgb(INK)), RIM)])
     faces = PolyCollection(
         shapes.polygons,
         facecolors=shapes.fills,

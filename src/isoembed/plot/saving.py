@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from numpy.typing import ArrayLike
+
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.io.files import Writer, ending, write_atomically
@@ -17,7 +19,7 @@ from isoembed.plot.picture import picture_writer
 
 
 def save_surface(
-    embedding: Embedding, path: str | os.PathLike[str], *, color: str | Quantity | None = None
+    embedding: Embedding, path: str | os.PathLike[str], *, color: str | Quantity | ArrayLike | None = None
 ) -> None:
     """See `Embedding.save`."""
     form = ending(path)

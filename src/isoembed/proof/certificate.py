@@ -35,7 +35,8 @@ class Certificate:
         A realization of the lengths has all vertices within this of the given ones, in mean edge lengths.
     isolation : float or None
         Any other realization, after the isometry that fits best in weighted least squares, has a vertex that
-        is no nearer to its place in that one, in mean edge lengths.
+        is no nearer to its place in that one, in mean edge lengths.  None where a family is as near, of
+        surfaces with boundary.
     embedded : bool or None
         Whether the faces of the exact surface are proven to meet in their common corners and edges only.
     residual : float or None
@@ -62,7 +63,11 @@ class Certificate:
     @property
     def evidence(self) -> Evidence | None:
         """Evidence for what the `reason` says of other realizations; None if nothing is proven."""
-        return Evidence("proved", self._THEOREMS) if self.certified else None
+        return Evidence("proved", self._basis) if self.certified else None
+
+    @property
+    def _basis(self) -> str:
+        return self._THEOREMS
 
     def as_json(self) -> dict[str, Any]:
         """Return the fields and the evidence, as they stand in a report."""
@@ -71,11 +76,21 @@ class Certificate:
 
 NOT_ASKED = Certificate(False, "not certified, because a report asks for no certificate of so many vertices")
 
-NO_SPHERE = Certificate(False, "not certified: certificates are for closed surfaces of genus 0")
+
+def overdetermined(more: int) -> Certificate:
+    """The refusal of a problem with more equations than unknowns."""
+    return Certificate(
+        False,
+        f"not certified: there are {more} more equations than unknowns, and whether all of them can hold is "
+        "hidden by rounding",
+    )
 
 
 def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | None = None) -> Certificate:
     """Prove that a realization of a metric, in its triangles, is near vertices, and none else.
+
+    Of a surface with boundary that has fewer lengths than unknowns only the former is proven: others are as
+    near.  One that has more lengths, as those with handles, has no certificate.
 
     Parameters
     ----------
@@ -90,24 +105,27 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
     Returns
     -------
     Certificate
-
-    Raises
-    ------
-    InvalidMetric
-        The surface has a boundary or handles.
     """
-    metric.triangulation.check_sphere()
+    t = metric.triangulation
+    motions = 3 * t.n_vertices - 6 - t.n_edges
+    if motions < 0:
+        return overdetermined(-motions)
     errors = np.zeros(len(metric.lengths)) if length_errors is None else length_errors / metric.unit
     found: dict[str, Any] = {}
     try:
         crossing = _prove(metric.normalized, vertices / metric.unit, errors, found)
     except NotProven as obstacle:
         return Certificate(False, f"not certified, because {obstacle}", **found)
-    faces = f"faces {crossing} cross, or may" if crossing else "its faces do not cross"
+    faces = f"faces {crossing} may cross" if crossing else "its faces do not cross"
     # Two digits may be 5 % off, and what is printed is to be proven, too.
+    others = (
+        f"in a family with {motions} parameter{'' if motions == 1 else 's'}"
+        if motions
+        else f"and any other at least {0.95 * found['isolation']:.1e} from it"
+    )
     reason = (
         f"certified: a realization of these lengths is within {1.05 * found['radius']:.1e} mean edge lengths "
-        f"of the vertices, and any other at least {0.95 * found['isolation']:.1e} from it; {faces}"
+        f"of the vertices, {others}; {faces}"
     )
     return Certificate(True, reason, **found)
 
@@ -124,7 +142,8 @@ def _prove(
     nearby = NearbyRealization.of(metric, x, length_errors, found)
     found["kantorovich"], radius = nearby.newton_kantorovich()
     found["radius"] = GUARD * nearby.distance(radius) / metric.mean_length
-    found["isolation"] = nearby.isolation(radius) / (GUARD * metric.mean_length)
+    if metric.triangulation.n_edges == 3 * metric.triangulation.n_vertices - 6:
+        found["isolation"] = nearby.isolation(radius) / (GUARD * metric.mean_length)
     pairs = self_intersections(metric.faces, nearby.equations.straight[0], nearby.reach(radius))
     found["embedded"] = len(pairs) == 0
     return pairs[0].tolist() if len(pairs) else None

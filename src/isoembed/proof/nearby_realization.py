@@ -39,6 +39,8 @@ and |d|_max >= R unless d = 0.  In curved space let J be that of y + d: ``S^2 d`
 infinitesimal isometries there.  Its singular values are no less than sigma' - 2^(3/2) |d|_max, and |d|_max
 is no less than sigma' / (3 2^(1/2)), or than what is called near.
 
+The existence needs full row rank only: of surfaces with boundary E is less, and y one of a family.
+
 Without weights the vertices of the finest part would pay for the softness of the coarsest.  Of the
 Euclidean norm of all vertices together, R would be smaller by the root of V.
 
@@ -51,10 +53,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix, dissect
@@ -71,6 +73,16 @@ LARGEST_H = 0.5  # the theorem allows 1
 FARTHEST = 1e-8  # mean edge lengths that vertices may be off
 
 
+class LinearEquations(Protocol):
+    """Linear equations of the vertices, as `isoembed.proof.boundary_heights.HeightEquations`."""
+
+    def residuals(self, corrections: Floats) -> tuple[Floats, Floats]:
+        """Where they stand at the exact sums of points and corrections, and bounds on the rounding."""
+
+    def matrix(self, weights: Floats) -> csr_array:
+        """Their derivatives over the weights of the vertices."""
+
+
 @dataclass(frozen=True, eq=False)
 class NearbyRealization:
     """Points z near given vertices, one step of Newton's method away, and what the theorem needs there.
@@ -84,7 +96,8 @@ class NearbyRealization:
     steps : ndarray, shape (V,)
         How far each point is moved.
     residuals : ndarray, shape (E,)
-        Upper bounds on |F| at z, whatever the lengths are within their errors; their sums rounded.
+        Upper bounds on |F| at z, whatever the lengths are within their errors; their sums rounded.  Those of
+        other equations follow.
     sigma : float
         Lower bound on the singular values of J at z.
     mean_length : float
@@ -100,9 +113,16 @@ class NearbyRealization:
 
     @classmethod
     def of(
-        cls, metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]
+        cls,
+        metric: PolyhedralMetric,
+        x: Floats,
+        length_errors: Floats,
+        found: dict[str, Any],
+        beside: LinearEquations | None = None,
     ) -> NearbyRealization:
         """That of vertices, (V, 3), of a normalized metric; the numbers on the way are noted.
+
+        There may be linear equations `beside` those of the lengths.
 
         Raises
         ------
@@ -118,6 +138,9 @@ class NearbyRealization:
         found["residual"] = float(GUARD * missed.max() / metric.mean_length)
 
         J = equations.matrix()
+        if beside is not None:
+            values = np.append(values, beside.residuals(np.zeros_like(x))[0])
+            J = vstack([J, beside.matrix(equations.weights)], format="csr")
         factor, sigma = _factored(metric, x, J)
         sigma -= equations.matrix_error
         found["sigma_min"] = sigma / (GUARD * metric.mean_length)
@@ -125,6 +148,8 @@ class NearbyRealization:
         steps = np.linalg.norm(y, axis=1)
         values, errors = equations.residuals(y)
         residuals = np.abs(values) + errors + equations.changes_by(length_errors)
+        if beside is not None:
+            residuals = np.append(residuals, np.sum(np.abs(beside.residuals(y)), axis=0))
         sigma -= GUARD * 8**0.5 * float(steps.max())
         return cls(equations, missed, steps, residuals, sigma, metric.mean_length)
 
@@ -204,12 +229,12 @@ def _check_near(metric: PolyhedralMetric, x: Floats, length_errors: Floats) -> N
     """Vertices that are near enough to exact ones have almost their lengths."""
     a, b = metric.edges.T
     missed = np.abs(metric.space.distances(x[a], x[b]) - metric.lengths)
-    wrong = ~(missed <= 2 * FARTHEST * metric.mean_length + length_errors)
-    if wrong.any():
-        e = int(np.argmax(wrong))
+    beyond = missed - (2 * FARTHEST * metric.mean_length + length_errors)
+    if not (beyond <= 0).all():
+        e = int(np.argmax(beyond))
         raise NotProven(
             f"edge {e} {metric.edges[e].tolist()} misses its length by {missed[e] / metric.mean_length:.1e} "
-            "of the mean edge length"
+            "of the mean edge length, more than any other"
         )
 
 
@@ -217,11 +242,15 @@ def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[Positi
     """Factor J J^T, and bound the singular values of the exact J from below."""
     t = metric.triangulation
     try:
-        factor, sigma = prove_row_rank(J, dissect(t.adjacency).edge_order(t.edges))
+        # Edges with a common vertex are coupled already: what is beside them fills nothing in if it is first.
+        count, edges = len(metric.lengths), dissect(t.adjacency).edge_order(t.edges)
+        factor, sigma = prove_row_rank(J, np.concatenate([np.arange(count, J.shape[0]), edges]))
     except SingularMatrix as error:
         epsilon = deficits(metric)
         v = int(np.argmin(np.abs(epsilon)))
-        if abs(epsilon[v]) > 1e-9:  # no vertex is in the plane of its neighbors, which alone would explain it
+        if (
+            t.is_sphere and abs(epsilon[v]) > 1e-9
+        ):  # no vertex is in the plane of its neighbors, which alone would explain it
             from isoembed.proof.flexibility import described_flex  # only what is not rigid needs it
 
             flex = described_flex(t, Projected.of(metric.space, x), metric.lengths)
@@ -235,5 +264,5 @@ def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[Positi
         raise NotProven("there is not enough memory for the factors of J J^T") from error
     # The entries of J took three roundings each.
     sizes = abs(J)
-    rounding = GUARD * gamma(4) * float(np.sqrt((sizes @ (sizes.T @ np.ones(len(t.edges)))).max()))
+    rounding = GUARD * gamma(4) * float(np.sqrt((sizes @ (sizes.T @ np.ones(J.shape[0]))).max()))
     return factor, sigma - rounding

@@ -75,12 +75,18 @@ class EmbeddingTask:
             warnings.simplefilter("always", MeshNote)
             try:
                 with unchanged(self.path):
-                    metric = read_metric(self.path, merge=self.merge, space=self.space, any_surface=True)
-                chosen = self.method.takes_length_errors
-                errors = self.length_error if chosen else None
-                found = solve(metric, self.method, tolerance=self.tolerance, length_errors=errors)
-                if self.length_error is not None and not chosen:
-                    found = found.with_length_errors(self.length_error)
+                    metric = read_metric(
+                        self.path,
+                        merge=self.merge,
+                        space=self.space,
+                        any_surface=True,
+                        length_errors=self.length_error,
+                    )
+                unused = None if self.method.takes_length_errors else self.length_error
+                given = metric if unused is None else metric.with_length_errors(0.0)
+                found = solve(given, self.method, tolerance=self.tolerance)
+                if unused is not None:
+                    found = found.with_length_errors(unused)
             except NotEmbedded as error:
                 told = {**report(error.embedding), **error.report, **self.facts}
                 return Result(self.label, error.embedding.status, told)

@@ -8,7 +8,7 @@ Second derivatives are those of polynomials fitted to the neighbors in `charts`.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array, csr_array, vstack
 
 from isoembed.arrays import Floats, Indices
 from isoembed.metric.curvature import face_areas
@@ -32,8 +32,14 @@ class BendingEnergy:
     ----------
     form : csr_array, shape (V, V)
         Q, with the stabilizer: the energy that is minimized is the trace of ``x^T Q x``.
+    stabilizer : csr_array, shape (V, V)
+        Its part of Q: of surfaces that are smooth it is small, however they are bent.
     areas : ndarray, shape (V,)
         A third of the triangles at each vertex.
+    rows : csr_array, shape (n, V)
+        R, of which Q is R^T R.
+    row_centers : ndarray of int64, shape (n,)
+        The vertex in whose chart each row is fitted.
     """
 
     def __init__(self, metric: PolyhedralMetric) -> None:
@@ -60,7 +66,11 @@ class BendingEnergy:
         self._second = _assembled([(at, near, second) for at, near, second, _ in parts], n)
         D = self._second
         S = _assembled([(at, near, missed) for at, near, _, missed in parts], n)
-        self.form = csr_array(D.T @ D + S.T @ S)
+        self.rows = csr_array(vstack([D, S], format="csr"))
+        fits = [(at, second) for at, _, second, _ in parts] + [(at, missed) for at, _, _, missed in parts]
+        self.row_centers = np.concatenate([np.repeat(at, block.shape[1]) for at, block in fits])
+        self.stabilizer = csr_array(S.T @ S)
+        self.form = csr_array(D.T @ D + self.stabilizer)
 
     def square_integral(self, vertices: Floats) -> float:
         """``int |II|^2 dA``: of k1^2 + k2^2."""

@@ -1,8 +1,11 @@
 """Isometric surfaces with a prescribed boundary curve.
 
 Inside, the edges are more equations than unknowns, by three less than the boundary has vertices: a surface is
-found exactly where lengths and curve belong together, and fitted by least squares elsewhere.  The start is
-harmonic; bending of decreasing weight leads from there to the lengths.
+found exactly where lengths and curve belong together, and fitted by least squares elsewhere.
+
+An elastic sheet that becomes thinner leads from a harmonic surface to the basin; starts with bumps are tried
+in turn, as bumps may be on the wrong side.  Then only the stabilizer of the bending energy is left: bending
+itself would push vertices that are nearly flat to the wrong side of their neighbors.
 """
 
 from __future__ import annotations
@@ -10,57 +13,72 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, kron
+from scipy.sparse import csr_array, diags_array
 
+from isoembed.aim.vertex_reflections import reflections
 from isoembed.arrays import Floats, Mask
 from isoembed.linalg import factor_general
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import face_areas
-from isoembed.nonlinear.acceptance import LineSearch
-from isoembed.nonlinear.newton import newton
-from isoembed.nonlinear.stopping import short_step
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
+from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface import measures
+from isoembed.surface.rigidity import HeldVertices
 
-WEIGHTS = tuple(10.0**-k for k in range(3, 13))  # epsilon over the area, one after the other
-DESCENT = 4  # Gauss-Newton steps at most for each
-NEWTON = 30  # without bending, at most
+STIFFNESSES = tuple(10.0 ** (-k / 2) for k in range(2, 13))  # epsilon over the area, one after the other
+BUMPED = 1e-4  # the first for a start with a bump, which thicker sheets would flatten
+BUMP = 0.3  # height of a bump over the radius of the curve
+STABILIZERS = 10, 100  # times the stabilizer, beside the bending
+SMOOTHEST = tuple(10.0**-k for k in range(6, 12))  # epsilon over the area, without bending
+DESCENT = 15  # Newton steps at most for each
+SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
+NEWTON = 40  # steps without bending, at most
+LESS = 0.99  # share of the energy of another surface
 ROUNDS = 40  # vertices that are reflected at most
 REFLECTED = 16  # vertices whose reflections are tried, before a minimum counts as the least
 BETTER = 0.9  # share of the squares that is left by a reflection that helps
 REALIZED = 1e-11  # largest residual of a realization, in mean edge lengths
 FLAT = 1e-6  # thickness over size of a curve that is in a plane
-SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one weight
 
 
-def harmonic(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Floats:
-    """Positions, (V, 3), with every vertex inside at the mean of its neighbors."""
+def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterator[tuple[Floats, float]]:
+    """Surfaces to start from, (V, 3), each with the first epsilon over the area.
+
+    With every vertex inside at the mean of its neighbors; then with bumps, and with a bump beside a dent.
+    """
     t = lengths.triangulation
     laplacian = csr_array(diags_array(t.degrees.astype(np.float64)) - t.adjacency)
     free, fixed = np.flatnonzero(inside), np.flatnonzero(~inside)
-    vertices = boundary.copy()
-    if not len(free):
-        return vertices
     rows = laplacian[free]
     factor = factor_general(rows[:, free])
+    vertices = boundary.copy()
     vertices[free] = factor.solve(-(rows[:, fixed] @ boundary[fixed]))
     curve = boundary[fixed] - boundary[fixed].mean(axis=0)
     _, sizes, axes = np.linalg.svd(curve, full_matrices=False)
-    if sizes[2] > FLAT * sizes[0]:
-        return vertices
-    # Of a flat curve all is flat, and would stay so: a bump of the area of the metric leaves the plane.
     bump = np.zeros(t.n_vertices)
     bump[free] = factor.solve(np.ones(len(free)))
-    goal = float(face_areas(lengths.metric).sum())
+    bump /= bump.max()
+    if sizes[2] > FLAT * sizes[0]:
+        yield vertices, STIFFNESSES[0]
+    else:  # of a flat curve all is flat, and would stay so
+        height = _height(lengths, vertices, np.outer(bump, axes[2]))
+        yield vertices + height * np.outer(bump, axes[2]), BUMPED
+    height = BUMP * float(np.linalg.norm(curve, axis=1).max())
+    away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
+    for shape in (bump, bump * away[:, 0], bump * away[:, 1]):
+        for side in (height, -height):
+            yield vertices + np.outer(side / np.abs(shape).max() * shape, axes[2]), BUMPED
 
-    def area(height: float) -> float:
-        return float(measures.face_areas(t.faces, vertices + height * np.outer(bump, axes[2])).sum())
 
-    height = lengths.metric.mean_length / bump.max()
-    while area(height) < goal:
+def _height(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:
+    """Height of a bump with which a surface has the area of the metric, or a little more."""
+    faces, goal = lengths.triangulation.faces, float(face_areas(lengths.metric).sum())
+    height = lengths.metric.mean_length
+    while measures.face_areas(faces, vertices + height * bump).sum() < goal:
         height *= 1.5
-    return vertices + height * np.outer(bump, axes[2])
+    return height
 
 
 def through_curve(
@@ -79,7 +97,7 @@ def through_curve(
     boundary : ndarray, shape (V, 3)
         Positions; only those of the boundary's vertices are used.
     start : ndarray, shape (V, 3), or None
-        By default `harmonic`.
+        By default `starts`.
     recorder : StageRecorder
 
     Returns
@@ -88,75 +106,89 @@ def through_curve(
     """
     t, unit = lengths.triangulation, lengths.metric.mean_length
     inside, inner = ~t.boundary_vertices, ~t.boundary_edges
-    x = harmonic(lengths, boundary, inside) if start is None else np.where(inside[:, None], start, boundary)
-    free = np.flatnonzero(np.repeat(inside, 3))
-    if not len(free):
-        return x
-    form = csr_array(kron(2 * energy.form, np.eye(3), format="csr"))[free][:, free]
+    if not inside.any():
+        return boundary
+    held = HeldVertices.fixed(np.flatnonzero(~inside))
+    smooth = ElasticSheet(lengths, energy.stabilizer, held, recorder)
 
-    def minimized(start: Floats, epsilon: float, most: int, shortest: float) -> Floats:
-        """The minimum near a start, by Gauss-Newton steps, the last one no longer than this."""
+    def tries() -> Iterator[tuple[ElasticSheet, Floats, float]]:
+        """Sheets that bend, each with a start and the first epsilon over the area."""
+        first, *bumped = starts(lengths, boundary, inside)
+        sheets = []
+        for times in STABILIZERS:
+            form = csr_array(energy.form + (times - 1) * energy.stabilizer)
+            sheets.append(ElasticSheet(lengths, form, held, recorder))
+            yield sheets[-1], *first
+        for each in bumped:
+            yield sheets[0], *each
 
-        def solve(vertices: Floats, r: Floats) -> Floats:
-            recorder.show(residual=float(np.abs(r).max()) / unit)
-            J = lengths.jacobian(vertices)[np.flatnonzero(inner)][:, free]
-            gradient = J.T @ r + 2 * epsilon * (energy.form @ vertices).ravel()[free]
-            recorder.factorizations += 1
-            recorder.iterations += 1
-            step = np.zeros(vertices.size)
-            # Singular where the lengths leave a motion free.
-            step[free] = factor_general(J.T @ J + epsilon * form).solve(gradient)
-            return step.reshape(-1, 3)
+    def released(x: Floats) -> Floats:
+        for stiffness in SMOOTHEST:
+            x = smooth.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
+        return settled(x)
 
-        return newton(
-            start,
-            lambda x: lengths.residuals(x)[inner],
-            solve,
-            LineSearch(decrease=0.0, shortest=1e-3),
-            norm=lambda p: float(p.residual @ p.residual) / 2 + epsilon * energy.value(p.x),
-            converged=short_step(shortest),
-            max_iterations=most,
-        ).point.x
+    def settled(x: Floats) -> Floats:
+        return smooth.relaxed(x, 0.0, NEWTON, 1e-14)
 
-    for weight in WEIGHTS:
-        x = minimized(x, weight * energy.area, DESCENT, SETTLED * unit)
-
-    def settled(vertices: Floats) -> Floats:
-        return minimized(vertices, 0.0, NEWTON, 1e-14 * unit)
-
-    def squares(vertices: Floats) -> float:
-        r = lengths.residuals(vertices)[inner]
+    def squares(x: Floats) -> float:
+        r = lengths.residuals(x)[inner]
         return float(r @ r)
 
-    x = settled(x)
+    def is_realized(x: Floats) -> bool:
+        return bool(np.abs(lengths.residuals(x)[inner]).max() < REALIZED * unit)
+
+    if start is None:
+        least: dict[ElasticSheet, float] = {}
+        best, fewest = boundary, np.inf
+        for sheet, x, first in tries():
+            for stiffness in STIFFNESSES:
+                if stiffness <= first:
+                    x = sheet.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
+            value = sheet.value(x, STIFFNESSES[-1] * energy.area)
+            if not value < LESS * least.get(sheet, np.inf):  # as before, or worse
+                continue
+            least[sheet], x = value, released(x)
+            if squares(x) < fewest:
+                best, fewest = x, squares(x)
+            if is_realized(x):
+                break
+        x = best
+    else:
+        x = released(np.where(inside[:, None], start, boundary))
     for _ in range(ROUNDS):
-        for start in _reflected(lengths, x, inner):
-            y = settled(start)
+        if is_realized(x):
+            break
+        moves = reflections(t, x)
+        for v in _most_missed(lengths, x, inner):
+            y = x.copy()
+            y[v] += moves[v]
+            y = settled(y)
             if squares(y) < BETTER * squares(x):
                 x = y
                 break
         else:
             break
-        if np.abs(lengths.residuals(x)[inner]).max() < REALIZED * unit:
-            break
+    return _smoother(t, x, energy.stabilizer) if is_realized(x) else x
+
+
+def _smoother(t: Triangulation, x: Floats, form: csr_array) -> Floats:
+    """The surface with each vertex inside that has three neighbors on the smoother side of them.
+
+    On both sides it has the lengths.
+    """
+    moves = reflections(t, x)
+    for v in np.flatnonzero(~t.boundary_vertices & (t.degrees == 3)):
+        y = x.copy()
+        y[v] += moves[v]
+        if np.sum(y * (form @ y)) < np.sum(x * (form @ x)):
+            x = y
     return x
 
 
-def _reflected(lengths: LengthConstraints, x: Floats, inner: Mask) -> Iterator[Floats]:
-    """The surface with one vertex reflected through its neighbors, where lengths are missed most first.
-
-    Where a vertex is nearly flat, both sides of its neighbors are minima of the squares.
-    """
+def _most_missed(lengths: LengthConstraints, x: Floats, inner: Mask) -> list[int]:
+    """Vertices inside about which the lengths are missed most, the most first."""
     t = lengths.triangulation
-    squares = np.where(inner, lengths.residuals(x) ** 2, 0.0)
-    if squares.max() < (REALIZED * lengths.metric.mean_length) ** 2:
-        return
-    missed = np.abs(t.incidence) @ squares
+    missed = np.abs(t.incidence) @ np.where(inner, lengths.residuals(x) ** 2, 0.0)
     missed = np.where(t.boundary_vertices, -1.0, missed + t.adjacency @ missed)
-    for v in np.argsort(-missed)[: min(REFLECTED, int((missed >= 0).sum()))]:
-        near = x[t.adjacency.indices[t.adjacency.indptr[v] : t.adjacency.indptr[v + 1]]]
-        middle = near.mean(axis=0)
-        normal = np.linalg.svd(near - middle)[2][2]
-        y = x.copy()
-        y[v] -= 2 * ((x[v] - middle) @ normal) * normal
-        yield y
+    count = min(REFLECTED, int((missed >= 0).sum()))
+    return np.argsort(-missed)[:count].tolist()

@@ -10,6 +10,8 @@ from isoembed.arrays import Floats, Indices
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 
+CLEAR = 0.1  # of the distance of the nearest neighbor: unfolded vertices are not nearer to the center
+
 
 @dataclass(frozen=True, eq=False)
 class Charts:
@@ -60,8 +62,13 @@ class Charts:
         kept = (beyond[0] != beyond[1]) & ~np.isin(own, keys)
         once, which, counts = np.unique(own[kept], return_inverse=True, return_counts=True)
         sums = [np.bincount(which, beyond[2][kept, k], minlength=len(once)) for k in range(2)]
-        keys = np.concatenate([keys, once])
-        positions = np.concatenate([ring[2], np.stack(sums, axis=1) / counts[:, None]])
+        means = np.stack(sums, axis=1) / counts[:, None]
+        nearest = np.full(n, np.inf)
+        np.minimum.at(nearest, ring[0], np.linalg.norm(ring[2], axis=1))
+        # Around a sharp corner a vertex may be unfolded to either side of the center, or onto it.
+        is_clear = np.linalg.norm(means, axis=1) > CLEAR * nearest[once // n]
+        keys = np.concatenate([keys, once[is_clear]])
+        positions = np.concatenate([ring[2], means[is_clear]])
         order = np.argsort(keys, kind="stable")
         centers, neighbors = np.divmod(keys[order], n)
         return cls(centers, neighbors, positions[order])

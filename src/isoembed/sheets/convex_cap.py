@@ -15,11 +15,9 @@ Izmestiev, A variational proof of Alexandrov's convex cap theorem, Discrete Comp
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
-from isoembed.linalg import factor_general
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
@@ -27,6 +25,7 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.nonlinear.newton import largest, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
+from isoembed.surface.rigidity import HeldVertices, VertexSystem, edge_rows
 
 STEPS = 60  # of Newton's method at most
 EXACT = 1e-14  # largest residual, in mean edge lengths, that ends it
@@ -93,7 +92,8 @@ def upright(vertices: Floats, boundary: Floats) -> Floats:
 def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recorder: StageRecorder) -> Floats:
     """Solve for the lengths and the z of the boundary's vertices, in their order, by Newton's method.
 
-    Three equations more hold the surface against motions that leave z: there are as many as unknowns.
+    Two vertices of the boundary hold the surface against motions that leave z: there are as many equations as
+    unknowns, which the normal equations solve in the order of nested dissection.
 
     Parameters
     ----------
@@ -110,28 +110,29 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
     ndarray, shape (V, 3)
         The last iterate.
     """
-    lengths, n = LengthConstraints(metric), len(start)
-    [loop] = metric.triangulation.boundaries
-    count = len(loop)
-    raised = csr_array((np.ones(count), (np.arange(count), 3 * loop + 2)), shape=(count, 3 * n))
-    x, y = (start[:, :2] - start[:, :2].mean(axis=0)).T
-    pins = np.zeros((3, n, 3))
-    pins[0, :, 0] = pins[1, :, 1] = 1 / np.sqrt(n)
-    size = np.sqrt(np.sum(x * x + y * y))
-    pins[2, :, 0], pins[2, :, 1] = -y / size, x / size
-    fixed = csr_array(pins.reshape(3, 3 * n))
-    held = fixed @ start.ravel()
+    lengths, t = LengthConstraints(metric), metric.triangulation
+    [loop] = t.boundaries
+    system = VertexSystem(t)
+    blocks = np.zeros((len(loop), 3, 3))
+    blocks[:, 2, 2] = 1.0
+    across = (start[loop] - start[loop[0]])[:, :2]
+    far = int(np.argmax((across**2).sum(axis=1)))
+    normal = np.array([-across[far, 1], across[far, 0]]) / np.linalg.norm(across[far])
+    blocks[0, :2, :2] = np.eye(2)
+    blocks[far, :2, :2] = np.outer(normal, normal)
+    held = HeldVertices(loop, blocks)
 
     def equations(vertices: Floats) -> Floats:
-        flat = vertices.ravel()
-        return np.concatenate([lengths.residuals(vertices), vertices[loop, 2] - heights, fixed @ flat - held])
+        return np.concatenate([lengths.residuals(vertices), vertices[loop, 2] - heights])
 
     def solve(vertices: Floats, missed: Floats) -> Floats:
         recorder.show(residual=float(np.abs(missed).max()) / metric.mean_length)
-        matrix = vstack([lengths.jacobian(vertices), raised, fixed], format="csc")
         recorder.factorizations += 1
         recorder.iterations += 1
-        return factor_general(matrix).solve(missed).reshape(-1, 3)
+        forces = lengths.forces(vertices, missed[: t.n_edges])
+        forces[loop, 2] += missed[t.n_edges :]
+        factor = system.penalized(edge_rows(t, vertices, metric.lengths), 0.0, held=held)
+        return factor.solve(forces.ravel()).reshape(-1, 3)
 
     # It may end at rounding, or astray, which the residual tells, or where vertices are flat to rounding and
     # the matrix is singular: the polyhedron has these in place.

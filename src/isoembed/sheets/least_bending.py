@@ -17,10 +17,9 @@ from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.nonlinear.acceptance import LineSearch
-from isoembed.nonlinear.newton import Point, newton
-from isoembed.nonlinear.stopping import short_step
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
+from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows
 
@@ -55,40 +54,12 @@ def thinned(
     energy: BendingEnergy, lengths: LengthConstraints, start: Floats, recorder: StageRecorder
 ) -> LeastBending:
     """Minimize the energy of elastic sheets, each thinner than the last, from a start of any lengths."""
-    metric, t = energy.metric, lengths.triangulation
-    system = VertexSystem(t, energy.form)
-    unit = metric.mean_length
     x = start
-    held = HeldTriangle.of(x, t.faces[0])
+    held = HeldTriangle.of(x, lengths.triangulation.faces[0])
+    sheet = ElasticSheet(lengths, energy.form, held, recorder)
     for stiffness in STIFFNESSES:
         epsilon = stiffness * energy.area
-
-        def solve(x: Floats, r: Floats, epsilon: float = epsilon) -> Floats:
-            recorder.show(residual=float(np.abs(r).max()) / unit)
-            rows = edge_rows(t, x, metric.lengths)
-            gradient = t.incidence @ (rows * r[:, None]) + 2 * epsilon * (energy.form @ x)
-            recorder.factorizations += 1
-            recorder.iterations += 1
-            try:
-                factor = system.penalized(rows, 2 * epsilon, tensions=r / metric.lengths, held=held)
-            except SingularMatrix:  # compressed edges buckle: without their stress the matrix is definite
-                recorder.factorizations += 1
-                stretched = np.maximum(r, 0.0) / metric.lengths
-                factor = system.penalized(rows, 2 * epsilon, tensions=stretched, held=held)
-            return factor.solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
-
-        def value(p: Point, epsilon: float = epsilon) -> float:
-            return float(p.residual @ p.residual) / 2 + epsilon * energy.value(p.x)
-
-        x = newton(
-            x,
-            lengths.residuals,
-            solve,
-            LineSearch(decrease=0.0, shortest=1e-4),
-            norm=value,
-            converged=short_step(SETTLED * unit),
-            max_iterations=DESCENT,
-        ).point.x
+        x = sheet.relaxed(x, epsilon, DESCENT, SETTLED)
     return LeastBending(x, lengths.residuals(x) / epsilon, np.inf)
 
 

@@ -77,6 +77,7 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         found = Aim().run(closed.normalized, tolerance, log)
     except NotEmbedded as failure:
         found = failure.embedding
+    assert isinstance(found, MeasuredSurface)  # the metric has errors
     x = found._in_unit_of(closed).vertices
     [loop] = t.boundaries
     middle = x[loop].mean(axis=0)
@@ -89,6 +90,7 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         method=name,
         tolerance=tolerance,
         stages=log.stages,
-        weight=getattr(found, "weight", 0.0),
+        weight=found.weight,
+        degrees_of_freedom=max(1.0, found.degrees_of_freedom * t.n_edges / closed.triangulation.n_edges),
         condition="plane",
     )

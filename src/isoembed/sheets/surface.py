@@ -1,9 +1,11 @@
 """Embeddings of surfaces with boundary or of higher genus."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +16,10 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.surface.measures import face_normals
 from isoembed.surface.surface import Surface
+
+if TYPE_CHECKING:
+    from isoembed.proof.certificate import Certificate
+    from isoembed.sheets.derivatives import SheetDerivatives
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,10 +74,9 @@ class SheetSurface(Surface):
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    There is no certificate.  Derivatives, deviations and comparisons are about closed surfaces of genus 0
-    and raise `InvalidMetric`; so does the volume of a surface with boundary.  That has no outside: it is not
-    mirrored, and the sign of its mean curvature depends on the side from which the triangles are
-    counterclockwise.
+    Deviations and comparisons are about closed surfaces of genus 0 and raise `InvalidMetric`; so does the
+    volume of a surface with boundary.  That has no outside: it is not mirrored, and the sign of its mean
+    curvature depends on the side from which the triangles are counterclockwise.
 
     Parameters
     ----------
@@ -79,6 +84,9 @@ class SheetEmbedding(Embedding):
         As of an `Embedding`.
     condition : str
         What was asked at the boundary.
+    heights : ndarray, shape (B,), optional
+        Of the boundary's vertices, in the order of `Triangulation.boundaries` and up to a constant, where
+        these were asked for; zeros of a boundary in a plane.
     tensions : ndarray, shape (E,), optional
         Of a surface of least bending that is flexible: the pull of each edge, with which bending is in
         balance, in units of the bending modulus over length.
@@ -89,14 +97,17 @@ class SheetEmbedding(Embedding):
 
     _: KW_ONLY
     condition: str
+    heights: Floats | None = None
     tensions: Floats | None = None
     imbalance: float | None = None
 
-    def _in_unit_of(self, given: Any) -> "SheetEmbedding":
+    def _in_unit_of(self, given: Any) -> SheetEmbedding:
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
         found = super()._in_unit_of(given)
         if self.tensions is not None:
             found._set(tensions=frozen(self.tensions / given.unit))
+        if self.heights is not None:
+            found._set(heights=frozen(self.heights * given.unit))
         return found
 
     def _sentence(self) -> str:
@@ -121,6 +132,25 @@ class SheetEmbedding(Embedding):
         """Integral of k1^2 + k2^2 dA."""
         assert isinstance(self.surface, SheetSurface)
         return self.surface.second_form_energy
+
+    @cached_property
+    def _certificate(self) -> Certificate:
+        """What `isoembed.certify` returns."""
+        from isoembed.proof.boundary_heights import certify
+        from isoembed.proof.certificate import overdetermined
+
+        more = int(self.triangulation.boundary_vertices.sum()) - 3
+        if self.condition == "curve" and more > 0:
+            return overdetermined(more)
+        if self.heights is None or not self.converged:
+            return super()._certificate
+        return certify(self.metric, self.vertices, self.heights)
+
+    def _length_derivatives(self) -> SheetDerivatives:
+        """Derivatives by the lengths and by what is given at the boundary."""
+        from isoembed.sheets.derivatives import SheetDerivatives
+
+        return SheetDerivatives.of(self)
 
     @property
     def _reported(self) -> Mapping[str, Any]:

@@ -15,13 +15,14 @@ from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.start import Start
 from isoembed.smooth.symmetry import axis_of_symmetry
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
-from isoembed.smooth.two_metric import AngleMetric, PulledBack, TwoMetric
+from isoembed.smooth.two_metric import AngleMetric, ChartMetric, PulledBack, TwoMetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 
 __all__ = [
     "AngleMetric",
     "AxisymmetricEmbedding",
     "Band",
+    "ChartMetric",
     "GridMetric",
     "Harmonics",
     "LeastHyperbolic",

@@ -44,8 +44,10 @@ def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
     samples of the metric about it.
     """
     directions = np.asarray(u, dtype=np.float64)
-    unit, own = in_own_unit(metric)
     K = np.empty(len(directions))
+    if len(directions) == 0:
+        return K
+    unit, own = in_own_unit(metric, directions[:1])
     for begin in range(0, len(directions), CHUNK):
         part = slice(begin, begin + CHUNK)
         K[part] = _brioschi(_sampled(own, directions[part]))

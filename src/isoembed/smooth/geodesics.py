@@ -59,8 +59,10 @@ def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Flo
             f"the ends of path {i} are {np.degrees(np.arccos(max(cosine[i], -1.0))):.6g} degrees apart, "
             f"but at most {WIDEST:g} are allowed"
         )
-    unit, own = in_own_unit(metric)
     lengths = np.empty(len(P))
+    if len(P) == 0:
+        return lengths
+    unit, own = in_own_unit(metric, P[:1])
     for begin in range(0, len(P), CHUNK):
         part = slice(begin, begin + CHUNK)
         lengths[part] = _lengths(own, P[part], Q[part])
@@ -79,15 +81,21 @@ class Scaled:
         return self.metric.tensor(u) / self.unit / self.unit
 
 
-def in_own_unit(metric: TwoMetric) -> tuple[float, Scaled]:
+def in_own_unit(metric: TwoMetric, u: ArrayLike = ((0.0, 0.6, 0.8),)) -> tuple[float, Scaled]:
     """A power of two near the metric's size, dividing by which rounds nothing, and the metric in that unit.
+
+    Parameters
+    ----------
+    metric : TwoMetric
+    u : array_like, shape (1, 3)
+        The direction where its size is taken.
 
     Raises
     ------
     InvalidMetric
-        The metric is not positive definite at the direction where its size is taken.
+        The metric is not positive definite there.
     """
-    trace = np.trace(definite_tensor(metric, np.array([[0.0, 0.6, 0.8]]))[0])
+    trace = np.trace(definite_tensor(metric, np.asarray(u))[0])
     unit = float(np.ldexp(1.0, int(np.frexp(np.sqrt(0.5 * trace))[1]) - 1))
     return unit, Scaled(metric, unit)
 

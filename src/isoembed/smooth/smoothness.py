@@ -9,6 +9,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
+from isoembed.meshing.spreading import WHOLE, Zone
 from isoembed.smooth.geodesics import definite_tensor
 from isoembed.smooth.poles import RINGS, SCALES, PoleSight, ring_sights, series_sights
 from isoembed.smooth.two_metric import NEAR_POLE, AngleMetric, TwoMetric, angle_components, components_at
@@ -125,14 +126,53 @@ def check_rings(metric: TwoMetric) -> PoleSight:
         It is no smooth tensor.
     """
     if isinstance(metric, AngleMetric):
-        _check_seam(metric)
+        _check_seam(metric, WHOLE)
+    return _checked_rings(metric, WHOLE)
+
+
+def check_disc(metric: TwoMetric, zone: Zone) -> None:
+    """Check a metric in a zone: at the pole that is in it, if any, and where phi begins again.
+
+    Raises
+    ------
+    InvalidMetric
+        It is no smooth tensor.
+    """
+    if isinstance(metric, AngleMetric):
+        _check_seam(metric, zone)
+    start, stop = zone
+    widest = SCALES[0] * max(RINGS)
+    if start == 0.0 and stop >= widest:
+        _checked_rings(_Mirrored(metric, 1.0), zone)
+    elif stop == np.pi and start <= np.pi - widest:
+        _checked_rings(_Mirrored(metric, -1.0), zone)
+
+
+@dataclass(frozen=True)
+class _Mirrored:
+    """The metric of a disc about a pole, z = `pole`, and its mirror image about the other one."""
+
+    metric: TwoMetric
+    pole: float
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `TwoMetric`."""
+        flip = np.ones((len(u), 3))
+        flip[self.pole * u[:, 2] < 0.0, 2] = -1.0
+        return flip[:, :, None] * self.metric.tensor(flip * u) * flip[:, None, :]
+
+
+def _checked_rings(metric: TwoMetric, zone: Zone) -> PoleSight:
     # Nearer to a pole, components by angles are extrapolated.
-    near = NEAR_POLE if isinstance(metric, AngleMetric) else 0.0
+    by_angles = isinstance(metric.metric if isinstance(metric, _Mirrored) else metric, AngleMetric)
+    near = NEAR_POLE if by_angles else 0.0
     scales = np.array([scale for scale in SCALES if scale >= near])
     radii = np.multiply.outer(scales, RINGS)
     phi = 0.1 + 2.0 * np.pi / AROUND * np.arange(AROUND)
-    theta = np.append(np.stack([radii, np.pi - radii]), 0.5 * np.pi - radii[0, 0])
-    sin = np.append(np.stack([np.sin(radii)] * 2), np.cos(radii[0, 0]))  # not rounded, near pi
+    # Latitudes are told by a place near the equator; a disc may not reach it.
+    last_theta = 0.5 * np.pi - radii[0, 0] if zone == WHOLE else radii[0, 0]
+    theta = np.append(np.stack([radii, np.pi - radii]), last_theta)
+    sin = np.append(np.stack([np.sin(radii)] * 2), np.sin(last_theta))  # not rounded, near pi
     flat = sin[:, None]
     u = np.stack(np.broadcast_arrays(flat * np.cos(phi), flat * np.sin(phi), np.cos(theta)[:, None]), axis=2)
     u = u.reshape(-1, 3)
@@ -144,14 +184,14 @@ def check_rings(metric: TwoMetric) -> PoleSight:
         Q[:-1].reshape(2, *radii.shape, len(phi), 3),
         np.sin(radii)[:, :, None],
         near_poles,
-        (np.cos(theta[-1]) ** 2, sin[-1] ** 2 * means[-1, 2]),
+        (np.cos(theta[-1]) ** 2 if zone == WHOLE else 0.0, sin[-1] ** 2 * means[-1, 2]),
     )
     return _checked(ring_sights, look, CONFLICT)
 
 
-def _check_seam(metric: AngleMetric) -> None:
+def _check_seam(metric: AngleMetric, zone: Zone) -> None:
     """Refuse components that are not those of the same points a turn later."""
-    theta: Floats = np.linspace(0.0, np.pi, AROUND + 1)[1:-1]
+    theta: Floats = np.linspace(*zone, AROUND + 1)[1:-1]
     ends = [np.full_like(theta, phi) for phi in (1e-9, 2.0 * np.pi - 1e-9)]
     start, stop = (components_at(metric, theta, phi) for phi in ends)
     sin = np.sin(theta)

@@ -1,4 +1,4 @@
-"""Nearly equilateral triangulations of the sphere in a smooth metric."""
+"""Nearly equilateral triangulations of the sphere, of discs and of bands in a smooth metric."""
 
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -10,14 +10,15 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
 from isoembed.meshing.metric_relaxation import MetricMesh
-from isoembed.meshing.sphere import fibonacci_lattice
-from isoembed.meshing.spreading import Cells, cell_centers, roundest_axis
+from isoembed.meshing.sphere import angles_of, directions_at, fibonacci_lattice
+from isoembed.meshing.spreading import WHOLE, Cells, Zone, cell_centers, roundest_axis
 from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
+from isoembed.meshing.zone import ZoneLayout
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
 from isoembed.smooth.grid_metric import GridMetric, sampled_on_grid
-from isoembed.smooth.smoothness import check_rings
+from isoembed.smooth.smoothness import check_disc, check_rings
 from isoembed.smooth.two_metric import TwoMetric, area_density
 from isoembed.space import EUCLIDEAN, Space
 
@@ -26,12 +27,12 @@ MOST_VERTICES = 10_000_000  # more fit into no memory
 
 @dataclass(frozen=True, eq=False)
 class SphereMesh:
-    """A triangulation of the sphere of directions and the geodesic lengths of its edges in a metric.
+    """A triangulation of the sphere of directions, or of a zone, and the geodesic lengths of its edges.
 
     Attributes
     ----------
     directions : ndarray, shape (V, 3)
-        Unit vectors; the triangles look outward.
+        Unit vectors; the triangles look outward.  Vertices on a boundary come first.
     metric : PolyhedralMetric
         The triangles with the lengths of the geodesics between their corners.
     """
@@ -43,6 +44,11 @@ class SphereMesh:
     def faces(self) -> Indices:
         """(F, 3): the triangles."""
         return self.metric.faces
+
+    @property
+    def polar(self) -> tuple[Floats, Floats]:
+        """Theta and phi (V,) of the vertices: on a disc, radius and angle of its polar coordinates."""
+        return angles_of(self.directions)
 
     @cached_property
     def angles(self) -> tuple[float, float]:
@@ -69,9 +75,10 @@ def triangulate_metric(
     *,
     size: float | None = None,
     grading: float = 0.0,
+    zone: tuple[float, float] = WHOLE,
     space: Space = EUCLIDEAN,
 ) -> SphereMesh:
-    """Triangulate the sphere with triangles that are nearly equilateral in a smooth metric.
+    """Triangulate the sphere, a disc or a band with triangles that are nearly equilateral in a smooth metric.
 
     Parameters
     ----------
@@ -84,6 +91,11 @@ def triangulate_metric(
         How many vertices follow the curvature, against one that follows the area, if K > 0 everywhere: their
         density is 1 + grading abs(K) A / 4 pi, and each sharp tip gets its share.  0.1 suits metrics with
         tips; 0 makes all triangles alike.
+    zone : tuple of float
+        Range of theta, by default the whole sphere.  ``(0, stop)`` is a disc whose boundary is the circle
+        theta = stop, with theta for the radius and phi for the angle of polar coordinates; a band has two
+        boundaries.  The vertices of a boundary are on it.  The metric is evaluated a tenth of an edge beyond
+        it, too, or farther where a boundary is concave.
     space : Space
         Its curvature is that of the triangles.
 
@@ -96,7 +108,8 @@ def triangulate_metric(
     ------
     InvalidParameter
         Neither or both of `vertices` and `size` are given, there would be fewer than 12 vertices or more than
-        ten million, or so few that triangles have no area, `size` is not positive, or `grading` is negative.
+        ten million, or so few that triangles have no area, `size` is not positive, `grading` is negative, or
+        `zone` is none.
     InvalidMetric
         The metric is not positive definite somewhere; the message names theta, phi and the value.  Or it is
         not smooth at the poles; the message says what is seen there.
@@ -107,7 +120,7 @@ def triangulate_metric(
     flips, is relaxed by its edge lengths: to optimal Delaunay triangulations, then to centroidal Voronoi
     tessellations, first everywhere, then with geodesic lengths about angles outside of 35-100 degrees, until
     there are none.  The best of all these meshes is returned; where the vertices are too few for the metric's
-    sharpest features it misses the window.
+    sharpest features it misses the window.  Vertices on a boundary are spread evenly along it, and stay.
     """
     if (vertices is None) == (size is None):
         given = "neither" if size is None else "both"
@@ -121,6 +134,8 @@ def triangulate_metric(
         if vertices is None
         else checked_count("the number of vertices", vertices, MIN_VERTICES, MOST_VERTICES)
     )
+    if zone != WHOLE:
+        return _triangulated_zone(metric, n, size, grading, _checked_zone(zone), space)
     if not isinstance(metric, GridMetric):  # grids have been looked at
         check_rings(metric)
     unit, own = in_own_unit(metric)
@@ -130,13 +145,62 @@ def triangulate_metric(
     assert n is not None
     u = Cells(area.values * density.values, area.axis).spread(fibonacci_lattice(n))
     start = MetricMesh.hull(u, partial(definite_tensor, own), partial(geodesic_lengths, own))
-    mesh = start.relaxed(density if grading else None)
-    triangulation = Triangulation(mesh.tables.corners.reshape(-1, 3))
-    lengths = unit * mesh.tables.lengths[triangulation.edge_halfedges[:, 0]]
+    return _measured(start.relaxed(density if grading else None), unit, space)
+
+
+def _triangulated_zone(
+    metric: TwoMetric, n: int | None, size: float | None, grading: float, zone: Zone, space: Space
+) -> SphereMesh:
+    """The mesh of a disc or a band."""
+    start, stop = zone
+    if not isinstance(metric, GridMetric):
+        check_disc(metric, zone)
+    middle = 0.5 * (start + stop)
+    unit, own = in_own_unit(metric, directions_at(np.array([np.cos(middle)]), 0.0))
+    tensor = partial(definite_tensor, own)
+
+    def area(u: Floats) -> Floats:
+        return area_density(tensor(u))
+
+    total = Cells.of(area, (64, 64), zone=zone).integral()
+
+    def density(u: Floats) -> Floats:
+        if not grading:
+            return np.ones(len(u))
+        return 1.0 + grading * total / (4.0 * np.pi) * np.abs(gaussian_curvature(own, u))
+
+    layout = ZoneLayout(zone, tensor, area, density)
+    if size is not None:
+        n = _checked_number(layout.vertices(size / unit / 1.02), size)
+    assert n is not None
+    mesh = layout.mesh(n, partial(geodesic_lengths, own))
+    return _measured(mesh.relaxed(Cells.of(density, (256, 64), zone=zone) if grading else None), unit, space)
+
+
+def _checked_zone(zone: tuple[float, float]) -> Zone:
+    """Two angles in order.
+
+    Raises
+    ------
+    InvalidParameter
+        They are not.
+    """
+    start, stop = map(float, zone)
+    if not 0.0 <= start < stop <= np.pi:
+        raise InvalidParameter(f"the zone must be two angles with 0 <= start < stop <= pi, not {zone}")
+    return start, stop
+
+
+def _measured(mesh: MetricMesh, unit: float, space: Space) -> SphereMesh:
+    """A relaxed mesh without its cones, in the user's unit."""
+    inside = ~mesh.is_cone
+    u = mesh.u[: mesh.n_vertices]
+    triangulation = Triangulation(mesh.tables.faces[inside])
+    lengths = unit * mesh.tables.face_lengths[inside].ravel()[triangulation.edge_sides.max(axis=1)]
     try:
-        return SphereMesh(frozen(mesh.u), PolyhedralMetric.on(triangulation, lengths, space))
+        return SphereMesh(frozen(u), PolyhedralMetric.on(triangulation, lengths, space))
     except InvalidMetric as error:
-        raise InvalidParameter(f"{n} vertices are too few for this metric: {error}") from None
+        raise InvalidParameter(f"{len(u)} vertices are too few for this metric: {error}") from None
 
 
 def graded_mesh(metric: TwoMetric, vertices: int, space: Space = EUCLIDEAN) -> SphereMesh:
@@ -182,12 +246,17 @@ def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> 
     N vertices of the density w have N w / int w dA in a unit of area, each with the area 3^(1/2) l^2 / 2 if
     the triangles were equilateral.
     """
-    fewest, most = MIN_VERTICES, MOST_VERTICES
     root = Cells(area.values * np.sqrt(density.values), area.axis).integral()
     whole = Cells(area.values * density.values, area.axis).integral()
     with np.errstate(over="ignore"):
         # Edges are 2 % longer than those of equilateral triangles.
         n = 2.0 + 2.0 / np.sqrt(3.0) * (1.02 * root * np.divide(unit, size)) ** 2 / whole
+    return _checked_number(float(n), size)
+
+
+def _checked_number(n: float, size: float) -> int:
+    """The number of vertices that edges of a size make, refused where it is not within bounds."""
+    fewest, most = MIN_VERTICES, MOST_VERTICES
     if not fewest - 0.5 <= n < most + 0.5:
         bound = f"least {fewest}" if n < fewest else f"most {most}"
         raise InvalidParameter(

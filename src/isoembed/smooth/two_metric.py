@@ -114,6 +114,53 @@ def components_at(metric: AngleMetric, theta: Floats, phi: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
+class ChartMetric:
+    """A metric on a disc or a band of the plane, whose components in x and y are given by a function.
+
+    The point (x, y) is in the direction with theta = (x^2 + y^2)^(1/2), less than pi, and tan(phi) = y / x.
+
+    Attributes
+    ----------
+    components : callable
+        Takes arrays x and y of one shape and returns g_xx, g_xy and g_yy, in units of length^2 over those of
+        x and y.
+    """
+
+    components: Callable[[Floats, Floats], tuple[ArrayLike, ArrayLike, ArrayLike]]
+
+    @staticmethod
+    def coordinates(u: ArrayLike) -> Floats:
+        """The points (n, 2) that directions u (n, 3) stand for."""
+        theta, phi = angles_of(np.asarray(u, dtype=np.float64))
+        return theta[:, None] * np.stack([np.cos(phi), np.sin(phi)], axis=1)
+
+    def tensor(self, u: Floats) -> Floats:
+        """See `TwoMetric`.
+
+        Raises
+        ------
+        InvalidMetric
+            The function returns what is not finite or not positive; the message names x and y.
+        """
+        x, y = self.coordinates(u).T
+        given = np.stack(np.broadcast_arrays(*self.components(x, y), x)[:3])
+        xx, xy, yy = given.astype(np.float64)
+        good = are_definite(xx, xy, yy)
+        if not good.all():
+            i = int(np.argmin(good))
+            raise InvalidMetric(
+                f"g_xx, g_xy, g_yy = {xx[i]:.6g}, {xy[i]:.6g}, {yy[i]:.6g} at x = {x[i]:.6g}, "
+                f"y = {y[i]:.6g}: that is not a positive definite metric"
+            )
+        _, phi = angles_of(u)
+        cos, sin, stretch = np.cos(phi), np.sin(phi), 1.0 / np.sinc(np.hypot(x, y) / np.pi)
+        tt = xx * cos**2 + 2.0 * xy * cos * sin + yy * sin**2
+        tp = stretch * ((yy - xx) * cos * sin + xy * (cos**2 - sin**2))
+        pp = stretch**2 * (xx * sin**2 - 2.0 * xy * cos * sin + yy * cos**2)
+        return from_angles(u, tt, tp, pp)
+
+
+@dataclass(frozen=True)
 class PulledBack:
     """The metric that a map X from the sphere into R^3 (or into a 3-geometry) induces.
 

@@ -171,10 +171,13 @@ def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
 
 
 def flat_faces(triangulation: Triangulation, creased: Mask) -> Indices:
-    """The face that each triangle is part of, shape (F,), numbered in the order of their first triangles."""
+    """The face that each triangle is part of, shape (F,), numbered in the order of their first triangles.
+
+    The creases are as of `outlines`.
+    """
     t = triangulation
     inside = np.flatnonzero(~creased)
-    return components(inside // 3, t.twins[inside] // 3, t.n_faces)
+    return components(inside // 3, t.sides_across[inside] // 3, t.n_faces)
 
 
 def coplanar_faces(
@@ -196,19 +199,19 @@ def coplanar_faces(
     t = triangulation
     angles = np.abs(dihedral_angles(t, vertices, space))
     turned = turning_errors(t, vertices, space)
-    flat = angles <= FLAT_ANGLE
+    flat, flanks = (angles <= FLAT_ANGLE) & ~t.boundary_edges, t.edge_flanks // 3
     faces = flat_faces(t, ~flat[t.face_edges.ravel()])
     known = np.bincount(faces, turned <= FLAT_ANGLE) > 0  # by a triangle that is not as low
-    doubtful = np.flatnonzero(~flat & (angles <= FLAT_ANGLE + turned[t.edge_faces].max(axis=1)))
+    doubtful = np.flatnonzero(~flat & (angles <= FLAT_ANGLE + turned[flanks].max(axis=1)))
     joined = np.arange(len(known))
     for e in doubtful[np.argsort(angles[doubtful], kind="stable")].tolist():
-        one, other = joined[faces[t.edge_faces[e]]]
+        one, other = joined[faces[flanks[e]]]
         if one != other and not (known[one] and known[other]):
             known[one] |= known[other]
             joined[joined == other] = one
     found = np.unique(joined[faces], return_inverse=True)[1]
     if error:
-        bent = angles > FLAT_ANGLE + bend_errors(t, vertices, space, error)
+        bent = (angles > FLAT_ANGLE + bend_errors(t, vertices, space, error)) | t.boundary_edges
         wide = flat_faces(t, bent[t.face_edges.ravel()])
         # Many small bends may lead around a surface that is smooth: that is no face.
         curved = _heights(t, vertices, wide) > 2 * error

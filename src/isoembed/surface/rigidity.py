@@ -279,19 +279,30 @@ def _square(J: RigidityMatrix, positions: Floats) -> csc_array:
     return csc_array((np.concatenate(values), (rows, places)), shape=(3 * J.vertices, 3 * J.vertices))
 
 
-class HeldTriangle(NamedTuple):
-    """A triangle that holds a surface against the six rigid motions, and against nothing else.
+class HeldVertices(NamedTuple):
+    """Vertices that are held.
 
     Attributes
     ----------
-    corners : ndarray of int, shape (3,)
-        The first does not move, the second only along the edge to it, the third only in the plane.
-    blocks : ndarray, shape (3, 3, 3)
+    corners : ndarray of int, shape (n,)
+    blocks : ndarray, shape (n, 3, 3)
         What that adds to the matrix at each.
     """
 
     corners: Indices
     blocks: Floats
+
+    @classmethod
+    def fixed(cls, corners: Indices) -> HeldVertices:
+        """Vertices that do not move, by more than a force times 1e-20."""
+        return cls(corners, np.tile(1e20 * np.eye(3), (len(corners), 1, 1)))
+
+
+class HeldTriangle(HeldVertices):
+    """A triangle that holds a surface against the six rigid motions, and against nothing else.
+
+    The first corner does not move, the second only along the edge to it, the third only in the plane.
+    """
 
     @classmethod
     def of(cls, vertices: Floats, corners: Indices) -> HeldTriangle:
@@ -354,13 +365,13 @@ class VertexSystem:
         weight: float,
         surface: Projected | None = None,
         tensions: Floats | float = 0.0,
-        held: HeldTriangle | None = None,
+        held: HeldVertices | None = None,
     ) -> SymmetricFactor:
         """Factor ``J^T J + S + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite.
 
         S is the Laplacian of the triangulation with the tensions, (E,), for the weights of its edges.  For a
         surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.  Rigid motions
-        are held at all vertices, a little, or by a triangle: where the weight is below `DIAGONAL_SHIFT`, the
+        are held at all vertices, a little, or by held vertices: where the weight is below `DIAGONAL_SHIFT`, the
         former would be more than P.
         """
         penalty = weight * self._penalty
@@ -370,7 +381,7 @@ class VertexSystem:
         hold = self._hold
         if held is not None:
             hold = 1e-16 / DIAGONAL_SHIFT * hold  # where a triangle fixes the motions, 1e-16 is enough
-            hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(3, 9)
+            hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(-1, 9)
         return self._factor(rows, penalty, tensions, hold)
 
     def damped(self, rows: Floats, damping: float) -> SymmetricFactor:

@@ -29,7 +29,7 @@ const space = data.space ?? null; // where points of a curved one are, their mod
 const meshes = data.meshes.map((entry) => {
   const corners = Uint32Array.from(stored(entry.faces)), ends = [];
   let solidEnds = 0; // of the triangles that nothing is seen through
-  for (let h = 0; h < corners.length; h++) { // each edge is in two triangles, once in either direction
+  for (let h = 0; h < corners.length; h++) { // each edge inside is in two triangles, once in either direction
     const to = corners[h % 3 === 2 ? h - 2 : h + 1];
     if (corners[h] < to) ends.push(corners[h], to);
     if (h < 3 * entry.solid) solidEnds = ends.length;
@@ -40,6 +40,7 @@ const meshes = data.meshes.map((entry) => {
     pieces: 2 ** (entry.cuts ?? 0), // of each edge
     own: entry.own ? stored(entry.own) : null, // the surface's own vertex next to each
     outlines: entry.outlines && stored(entry.outlines), // edges between faces, a bit each
+    rim: entry.boundary ? Uint32Array.from(stored(entry.boundary)) : new Uint32Array(0), // ends of edges
   };
 });
 
@@ -53,7 +54,7 @@ let model = space ? space.models[0].model : "ambient";
 let span = 1; // half the size of what is drawn
 let walled = false; // whether that is the sphere at infinity
 let seams = new Float64Array(0); // ends of lines on the answer
-let { faces, edges, owners, outlines, solid, solidEnds, pieces, own } = meshes[frames[last].mesh]; // of the frame, like all below
+let { faces, edges, owners, outlines, rim, solid, solidEnds, pieces, own } = meshes[frames[last].mesh]; // of the frame, like all below
 let n = frames[last].positions.count / 3;
 /** @type {Float64Array} */
 let positions;
@@ -207,7 +208,7 @@ function build() {
   parts.mantle = array(() => ({
     positions: buffer(0, 3, floats), normals: buffer(1, 3, floats), shades: buffer(2, 2, floats), faces: gl.createBuffer(),
   }));
-  for (const name of ["mesh", "seams", "creases"]) parts[name] = array(() => ({ ends: buffer(0, 2, ends), count: 0 }));
+  for (const name of ["mesh", "rim", "seams", "creases"]) parts[name] = array(() => ({ ends: buffer(0, 2, ends), count: 0 }));
   gl.bindVertexArray(null);
   const texture = (unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
@@ -271,6 +272,7 @@ function upload() { // the frame and its colors
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
     gl.bindVertexArray(null);
     draws(parts.mesh, outlines ? marked(outlines) : edges.subarray(0, solidEnds));
+    draws(parts.rim, rim);
     draws(parts.seams, Uint32Array.from(Array(seams.length / 3).keys(), (k) => n + k));
   }
   const rows = Math.ceil((n + seams.length / 3) / 1024), texels = new Float32Array(4096 * rows);
@@ -413,6 +415,7 @@ function draw() {
     const fine = owners ? 1.1 : 0.7;
     lines(parts.mesh, [fine, fine], black, black, 0.001);
   }
+  if (parts.rim.count) lines(parts.rim, [1.6, 1.6], [0.06, 0.05, 0.08, 1], [0.06, 0.05, 0.08, 1], 0.002);
   if (shown.seams && shown.frame === last && parts.seams.count) {
     gl.stencilFunc(gl.EQUAL, 1, 1);
     lines(parts.seams, [1.6, 2.4], [0.88, 0.28, 0.12, 1], [1, 1, 1, 0.5], 0.003);
@@ -439,7 +442,7 @@ function tick() {
 
 function select() { // take the frame and the quantity
   const frame = frames[shown.frame], { name, scale: kind, at } = shown.quantity;
-  ({ faces, edges, owners, outlines, solid, solidEnds, pieces, own } = meshes[frame.mesh]);
+  ({ faces, edges, owners, outlines, rim, solid, solidEnds, pieces, own } = meshes[frame.mesh]);
   positions = modeled(frame.positions);
   n = positions.length / 3;
   concave = frame.concave ? stored(frame.concave) : new Uint8Array(0);

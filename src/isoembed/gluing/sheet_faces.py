@@ -1,0 +1,41 @@
+"""Nets by faces: a sheet cut into its faces, which are glued along the folds, too."""
+
+from collections.abc import Sequence
+
+from isoembed.arrays import Indices
+
+Side = tuple[int, int]
+
+
+def glued_faces(
+    faces: Sequence[Sequence[Sequence[int] | Indices]],
+    sides: Sequence[tuple[Side, Side]],
+    counts: Sequence[int],
+) -> list[tuple[Side, Side]]:
+    """Pairs of sides of the faces of all sheets in a row: those that are glued, and those of folds.
+
+    Parameters
+    ----------
+    faces : sequence of sequence of sequence of int
+        Of each sheet the corners of the sheet around each face, counterclockwise.
+    sides : sequence of pairs
+        Which sides of sheets are glued.
+    counts : sequence of int
+        How many corners each sheet has.
+    """
+    place: dict[tuple[int, int, int], Side] = {}
+    f = 0
+    for p, own in enumerate(faces):
+        for face in own:
+            around = [int(corner) for corner in face]
+            for k, corner in enumerate(around):
+                place[p, corner, around[(k + 1) % len(around)]] = f, k
+            f += 1
+
+    def moved(side: Side) -> Side:
+        p, k = side
+        return place[p, k, (k + 1) % counts[p]]
+
+    pairs = [(moved(one), moved(other)) for one, other in sides]
+    pairs += [(at, place[p, b, a]) for (p, a, b), at in place.items() if a < b and (p, b, a) in place]
+    return pairs

@@ -1,0 +1,146 @@
+"""Triangulations of a zone of the sphere: a disc about a pole, or a band between two circles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from isoembed.arrays import Floats
+from isoembed.errors import InvalidParameter
+from isoembed.meshing.metric_relaxation import MetricMesh
+from isoembed.meshing.sphere import GOLDEN, directions_at, fibonacci_lattice
+from isoembed.meshing.spreading import Cells, Zone
+
+ROWS = 256  # of cells, on which the wanted vertices are sampled
+ALONG = 2048  # samples of the metric along a circle
+STRIP = np.sqrt(3.0) / 4.0  # width of the cells of vertices on a boundary, over the edge length
+
+
+def even_points(cells: Cells, k: int) -> Floats:
+    """Directions (k, 3) without chance, with the density of the cells."""
+    return cells.spread(fibonacci_lattice(k))
+
+
+@dataclass(frozen=True, eq=False)
+class ZoneLayout:
+    """Places for the vertices of a triangulation of a zone in a metric.
+
+    Attributes
+    ----------
+    zone : tuple of float
+        Range of theta.  Circles of latitude at its ends are boundaries; a pole is not.
+    tensor : callable
+        Takes unit vectors (n, 3) and returns the metric (n, 3, 3) there.
+    area : callable
+        Takes unit vectors (n, 3) and returns the area over that of the unit sphere (n,).
+    density : callable
+        Takes unit vectors (n, 3) and returns the wanted vertices per area (n,), up to a factor.
+    is_ring : bool
+        Whether the two circles are one curve of the surface, a torus.
+    """
+
+    zone: Zone
+    tensor: Callable[[Floats], Floats]
+    area: Callable[[Floats], Floats]
+    density: Callable[[Floats], Floats]
+    is_ring: bool = False
+
+    @property
+    def circles(self) -> tuple[float, ...]:
+        """The angles theta of the boundaries."""
+        return tuple(theta for theta in self.zone if 0.0 < theta < np.pi)
+
+    def vertices(self, size: float) -> float:
+        """Number of vertices with edges of this length where the density is one."""
+        whole, around = self._measures
+        return float(2.0 / np.sqrt(3.0) * whole / size**2 + 0.5 * around / size + self._characteristic)
+
+    def size(self, n: int) -> float:
+        """Length of edges where the density is one if there are n vertices: the inverse of `vertices`."""
+        whole, around = self._measures
+        a, b = 2.0 / np.sqrt(3.0) * whole, 0.5 * around
+        inner = n - self._characteristic
+        return float((b + np.sqrt(b * b + 4.0 * a * inner)) / (2.0 * inner))
+
+    def mesh(
+        self,
+        n: int,
+        distances: Callable[[Floats, Floats], Floats],
+        points: Callable[[Cells, int], Floats] = even_points,
+    ) -> MetricMesh:
+        """Triangulation with n vertices in the zone, closed by cones, that is not yet relaxed.
+
+        The vertices of a ring's second circle are those of the first, and are not counted.
+
+        Parameters
+        ----------
+        n : int
+        distances : callable
+            As of a `MetricMesh`.
+        points : callable
+            Takes the wanted vertices on cells and a number k and returns k directions inside the zone.
+
+        Raises
+        ------
+        InvalidParameter
+            The boundaries alone need more vertices.
+        """
+        size = self.size(n)
+        # In a narrow band vertices opposite to each other would make squares.
+        turns = (0.0, 0.0 if self.is_ring else GOLDEN)
+        rims = [self._rim(theta, size, turn) for theta, turn in zip(self.circles, turns, strict=False)]
+        boundary = sum(map(len, rims))
+        inner = n - (len(rims[0]) if self.is_ring else boundary)
+        if inner < 1:
+            raise InvalidParameter(
+                f"{n} vertices are too few: nearly equilateral triangles have {boundary} on boundaries"
+            )
+        apexes = [(0.0, 0.0, z) for z, theta in zip((1.0, -1.0), self.zone, strict=True) if 0 < theta < np.pi]
+        u = np.concatenate([*rims, points(self._inside(size), inner), apexes])
+        return MetricMesh.hull(u, self.tensor, distances, boundary, len(apexes))
+
+    @property
+    def _characteristic(self) -> int:
+        """Vertices less edges plus triangles."""
+        return 2 - len(self.circles)
+
+    @cached_property
+    def _measures(self) -> tuple[float, float]:
+        """Area and length of the boundaries where the density is one, as many vertices elsewhere."""
+        whole = Cells.of(self._wanted, (ROWS, ROWS), zone=self.zone).integral()
+        boundaries = () if self.is_ring else self.circles
+        return whole, sum(float(self._circle(theta)[1].mean()) * 2.0 * np.pi for theta in boundaries)
+
+    def _wanted(self, u: Floats) -> Floats:
+        return self.area(u) * self.density(u)
+
+    def _circle(self, theta: float) -> Floats:
+        """Speeds (2, n) of theta and phi at even steps along a circle, in local edge lengths."""
+        phi = 2.0 * np.pi / ALONG * (np.arange(ALONG) + 0.5)
+        cos, sin, zero = np.cos(phi), np.sin(phi), np.zeros(ALONG)
+        u = directions_at(np.full(ALONG, np.cos(theta)), phi)
+        by_theta = np.stack([np.cos(theta) * cos, np.cos(theta) * sin, zero - np.sin(theta)], axis=1)
+        by_phi = np.sin(theta) * np.stack([-sin, cos, zero], axis=1)
+        v = np.stack([by_theta, by_phi])
+        return np.asarray(np.sqrt(np.einsum("ani,nij,anj->an", v, self.tensor(u), v) * self.density(u)))
+
+    def _rim(self, theta: float, size: float, turn: float) -> Floats:
+        """Directions (k, 3) at even distances on a circle, turned by a part of such a distance."""
+        along = np.concatenate([[0.0], np.cumsum(self._circle(theta)[1])])
+        count = max(3, round(2.0 * np.pi * float(along[-1]) / ALONG / size))
+        fractions = (np.arange(count) + turn % 1.0) / count
+        phi = np.interp(fractions, along / along[-1], np.linspace(0.0, 2.0 * np.pi, ALONG + 1))
+        return directions_at(np.full(count, np.cos(theta)), phi)
+
+    def _inside(self, size: float) -> Cells:
+        """The wanted vertices over the area of the unit sphere, without the cells of those on boundaries."""
+        (start, stop), cuts = self.zone, []
+        for theta in self.zone:
+            has_rim = theta in self.circles
+            cuts.append(STRIP * size / float(self._circle(theta)[0].mean()) if has_rim else 0.0)
+        shrunk = min(1.0, 0.5 * (stop - start) / max(sum(cuts), 1e-300))  # a band of two rows of triangles
+        zone = start + shrunk * cuts[0], stop - shrunk * cuts[1]
+        return Cells.of(self._wanted, (ROWS, ROWS), zone=zone)
