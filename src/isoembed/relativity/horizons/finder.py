@@ -415,10 +415,12 @@ def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
         f"{foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
     )
     at = f"at R = {least.areal_radius:.6g} around ({center})"
+    # It is 1 in flat space: there is a hole.
+    coarse = _too_coarse(geometry, least.surface) if least.normalized_expansion < 0.5 else ""
     return NoHorizon(
         "no horizon was found: among surfaces of constant expansion c and areal radius R, the least c R / 2 "
         f"is {least.normalized_expansion:.6g}{off}, {at}, and a horizon has 0; the search ended because "
-        f"{foliation.end}{_too_coarse(geometry, least.surface)}",
+        f"{foliation.end}{coarse}",
         least.normalized_expansion,
         evidence,
         error,
