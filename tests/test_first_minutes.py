@@ -91,7 +91,8 @@ def test_command_lines(line, status, said, folder, capsys):
     assert main(shlex.split(line)[1:]) == status
     out, err = capsys.readouterr()
     assert said in out + err
-    assert len(err.splitlines()) <= 1
+    reasons = [said for said in err.splitlines() if not said.startswith("isoembed: try: ")]
+    assert len(reasons) <= 1
 
 
 @pytest.mark.parametrize(("line", "answer"), PYTHON, ids=[line for line, _ in PYTHON])
