@@ -182,7 +182,9 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     try:
         surface = embed_surface(data, space=reference(options), vertices=number, best_fit=options.best_fit)
     except NotEmbedded as error:
-        print_error("; ".join([str(error), *_instead(options, error.embedding)]))
+        print_error(str(error))
+        for option in _instead(options, error.embedding):
+            print_error(option, "try")
         band = _write_band(outputs, data, error.embedding.space) if options.band else []
         report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
         _show(options, _with_check(data, report))
@@ -204,10 +206,10 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
 def _instead(options: argparse.Namespace, attempt: SmoothEmbedding) -> Iterator[str]:
     """What to ask for instead of an embedding in Euclidean space that there is not."""
     if attempt.hindrance and attempt.space.is_euclidean:
-        yield "--space hyperbolic embeds the whole"
+        yield "--space hyperbolic, which embeds the whole surface"
         about_z = attempt.coordinates is None and attempt.harmonics.order < attempt.harmonics.degree
         if about_z and not options.band:
-            yield "--band FILE writes the band that embeds"
+            yield "--band FILE, which writes the band that embeds"
 
 
 def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
