@@ -53,7 +53,6 @@ from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.space import Space
 from isoembed.space.models import to_model
-from isoembed.surface.checked import checked_errors
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths", "length_error")
@@ -172,7 +171,8 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(
             "which surface? Give a METRIC, or a --spacetime and a --surface, or a --geometry and a --sphere"
         )
-    metric = read_metric_or_grid(options.input, merge=options.merge)
+    errors = length_errors(options)
+    metric = read_metric_or_grid(options.input, merge=options.merge, length_errors=errors)
     if isinstance(metric, SurfaceData):
         return _smooth(options, outputs, _on_grid(options, metric), number)
     return _triangles(options, outputs, metric)
@@ -294,10 +294,9 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     lengths: Lengths | None = options.lengths
     if lengths is None and input_ending(options.input) in MESH_ENDINGS and metric.space == own:
         lengths = "chord"  # in the space that the file is in; in another one they are neither
-    errors = length_errors(options)
-    if errors is not None:
-        checked_errors(metric, errors)  # before anything is computed
-    embedding, failure = solved(options, lambda progress: isoembed.embed(metric, progress=progress))
+    errors = None if options.length_error is None else metric.length_errors
+    exact = metric if errors is None else metric.with_length_errors(0.0)
+    embedding, failure = solved(options, lambda progress: isoembed.embed(exact, progress=progress))
     if failure is not None:
         if options.json:
             print_json({"status": "not embedded", "name": str(options.input), **failure.report})
