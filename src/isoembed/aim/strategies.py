@@ -466,7 +466,7 @@ class SmootherWithinErrors(Strategy):
             found = replace(found, vertices=exact.vertices, weight=0.0, message="")
         elif not found.converged:
             found = found._with_message(
-                f"{found.message}; the surface that has the lengths exactly is rougher, and among its others"
+                f"{found.message}; a surface that has the lengths exactly was found, too, but it is rougher"
             )._with(others=(exact,))
         return replace(state, answer=found)
 
