@@ -121,6 +121,16 @@ def test_hyperbolic_disc():
     assert 0.97 * 6.825 < found.second_form_energy < 7.774  # of a coarse mesh
 
 
+def test_forces_are_balanced_on_irregular_meshes_of_negative_curvature():
+    points, faces = discs.irregular(200)
+    edges = PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0), faces).edges
+    metric = PolyhedralMetric(faces, discs.hyperbolic_lengths(points, 0.5, edges), edges)
+    found = embed(metric, boundary="free")
+    assert found.residual < 1e-13
+    assert found.imbalance < 1e-8
+    assert "not at a minimum" not in found.message
+
+
 @pytest.mark.parametrize("mesh", [discs.hexagonal(6), discs.irregular(100)], ids=["hexagonal", "irregular"])
 @pytest.mark.parametrize("surface", [bumpy, lambda p: discs.round_cap(p, 1.0)], ids=["bumpy", "flat curve"])
 def test_given_curve(mesh, surface):

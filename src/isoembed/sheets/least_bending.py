@@ -8,6 +8,7 @@ are the tensions of the edges.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,13 +24,17 @@ from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows
 
-STIFFNESSES = tuple(10.0**-k for k in range(4, 11))  # epsilon over the area, one after the other
+STIFFNESSES = tuple(10.0**-k for k in range(4, 10))  # epsilon over the area, one after the other
+THINNER = tuple(10.0**-k for k in range(10, 13))  # the same, where forces were not balanced
 DESCENT = 40  # Newton steps at most for each
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
 NEWTON = 60  # steps at most with the lengths as constraints
-AUGMENTED = 1e-6  # epsilon over the area in the matrix of these steps, at first
+AUGMENTED = 1e-10  # epsilon over the area in the matrix of these steps, at first
 SEARCH = LineSearch(decrease=0.1, shortest=2.0**-7)
-SMALLER = 4  # times that a tenth of epsilon is tried
+SMALLER = 3  # times that a tenth of epsilon is tried
+STIFFER = 0.3, 1.0, 3.0, 10.0, 30.0  # shares of the bending form that are added where that is not definite
+ROUNDING = 1e-11  # imbalance that is left
+EXACT = 1e-14  # residual in mean edge lengths that is
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +56,17 @@ class LeastBending:
 
 
 def thinned(
-    energy: BendingEnergy, lengths: LengthConstraints, start: Floats, recorder: StageRecorder
+    energy: BendingEnergy,
+    lengths: LengthConstraints,
+    start: Floats,
+    recorder: StageRecorder,
+    stiffnesses: Sequence[float] = STIFFNESSES,
 ) -> LeastBending:
     """Minimize the energy of elastic sheets, each thinner than the last, from a start of any lengths."""
     x = start
     held = HeldTriangle.of(x, lengths.triangulation.faces[0])
     sheet = ElasticSheet(lengths, energy.form, held, recorder)
-    for stiffness in STIFFNESSES:
+    for stiffness in stiffnesses:
         epsilon = stiffness * energy.area
         x = sheet.relaxed(x, epsilon, DESCENT, SETTLED)
     return LeastBending(x, lengths.residuals(x) / epsilon, np.inf)
@@ -99,8 +108,10 @@ def balanced(
         else:
             break  # at rounding, or no minimum near
         x, y = x + part * d, y + part * dy
-        imbalance = float(np.abs(g).max()) / size
-        recorder.show(residual=float(np.abs(r).max()) / unit)
+        imbalance, residual = float(np.abs(g).max()) / size, float(np.abs(r).max()) / unit
+        recorder.show(residual=residual)
+        if imbalance < ROUNDING and residual < EXACT:
+            break
     return LeastBending(x, y, imbalance)
 
 
@@ -139,15 +150,17 @@ def _factored(
 ) -> tuple[SymmetricFactor, float]:
     """Factors of ``J^T J + epsilon B``, and an epsilon with which it is definite.
 
-    Where no epsilon makes it so, the surface is no minimum: the stress of compressed edges is left out.
+    The finer the mesh, the less it has to be.  Where no epsilon makes it so, the surface is no minimum:
+    bending is made stiffer in these steps.
     """
-    for smaller in range(SMALLER):
-        part = epsilon * 0.1**smaller
+    smaller = ((epsilon * 0.1**k, 0.0) for k in range(SMALLER))
+    for part, more in (*smaller, *((epsilon, more) for more in STIFFER)):
         recorder.factorizations += 1
         try:
-            return system.penalized(rows, 2 * part, tensions=part * stress, held=held), part
+            weight = 2 * part * (1 + more)
+            return system.penalized(rows, weight, tensions=part * stress, held=held), part
         except SingularMatrix:
             continue
     recorder.factorizations += 1
-    stretched = epsilon * np.maximum(stress, 0.0)
+    stretched = epsilon * np.maximum(stress, 0.0)  # without the stress of compressed edges it is definite
     return system.penalized(rows, 2 * epsilon, tensions=stretched, held=held), epsilon

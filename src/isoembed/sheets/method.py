@@ -23,12 +23,12 @@ from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.boundary_curve import through_curve
 from isoembed.sheets.convex_cap import check_cap, doubled, upright, with_heights
 from isoembed.sheets.hole_filling import filled
-from isoembed.sheets.least_bending import LeastBending, balanced, thinned
+from isoembed.sheets.least_bending import THINNER, LeastBending, balanced, thinned
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.measured_cap import measured_cap
 from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
-from isoembed.sheets.surface import SheetEmbedding
+from isoembed.sheets.surface import BALANCED, SheetEmbedding
 from isoembed.surface.measures import face_areas
 
 CONDITIONS = "free", "plane"
@@ -241,6 +241,11 @@ def _least_bending(
     if is_flexible:
         with log.stage("least bending") as recorder:
             found = balanced(energy, lengths, near, recorder)
+            for stiffness in THINNER:
+                if found.imbalance < BALANCED:
+                    break
+                near = thinned(energy, lengths, near.vertices, recorder, (stiffness,))
+                found = min(found, balanced(energy, lengths, near, recorder), key=lambda s: s.imbalance)
     if _residual(lengths, found.vertices) > EXACT:
         with log.stage("Newton on lengths") as recorder:
             found = replace(found, vertices=nearest_with_lengths(lengths, found.vertices, recorder))

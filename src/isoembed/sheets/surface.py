@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from isoembed.proof.certificate import Certificate
     from isoembed.sheets.derivatives import SheetDerivatives
 
+BALANCED = 1e-6  # imbalance of a minimum
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SheetSurface(Surface):
@@ -120,7 +122,7 @@ class SheetEmbedding(Embedding):
 
     def _unbalanced(self) -> str:
         """A clause on forces that are left, where they are more than rounding leaves."""
-        if self.imbalance is None or self.imbalance <= 1e-6:
+        if self.imbalance is None or self.imbalance <= BALANCED:
             return ""
         return f"; bending is not at a minimum: its forces are balanced to {self.imbalance:.0e} only"
 
