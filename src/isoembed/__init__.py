@@ -1,6 +1,6 @@
 """From lengths to a surface: isometric embedding of polyhedral metrics in Euclidean 3-space.
 
-Give the triangles of a closed surface and the length of every edge; get the surface back::
+Give the triangles of a surface and the length of every edge; get the surface back::
 
     import isoembed
 

@@ -96,7 +96,7 @@ def build_parser(arguments: Sequence[str]) -> Parser:
     """Make the parser; a subcommand's options are loaded only if its name is among the arguments."""
     parser = Parser(
         prog="isoembed",
-        description="From the triangles and edge lengths of a closed surface to the surface in Euclidean, "
+        description="From the triangles and edge lengths of a surface to the surface in Euclidean, "
         "hyperbolic or spherical 3-space.",
         allow_abbrev=False,
     )
