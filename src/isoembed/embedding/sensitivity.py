@@ -22,6 +22,11 @@ from isoembed.surface.checked import checked, checked_errors
 from isoembed.surface.derivatives import LengthDerivatives, Variation, volume_gradient
 from isoembed.surface.deviation import Deviation, IntegralDeviation
 
+OF_A_NUMBER = (
+    "a number with the derivatives g by the vertices, (V, 3), has the standard deviation "
+    "np.linalg.norm(Sensitivity(surface).vjp(g) * errors)"
+)
+
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
@@ -64,7 +69,7 @@ class Sensitivity:
     @property
     def _closed(self) -> LengthDerivatives:
         """J and its factors, of a closed surface of genus 0; raises InvalidMetric of others."""
-        self._metric.triangulation.check_sphere()
+        self._metric.triangulation.check_sphere("deviations and second derivatives are those of", OF_A_NUMBER)
         return cast(LengthDerivatives, self._derivatives)
 
     def jvp(self, changes: ArrayLike) -> Floats:
