@@ -158,6 +158,20 @@ def test_given_curve(mesh, surface):
     assert distance(found.vertices, x) < 1e-11
 
 
+def test_a_measured_curve_takes_a_tolerance():
+    points, faces = discs.hexagonal(4)
+    x = bumpy(points)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    curve = x[rim(metric)]
+    curve = curve + 1e-4 * np.random.default_rng(0).standard_normal(curve.shape)
+    with pytest.raises(NotEmbedded, match=r"does not fit the lengths: .* that were measured") as refusal:
+        embed(metric, boundary=curve)
+    tolerance = float(str(refusal.value).rpartition("=")[2])
+    found = embed(metric, boundary=curve, tolerance=tolerance)
+    assert found.converged and tolerance < 0.01
+    assert distance(found.vertices, x) < 0.01
+
+
 def test_given_curve_from_a_start():
     points, faces = discs.hexagonal(5)
     x = bumpy(points)

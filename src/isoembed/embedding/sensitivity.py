@@ -121,7 +121,7 @@ class Sensitivity:
         InvalidParameter, InvalidMetric, SingularMatrix, OutOfMemory
             As `jvp`.
         """
-        return self._derivatives.vjp(checked(gradient, (len(self.embedding.vertices), 3), "gradient"))
+        return self._derivatives.vjp(checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient"))
 
     def boundary_jvp(self, changes: ArrayLike) -> Floats:
         """How the vertices of a `SheetEmbedding` move, to first order, when what is given there changes.
@@ -166,7 +166,7 @@ class Sensitivity:
             As `boundary_jvp`.
         """
         derivatives = self._at_boundary
-        return derivatives.boundary_vjp(checked(gradient, (len(self.embedding.vertices), 3), "gradient"))
+        return derivatives.boundary_vjp(checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient"))
 
     @property
     def _at_boundary(self) -> Any:
@@ -234,7 +234,7 @@ class Sensitivity:
         """
         if self._by_given is None:
             return self.vjp(gradient)
-        g = checked(gradient, self.embedding.vertices.shape, "gradient")
+        g = checked(gradient, self.embedding.vertices.shape, "entries of the gradient")
         rows = [self._by_given.vjp(row) for row in g.reshape(-1, *g.shape[-2:])]
         return np.array(rows).reshape(*g.shape[:-2], self._by_given.n_given)
 
