@@ -19,7 +19,7 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.sheets.convex_cap import check_disc, doubled, upright
+from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, doubled, upright
 from isoembed.sheets.surface import SheetEmbedding
 
 if TYPE_CHECKING:
@@ -68,7 +68,8 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         v = int(np.argmin(beyond))
         raise InvalidMetric(
             f"the exterior angle of the boundary at vertex {v} is {deficits(metric)[v]:.4g} radians, and "
-            f"errors of the lengths explain {explained[v]:.1g}: of a convex cap none is negative"
+            f"errors of the lengths explain {explained[v]:.1g}: of a convex cap none is negative; "
+            f"without errors, {ANY_CURVATURE}"
         )
     chords = t.boundary_vertices[t.edges].all(axis=1) & ~t.boundary_edges
     if chords.any():
