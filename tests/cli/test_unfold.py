@@ -47,7 +47,7 @@ def test_pages(kind, magic, call, tmp_path):
     write("cube.off", *zoo.cube())
     status, out, err = call("unfold", "cube.off", "-o", f"net.{kind}", "--paper", "letter", "--scale", "40")
     assert (status, err) == (0, "")
-    assert out.startswith(f"1 sheet, 7 pairs of sides, 5 folds\nnet.{kind} written, ")
+    assert out.startswith(f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit\nnet.{kind} written, ")
     assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
 
 
