@@ -33,6 +33,8 @@ def test_what_was_embedded_is_certified(call, files):
     assert found["embedded"] is True
     assert found["isolation"] == pytest.approx(reported["isolation"], rel=1e-3)
     assert found["isolation"] > 1e4 * found["radius"]
+    status, out, _ = call("certify", "s.ply")  # by the distances of its vertices
+    assert status == 0 and out.startswith("certified: ")
 
 
 def test_lengths_that_are_missed(call, files):

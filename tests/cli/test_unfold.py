@@ -47,7 +47,7 @@ def test_pages(kind, magic, call, tmp_path):
     write("cube.off", *zoo.cube())
     status, out, err = call("unfold", "cube.off", "-o", f"net.{kind}", "--paper", "letter", "--scale", "40")
     assert (status, err) == (0, "")
-    assert out.startswith(f"1 sheet, 7 pairs of sides, 5 folds\nnet.{kind} written, ")
+    assert out.startswith(f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit\nnet.{kind} written, ")
     assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
 
 
@@ -63,7 +63,7 @@ def test_edges_are_cut_and_kept(call):
 
 def test_few_pages(call):
     write("solid.obj", *zoo.random_hull(30, 1))
-    for objective, pages in (("sheets", "cut into 8 islands to fit on pages; 7 pages"), ("pages", "6 pages")):
+    for objective, pages in (("sheets", "150 mm a unit; cut into 8 islands to fit on pages; 7 pages"), ("pages", "150 mm a unit; 6 pages")):
         status, out, _ = call(
             "unfold", "solid.obj", "-o", "a.svg", "--scale", "150", "--objective", objective
         )

@@ -147,7 +147,9 @@ def realizations(
     InvalidMetric
         The surface has a boundary or handles.
     """
-    embedding.triangulation.check_sphere()
+    embedding.triangulation.check_sphere(
+        "realizations are sought of", "embed from several starts, with boundary='free', start=..."
+    )
     if not 0 < distance < np.inf:
         raise InvalidParameter(f"the distance is {distance!r}, not a positive number of mean edge lengths")
     for name, value, least, most in (("motions", motions, FEWEST, MOST), ("surfaces", surfaces, 1, np.inf)):

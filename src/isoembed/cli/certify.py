@@ -28,7 +28,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
     parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
     parser.add_argument(
-        "metric", type=Path, metavar="METRIC", help=f"the lengths, on the same triangles ({endings})"
+        "metric",
+        type=Path,
+        nargs="?",
+        metavar="METRIC",
+        help=f"the lengths, on the same triangles ({endings}; default: those of SURFACE)",
     )
     parser.add_argument(
         "--boundary",
@@ -42,9 +46,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print the certificate; return the exit status."""
-    metric = read_metric(options.metric, merge=options.merge, any_surface=True)
     surface = read_surface(options.surface, merge=options.merge)
-    check_same_triangles(metric, surface.metric, options.metric, options.surface, "a certificate is for")
+    metric = surface.metric
+    if options.metric:
+        metric = read_metric(options.metric, merge=options.merge, any_surface=True)
+        check_same_triangles(metric, surface.metric, options.metric, options.surface, "a certificate is for")
     found = _certificate(metric, surface.vertices, options.boundary)
     if options.json:
         print_json(found.as_json())

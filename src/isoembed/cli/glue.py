@@ -8,10 +8,11 @@ import isoembed
 from isoembed.alexandrov.solid import Solid
 from isoembed.cli.answer import add_output_options, answer, asked_for
 from isoembed.cli.outputs import written
-from isoembed.cli.screen import print_aside
+from isoembed.cli.screen import UsageError, print_aside
 from isoembed.cli.status import OK
 from isoembed.cli.summary import summary
 from isoembed.gluing import embed_net
+from isoembed.gluing.solid import unknown_folding
 from isoembed.io import METRIC_ENDINGS, metric_writer
 from isoembed.io.files import Writer
 from isoembed.io.net import read_net
@@ -64,6 +65,12 @@ def run(options: argparse.Namespace) -> int:
         outputs.write(metric=metric)
         print_aside(f"{net!r}\n{written(options, options.metric)}")
         return OK
+
+    if not net.is_sphere and (unknown := unknown_folding(net)):
+        raise UsageError(
+            f"{unknown}: 'isoembed glue {options.input} --metric metric.npz' and then 'isoembed embed metric.npz "
+            "--boundary plane', or free"
+        )
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         return embed_net(net, progress=progress)

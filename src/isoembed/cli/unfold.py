@@ -124,6 +124,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         pages = drawn(unfolding, **drawing)
         writer = drawing_writer(output, unfolding, pages)
+        said += f"; {pages.scale:.4g} mm a unit"
         if len(pages.cuts) > len(unfolding.sheets):
             said += f"; cut into {len(pages.cuts)} islands to fit on pages"
         if pages.pages > 1:

@@ -113,7 +113,9 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     """
     for each in (first, second):
         checked_embedding(each)
-    first.triangulation.check_sphere()
+    first.triangulation.check_sphere(
+        "comparisons are those of", "first.distance(second) is the largest distance of vertices"
+    )
     for each in (first, second):
         if not each.space.is_euclidean:
             raise InvalidParameter(f"comparisons are those of surfaces in R^3, not in {each.space!r}")

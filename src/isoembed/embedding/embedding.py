@@ -162,7 +162,9 @@ class Embedding:
         InvalidParameter, InvalidMetric
             As `Sensitivity.integral_deviation`.
         """
-        self.triangulation.check_sphere()
+        from isoembed.embedding.sensitivity import OF_A_NUMBER
+
+        self.triangulation.check_sphere("error bars are those of", OF_A_NUMBER)
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
@@ -414,7 +416,8 @@ class Embedding:
         from isoembed.surface.rigidity import LengthSystem
 
         t, normalized = self.triangulation, self.metric.normalized
-        t.check_sphere()  # of others J is not square, rigid motions apart
+        # Of others J is not square, rigid motions apart.
+        t.check_sphere("the smallest singular value is that of")
         system = LengthSystem(t, space=normalized.space)
         try:
             x = self.vertices / self.metric.unit

@@ -22,6 +22,11 @@ from isoembed.surface.checked import checked, checked_errors
 from isoembed.surface.derivatives import LengthDerivatives, Variation, volume_gradient
 from isoembed.surface.deviation import Deviation, IntegralDeviation
 
+OF_A_NUMBER = (
+    "a number with the derivatives g by the vertices, (V, 3), has the standard deviation "
+    "np.linalg.norm(Sensitivity(surface).vjp(g) * errors)"
+)
+
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
@@ -64,7 +69,7 @@ class Sensitivity:
     @property
     def _closed(self) -> LengthDerivatives:
         """J and its factors, of a closed surface of genus 0; raises InvalidMetric of others."""
-        self._metric.triangulation.check_sphere()
+        self._metric.triangulation.check_sphere("deviations and second derivatives are those of", OF_A_NUMBER)
         return cast(LengthDerivatives, self._derivatives)
 
     def jvp(self, changes: ArrayLike) -> Floats:
@@ -116,7 +121,7 @@ class Sensitivity:
         InvalidParameter, InvalidMetric, SingularMatrix, OutOfMemory
             As `jvp`.
         """
-        return self._derivatives.vjp(checked(gradient, (len(self.embedding.vertices), 3), "gradient"))
+        return self._derivatives.vjp(checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient"))
 
     def boundary_jvp(self, changes: ArrayLike) -> Floats:
         """How the vertices of a `SheetEmbedding` move, to first order, when what is given there changes.
@@ -161,7 +166,7 @@ class Sensitivity:
             As `boundary_jvp`.
         """
         derivatives = self._at_boundary
-        return derivatives.boundary_vjp(checked(gradient, (len(self.embedding.vertices), 3), "gradient"))
+        return derivatives.boundary_vjp(checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient"))
 
     @property
     def _at_boundary(self) -> Any:
@@ -229,7 +234,7 @@ class Sensitivity:
         """
         if self._by_given is None:
             return self.vjp(gradient)
-        g = checked(gradient, self.embedding.vertices.shape, "gradient")
+        g = checked(gradient, self.embedding.vertices.shape, "entries of the gradient")
         rows = [self._by_given.vjp(row) for row in g.reshape(-1, *g.shape[-2:])]
         return np.array(rows).reshape(*g.shape[:-2], self._by_given.n_given)
 

@@ -92,6 +92,21 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
     return next((s for s in solids if all(is_flat(s.vertices[outline]) for outline in net.outlines)), None)
 
 
+def unknown_folding(net: Net) -> str:
+    """Why a net with boundary or handles does not say how it is folded; empty if it does."""
+    if net.folded is None:
+        return (
+            "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "
+            "determine the surface"
+        )
+    if len(net.folded) != net.simplicial().triangulation.n_vertices:
+        return (
+            "faces of the net have several sides in common, and where the vertices are that tell these apart "
+            "is not known"
+        )
+    return ""
+
+
 def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> SheetEmbedding:
     """The surface with boundary or handles that a net is folded to.
 
@@ -99,18 +114,9 @@ def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> Shee
     ------
     InvalidMetric, NotEmbedded
     """
+    if unknown := unknown_folding(net):
+        raise InvalidMetric(f"{unknown}: give boundary='free', 'plane', heights or positions")
     metric = net.simplicial()
-    instead = "give boundary='free', 'plane', heights or positions"
-    if net.folded is None:
-        raise InvalidMetric(
-            "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "
-            f"determine the surface: {instead}"
-        )
-    if len(net.folded) != metric.triangulation.n_vertices:
-        raise InvalidMetric(
-            "faces of the net have several sides in common, and where the vertices are that tell these apart "
-            f"is not known: {instead}"
-        )
     t = metric.triangulation
     if net.precision is not None and t.n_edges > 3 * t.n_vertices - 6:
         # Rounding leaves no surface that has all lengths, as there are more of these than unknowns.

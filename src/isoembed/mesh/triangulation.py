@@ -139,8 +139,12 @@ class Triangulation:
         """Whether the surface is closed and of genus 0."""
         return self.is_closed and self.euler_characteristic == 2
 
-    def check_sphere(self) -> None:
-        """Refuse surfaces with boundary and of higher genus; raises InvalidMetric."""
+    def check_sphere(self, what: str = "", instead: str = "") -> None:
+        """Refuse surfaces with boundary and of higher genus, for what is asked of them; raises InvalidMetric."""
+        if what and not self.is_sphere:
+            kind = f"genus {self.genus}" if self.is_closed else "a boundary"
+            after = f": {instead}" if instead else ""
+            raise InvalidMetric(f"{what} closed surfaces of genus 0, and this one has {kind}{after}")
         self.check_closed()
         check_euler(self.n_vertices, self.n_faces)
 

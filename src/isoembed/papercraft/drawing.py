@@ -69,6 +69,8 @@ class Drawing:
     width, height : float
         Of a page.
     pages : int
+    scale : float
+        Millimeters a unit of the solid.
     cuts : list of ndarray, shape (n, 2)
         Closed outlines, with their tabs or seam allowance, and half of the kerf.
     holes : list of (float, float, float)
@@ -97,6 +99,7 @@ class Drawing:
     width: float
     height: float
     pages: int
+    scale: float
     cuts: list[Floats]
     holes: list[tuple[float, float, float]]
     seams: list[Floats]
@@ -223,6 +226,7 @@ def drawn(
         layout.width,
         layout.height,
         layout.pages,
+        layout.scale,
         cuts,
         [(x, y, radius) for x, y in np.concatenate(holes).tolist()],
         outlines if material.allowance else [],

@@ -16,7 +16,6 @@ def has_own_lengths(embedding: Embedding) -> bool:
 
 
 def of_integral(embedding: Embedding) -> str:
-    """What follows "int H dA": of which surface it is, or which edges it has."""
-    if not embedding.triangulation.is_closed:
-        return " over inner edges"  # an edge of the boundary has no dihedral angle
-    return " of the polyhedron" if has_own_lengths(embedding) else ""
+    """What follows "int H dA": " of the polyhedron", where it is that of the edges of a closed surface."""
+    is_of_edges = embedding.triangulation.is_closed and has_own_lengths(embedding)
+    return " of the polyhedron" if is_of_edges else ""

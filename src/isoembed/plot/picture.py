@@ -37,6 +37,7 @@ SHADES = 256
 UNKNOWN = 0.72  # gray, where a quantity has no meaning
 MARGINS = 0.9  # inches, below with the caption and above
 SHARE = 0.82  # of the width; the rest is for the color bar
+MIDDLE, LONGEST = 0.43, 0.96  # of a caption, as shares of the width
 TITLE = 0.35  # inches, above panels
 GAP = 0.04  # of a panel's width, on both sides
 UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
@@ -239,7 +240,7 @@ def _row(
         if panel.title:
             axes.set_title(panel.title, color=INK, fontsize=10)
 
-    picture.text(0.43, 0.25 * MARGINS / total, caption, ha="center", va="center", fontsize=9, color=INK)
+    _put_caption(picture, caption, 0.25 * MARGINS / total)
     values = np.concatenate([panel.values for panel in surfaces])
     fontsize = 10 if height > 2.5 else 8
     if shown.at == "faces" and np.ptp(values) == 0:  # one color, and nothing to compare it with
@@ -252,6 +253,14 @@ def _row(
         if shown.at == "faces":
             bar_axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     return picture
+
+
+def _put_caption(picture: Figure, caption: str, height: float) -> None:
+    """Write a caption below the surfaces: farther to the right or smaller, where it is too long."""
+    text = picture.text(MIDDLE, height, caption, ha="center", va="center", fontsize=9, color=INK)
+    width = text.get_window_extent().width / picture.bbox.width
+    text.set_fontsize(9 * LONGEST / max(width, LONGEST))
+    text.set_x(max(MIDDLE, (1 - LONGEST + min(width, LONGEST)) / 2))
 
 
 def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappable:
@@ -346,6 +355,7 @@ def draw(
         linewidths=shapes.widths,
         joinstyle="round",
         alpha=None if opacity == 1.0 else opacity,
+        clip_on=False,  # lines along the silhouette have a width
     )
     # more triangles become an image in a vector file
     faces.set_rasterized(len(view.faces) > 20_000)

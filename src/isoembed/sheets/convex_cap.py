@@ -28,6 +28,7 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import HeldVertices, VertexSystem, edge_rows
 
 STEPS = 60  # of Newton's method at most
+ANY_CURVATURE = "positions (B, 3) of the boundary suit any curvature, boundary='free' takes none"
 EXACT = 1e-14  # largest residual, in mean edge lengths, that ends it
 
 
@@ -55,7 +56,8 @@ def check_cap(metric: PolyhedralMetric) -> None:
     if found[least] < -ANGLE_ROUNDING:
         what = "exterior angle of the boundary" if t.boundary_vertices[least] else "deficit"
         raise InvalidMetric(
-            f"the {what} at vertex {least} is {found[least]:.4g} radians: of a convex cap none is negative"
+            f"the {what} at vertex {least} is {found[least]:.4g} radians: of a convex cap none is negative; "
+            f"{ANY_CURVATURE}"
         )
 
 

@@ -8,19 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from isoembed.aim.adaptive import Aim
 from isoembed.embedding.measured import MeasuredSurface
-from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
-from isoembed.sheets.convex_cap import check_disc, doubled, upright
+from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, doubled, upright
 from isoembed.sheets.surface import SheetEmbedding
+
+if TYPE_CHECKING:
+    from isoembed.sheets.derivatives import SheetDerivatives
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,6 +35,13 @@ class MeasuredCap(MeasuredSurface, SheetEmbedding):
 
     def __post_init__(self) -> None:
         super(MeasuredSurface, self).__post_init__()
+
+    def _length_derivatives(self) -> SheetDerivatives:
+        """There are none; raises InvalidParameter."""
+        raise InvalidParameter(
+            "a cap fitted to lengths with errors has no derivatives: take those of the exact one, "
+            "embed(metric, boundary='plane') without length_errors"
+        )
 
     @property
     def _reported(self) -> Mapping[str, Any]:
@@ -58,7 +68,8 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         v = int(np.argmin(beyond))
         raise InvalidMetric(
             f"the exterior angle of the boundary at vertex {v} is {deficits(metric)[v]:.4g} radians, and "
-            f"errors of the lengths explain {explained[v]:.1g}: of a convex cap none is negative"
+            f"errors of the lengths explain {explained[v]:.1g}: of a convex cap none is negative; "
+            f"without errors, {ANY_CURVATURE}"
         )
     chords = t.boundary_vertices[t.edges].all(axis=1) & ~t.boundary_edges
     if chords.any():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
+from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.surface.measures import face_normals
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from isoembed.sheets.derivatives import SheetDerivatives
 
 BALANCED = 1e-6  # imbalance of a minimum
+FLAT = 1e-6  # int k1^2 + k2^2, of which a surface as curved as it is wide has about 1: none can bend much less
+TOO_LITTLE = 0.95  # share of the least energy of smooth surfaces below which that of a mesh is an error
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,14 +120,27 @@ class SheetEmbedding(Embedding):
         return (
             f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
             f"the largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
-            f"{self.metric.edges[e].tolist()}{self._unbalanced()}"
+            f"{self.metric.edges[e].tolist()}{self._trust()}"
         )
 
-    def _unbalanced(self) -> str:
-        """A clause on forces that are left, where they are more than rounding leaves."""
-        if self.imbalance is None or self.imbalance <= BALANCED:
+    def _trust(self) -> str:
+        """Clauses on a surface of least bending: how far it is one."""
+        if self.imbalance is None or self.second_form_energy <= FLAT:
             return ""
-        return f"; bending is not at a minimum: its forces are balanced to {self.imbalance:.0e} only"
+        said = []
+        if self.imbalance > BALANCED:
+            said.append(
+                "bending is not at a minimum, and the shape may be wrong: its forces are balanced to "
+                f"{self.imbalance:.0e} only"
+            )
+        if self.second_form_energy < TOO_LITTLE * self.least_second_form_energy:
+            said.append(
+                "the mesh is too coarse to tell the bending energy: int k1^2 + k2^2 dA is computed as "
+                f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA = "
+                f"{self.least_second_form_energy:.3g}"
+            )
+        said.append("found from one start: other surfaces may bend less")
+        return "".join(f"; {each}" for each in said)
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
         return super()._made_surface(SheetSurface, metric=self.metric.normalized, **more)
@@ -136,6 +152,19 @@ class SheetEmbedding(Embedding):
         return self.surface.second_form_energy
 
     @cached_property
+    def least_second_form_energy(self) -> float:
+        """Integral of 2 abs(K) dA: no smooth surface with this metric has a smaller `second_form_energy`.
+
+        From the deficits inside.  At the boundary, K is that of the neighbors inside.
+        """
+        assert isinstance(self.surface, SheetSurface)
+        t, areas = self.triangulation, self.surface._energy.areas
+        inside = (~t.boundary_vertices).astype(np.float64)
+        curvature = inside * np.abs(deficits(self.metric.normalized)) / areas
+        beside = t.adjacency @ curvature / np.maximum(t.adjacency @ inside, 1.0)
+        return 2 * float(areas @ np.where(t.boundary_vertices, beside, curvature))
+
+    @cached_property
     def _certificate(self) -> Certificate:
         """What `isoembed.certify` returns."""
         from isoembed.proof.boundary_heights import certify
@@ -145,7 +174,12 @@ class SheetEmbedding(Embedding):
         if self.condition == "curve" and more > 0:
             return overdetermined(more)
         if self.heights is None or not self.converged:
-            return super()._certificate
+            found = super()._certificate
+            if not found.certified or self.tensions is None:
+                return found
+            return replace(
+                found, reason=f"{found.reason}; that it is the surface of least bending is not proven"
+            )
         return certify(self.metric, self.vertices, self.heights)
 
     def _length_derivatives(self) -> SheetDerivatives:
@@ -163,6 +197,7 @@ class SheetEmbedding(Embedding):
             "boundaries": [len(loop) for loop in t.boundaries],
             "genus": t.genus,
             "squares_of_principal_curvatures": self.second_form_energy,
+            "least_squares_of_principal_curvatures": self.least_second_form_energy,
             "imbalance": self.imbalance,
         }
         return {"sheet": found}

@@ -7,6 +7,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.mesh.checks import real_array
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.meshing.intrinsic_relaxation import angles_from_lengths
 from isoembed.meshing.metric_relaxation import MetricMesh
@@ -138,7 +139,7 @@ def triangulate_metric(
     if zone != WHOLE:
         return _triangulated_zone(metric, n, size, grading, _checked_zone(zone), space)
     if not isinstance(metric, GridMetric):  # grids have been looked at
-        check_rings(metric)
+        _check_sphere(metric)
     unit, own = in_own_unit(metric)
     area, density = _densities(own, grading, n)
     if size is not None:
@@ -178,6 +179,20 @@ def _triangulated_zone(
     return _measured(mesh.relaxed(Cells.of(density, (256, 64), zone=zone) if grading else None), unit, space)
 
 
+def _check_sphere(metric: TwoMetric) -> None:
+    """Check a metric at both poles; of one that is smooth at theta = 0 only, name discs."""
+    try:
+        check_rings(metric)
+    except InvalidMetric as error:
+        try:
+            check_disc(metric, (0.0, 1.0))
+        except InvalidMetric:
+            raise error from None
+        raise InvalidMetric(
+            f"{error}; a metric on a disc about theta = 0 takes triangulate_metric(..., zone=(0, stop))"
+        ) from None
+
+
 def _checked_zone(zone: tuple[float, float]) -> Zone:
     """Two angles in order.
 
@@ -186,7 +201,8 @@ def _checked_zone(zone: tuple[float, float]) -> Zone:
     InvalidParameter
         They are not.
     """
-    start, stop = map(float, zone)
+    angles = real_array(zone, "zone", "angle")
+    start, stop = map(float, angles) if angles.shape == (2,) else (np.nan, np.nan)
     if not 0.0 <= start < stop <= np.pi:
         raise InvalidParameter(f"the zone must be two angles with 0 <= start < stop <= pi, not {zone}")
     return start, stop
