@@ -188,7 +188,7 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
             raise FileError(
                 f"{name} is a metric on a grid in theta and phi: embed it with 'isoembed energy {name}', or "
                 "make triangles of it first, with "
-                f"'isoembed triangulate {name} --vertices 1000 -o metric.npz'"
+                f"'isoembed triangulate {name}'"
             )
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(

@@ -1,10 +1,11 @@
 """Circumferences and multipoles of horizons, against closed forms of Kerr's."""
 
-from dataclasses import replace
+from dataclasses import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import replace
 from scipy.special import ellipe
 
 from isoembed.errors import NotEmbedded
@@ -135,7 +136,7 @@ def test_beyond_the_limit_of_embedding_too():
     assert report["multipoles"]["J"][1] == pytest.approx(0.95, abs=1e-12)
     text = energy_table(report)
     assert "circumferences: equatorial 12.56637061435" in text
-    assert ", J_1 0.95 +-" in text
+    assert re.search(r", J_1 0\.950* \+- ", text)
 
 
 def test_of_horizons_only():
