@@ -1,11 +1,11 @@
 """Circumferences and multipoles of horizons, against closed forms of Kerr's."""
 
-from dataclasses import re
+import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import replace
 from scipy.special import ellipe
 
 from isoembed.errors import NotEmbedded
