@@ -45,7 +45,7 @@ COMMANDS = [
     (
         "isoembed energy --spacetime kerr --spin 0.9 --surface horizon",
         NONE,
-        "--space hyperbolic embeds the whole; --band FILE writes the band that embeds",
+        "isoembed: try: --band FILE, which writes the band that embeds",
     ),
     # Typos.
     ("isoembed emebd metric.npz", WRONG, "did you mean 'embed'?"),
@@ -91,7 +91,8 @@ def test_command_lines(line, status, said, folder, capsys):
     assert main(shlex.split(line)[1:]) == status
     out, err = capsys.readouterr()
     assert said in out + err
-    assert len(err.splitlines()) <= 1
+    reasons = [said for said in err.splitlines() if not said.startswith("isoembed: try: ")]
+    assert len(reasons) <= 1
 
 
 @pytest.mark.parametrize(("line", "answer"), PYTHON, ids=[line for line, _ in PYTHON])

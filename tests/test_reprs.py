@@ -9,6 +9,7 @@ import isoembed
 import zoo
 from isoembed import relativity
 from isoembed.reprs import short_repr
+from isoembed.smooth import AngleMetric, embed_smooth
 from isoembed.surface.estimate import Estimate
 
 
@@ -29,7 +30,7 @@ class Result:
         (np.array([1.0, 0.5]), "[1, 0.5]"),
         ((0.0, 1.0, 2.0), "(0, 1, 2)"),
         ([np.zeros(9)] * 5, "5 entries"),
-        (Estimate(1.0, 1e-3), "1 +- 1e-03"),
+        (Estimate(1.0, 1e-3), "1.000 +- 1e-03"),
         ("a" * 99, "'" + "a" * 57 + "'..."),
         (Result(np.zeros(9)), "Result(x=array of shape (9,))"),
     ],
@@ -55,6 +56,15 @@ def test_results_of_relativity():
     )
     for result in (found, found.energies, found.spin, found.data, found.embedding):
         assert len(repr(result)) < 400
+    sphere = embed_smooth(AngleMetric(lambda theta, phi: (1.0, 0.0, np.sin(theta) ** 2)))
+    assert "residual=" in repr(sphere) and "integrated_mean_curvature=12.56637061" in repr(sphere)
+    grid = relativity.CartesianGrid(
+        (0, 0, 0), 0.5, np.tile(np.eye(3)[:, :, None, None, None], (1, 1, 8, 9, 10))
+    )
+    assert (
+        repr(grid)
+        == "CartesianGrid(origin=(0, 0, 0), spacing=(0.5, 0.5, 0.5), gamma=array of shape (6, 8, 9, 10))"
+    )
     table = found._repr_html_()
     assert table.count("<table>") == 2
     assert "hawking" in table and "brown york" in table

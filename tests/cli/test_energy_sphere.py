@@ -115,7 +115,7 @@ SPHERE = ["--sphere", 0, 0, 0, 2]
         ),
         (
             [*BRILL, *SPHERE, "--masses", 1, 1, "--positions", 0, 0, 0, 1],
-            "--positions takes three numbers for each hole: 4 are not that",
+            "--positions takes three numbers for each hole, not 4 in all",
         ),
         (
             [*BRILL, *SPHERE, "--masses", 1, 0, "--positions", 0, 0, 1, 0, 0, 0],

@@ -161,7 +161,7 @@ def test_where_there_is_no_horizon_the_reason_is_said(run):
 def test_a_horizon_that_does_not_embed_is_reported(run):
     status, out, err = run("kerr-schild", "--spin", 0, 0, 0.9, *FEW, "--json")
     assert status == 3 and "no surface of revolution has this metric" in err
-    assert err.endswith("; --space hyperbolic embeds it\n")
+    assert err.endswith("\nisoembed: try: --space hyperbolic, which embeds the whole surface\n")
     report = strict(out)
     assert report["status"] == "not embedded" and report["horizon"]["outer"]
     assert report["irreducible_mass"] == pytest.approx(np.sqrt(0.5 * (1.0 + np.sqrt(0.19))), rel=1e-9)

@@ -11,6 +11,7 @@ import pytest
 from horizons import write_kerr
 from isoembed.cli import many
 from isoembed.relativity import KerrSchild
+from isoembed.runs import Result, Store
 from strict_json import strict
 from tasks import Here
 
@@ -58,6 +59,16 @@ def write_slice(path, spin, spacing=0.25, n=32):
 def rows(folder="out"):
     with open(f"{folder}/table.csv", newline="") as file:
         return {row["label"]: row for row in csv.DictReader(file)}
+
+
+def test_films_of_earlier_commands_are_told_of(call):
+    moment = {"series": "ah1", "time": 0.0, "iteration": 0}
+    Store.made(Path("out")).keep(Result.without_answer("ah1.t0", "refused", "wrong", moment=moment), "0")
+    assert call("series", "-o", "out")[2].count("of an earlier command") == 0
+    Path("out/horizons.gif").write_bytes(b"")
+    note = "isoembed: note: of an earlier command: horizons.gif; --film makes a new one\n"
+    assert note in call("series", "-o", "out")[2]
+    assert call("series", "-o", "out", "--quiet") == (0, "", "")
 
 
 @pytest.mark.slow

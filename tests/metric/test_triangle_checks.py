@@ -20,6 +20,21 @@ def test_the_nearest_lengths_with_an_area():
     assert found == pytest.approx([4.2, 13.0, 16.9], abs=1e-6)
 
 
+def test_a_length_that_is_hardly_known_stays_within_the_others():
+    found = within_inequalities(SIDES, np.array([20.0, 22.0, 200.0]), np.array([0.29, 0.29, 200.0]))
+    assert found == pytest.approx([20, 22, 32], abs=1e-3)
+    found = within_inequalities(SIDES, np.array([1.0, 10.0, 11.5]), np.array([0.001, 0.001, 2.0]))
+    assert found == pytest.approx([1, 10, 10.5], abs=1e-3)
+
+
+def test_what_is_too_large_for_its_space_is_not_explained_by_rounding():
+    points, faces = zoo.random_hull(60, 6)
+    exact = PolyhedralMetric.from_mesh(100 * points, faces)
+    with pytest.raises(InvalidMetric, match="sphere") as caught:
+        PolyhedralMetric(exact.faces, np.round(exact.lengths, 1), exact.edges, curvature=1 / 30**2)
+    assert "rounding" not in str(caught.value)
+
+
 def test_lengths_that_errors_do_not_explain_are_kept():
     lengths = np.array([4.0, 13.0, 25.0])
     assert within_inequalities(SIDES, lengths, np.full(3, 0.3)) is lengths

@@ -91,7 +91,7 @@ def test_kerr_horizons_beyond_smarrs_limit(spin):
     e = replace(horizon(spin), space=least.space)
     assert e.embeds
     assert e.integrated_mean_curvature / (4.0 * pi) == pytest.approx(KERR[spin], abs=1e-10)
-    assert least.explanation.startswith("hyperbolic space of curvature -0.")
+    assert least.explanation.startswith("the metric embeds in hyperbolic space of curvature -0.")
 
 
 def test_the_mass_depends_on_the_curvature_of_space():
@@ -115,7 +115,9 @@ def test_smarrs_limit_from_both_sides():
         assert mass(limit + step) == pytest.approx(exact, abs=5.0 * step)
     least = least_hyperbolic(KerrNewmanHorizon(1.0, limit - 1e-4))
     assert least.space == Euclidean() and least.of_revolution > 0.0
-    assert least.explanation.startswith("Euclidean space takes the metric: the least Gaussian curvature is")
+    assert least.explanation.startswith(
+        "the metric embeds in Euclidean space: the least Gaussian curvature is"
+    )
 
 
 def test_flat_space_is_the_limit_at_a_linear_rate():
@@ -139,7 +141,7 @@ def test_too_little_curvature_leaves_bands():
     sentence = (
         r"no surface of revolution in hyperbolic space of curvature -0\.0715374793 has this metric for"
         r" theta < 0\.676\d+ and .* 0\.676\d+ < theta < 2\.465\d+ embeds, 77\.\d+ % of the area;"
-        r" space of curvature -0\.143074959 or less has the whole"
+        r" the whole surface embeds in a space of curvature -0\.143074959 or less"
     )
     with pytest.raises(InvalidMetric, match=sentence):
         _ = e.integrated_mean_curvature

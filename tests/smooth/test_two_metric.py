@@ -103,7 +103,12 @@ def test_the_area_is_that_of_the_ellipsoid():
     ("function", "kind", "said"),
     [
         (lambda t, p: np.array([[t, t], [t, t]]), InvalidMetric, r"returns a ndarray of shape \(2, 2, \d+\)"),
-        (lambda t, p: (1.0, np.sin(t) ** 2), InvalidMetric, "returns a tuple of length 2, not the three q_tt"),
+        (
+            lambda t, p: (1.0, np.sin(t) ** 2),
+            InvalidMetric,
+            "returns a tuple of length 2, not the three q_tt",
+        ),
+        (lambda t, p: (1, 0, np.ones(5)), InvalidMetric, r"q_pp has the shape \(5,\) for angles of shape \("),
         (lambda t, p: 1.0, InvalidMetric, "returns a float, not the three q_tt, q_tp and q_pp"),
         (lambda t, p: (1, 0, math.sin(t) ** 2), InvalidParameter, "TypeError: .* np.sin instead of math.sin"),
         (lambda t, p: (1, 0, 1j * np.sin(t)), InvalidParameter, "has complex values, not real numbers"),
@@ -133,7 +138,7 @@ def test_functions_that_give_no_components(function, kind, said):
     ],
 )
 def test_functions_are_no_metrics(use):
-    with pytest.raises(InvalidMetric, match="the metric is a function, .* AngleMetric makes one"):
+    with pytest.raises(InvalidMetric, match=r"the metric is a function, .* AngleMetric makes one"):
         use(lambda theta, phi: (1.0, 0.0, np.sin(theta) ** 2))
 
 

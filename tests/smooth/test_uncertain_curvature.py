@@ -95,4 +95,4 @@ def test_euclidean_space_is_off_by_how_negative_the_curvature_may_be():
     assert LeastHyperbolic(EUCLIDEAN, 0.3, 0.05, 0.1).curvature_error == pytest.approx(0.05)
     least = LeastHyperbolic(Space(-0.25), -0.25, None, 0.01)
     assert least.curvature_error == 0.01
-    assert least.explanation.startswith("hyperbolic space of curvature -0.25 +- 1e-02 takes the metric")
+    assert least.explanation.startswith("the metric embeds in hyperbolic space of curvature -0.25")

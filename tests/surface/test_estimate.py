@@ -2,7 +2,7 @@
 
 import pytest
 
-from isoembed.surface.estimate import Estimate
+from isoembed.surface.estimate import Estimate, percent
 
 
 @pytest.mark.parametrize(
@@ -15,9 +15,21 @@ from isoembed.surface.estimate import Estimate
         (3.9e-18, 5e-14, "4e-18 +- 5e-14"),
         (1.2345e-200, 1e-203, "1.2345e-200 +- 1e-203"),
         (0.0, 1e-9, "0 +- 1e-09"),
-        (1.0 / 3.0, 0.0, "0.333333333333333 +- 0e+00"),
+        (1.0 / 3.0, 0.0, "0.333333333333333 +- 0"),
+        (1.7, 0.03, "1.70 +- 3e-02"),
+        (1.25, 3e-13, "1.2500000000000 +- 3e-13"),
+        (2.0, 5.0, "2 +- 5e+00"),
+        (0.0, 0.0, "0 +- 0"),
         (float("nan"), 1.0, "nan +- 1e+00"),
     ],
 )
 def test_digits(value, error, text):
     assert str(Estimate(value, error)) == text
+
+
+@pytest.mark.parametrize(
+    ("fraction", "digits", "text"),
+    [(1.1, 2, "110 %"), (0.1, 1, "10 %"), (7.93, 2, "790 %"), (0.0123, 2, "1.2 %"), (1e-9, 1, "1e-07 %")],
+)
+def test_percent(fraction, digits, text):
+    assert percent(fraction, digits) == text

@@ -5,8 +5,8 @@ minimizes ``sum (r / s)^2 + mu |R x|^2``, s the standard deviations and R the ro
 (`isoembed.aim.regularized_energy`).  Fits follow one another from large mu to small, so that the surface
 stays smooth, until ``sum (r / s)^2`` is no more than its expected value, E - trace H, H being the matrix from
 given to fitted lengths: the discrepancy principle, corrected for the degrees of freedom that the fit uses up.
-Where no mu comes so far, the smoothest fit is taken whose sum chi-square does not reject; there is none where
-a length is a blunder, or the errors are larger than stated.
+Where no mu comes so far, the smoothest fit is taken whose sum chi-square does not reject, or the nearest to
+it.
 On rough ellipsoids of 80 vertices this came nearer to the true vertices than generalized cross-validation,
 marginal likelihood and a fixed mu.
 
@@ -59,7 +59,6 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
         method=name,
         tolerance=tolerance,
         weight=fit.weight,
-        degrees_of_freedom=fit.degrees_of_freedom,
     )
 
 

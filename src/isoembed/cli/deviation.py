@@ -22,6 +22,7 @@ from isoembed.plot.coloring import vertex_deviation
 from isoembed.proof.deviation_bound import DeviationBound
 from isoembed.surface.changes import Changes, root_mean_square
 from isoembed.surface.deviation import Deviation
+from isoembed.surface.estimate import percent
 
 EXAMPLES = (
     "isoembed deviation surface.ply --length-error 0.001",
@@ -84,7 +85,7 @@ def _writer(path: Path, surface: Embedding, found: Changes) -> Writer:
 
 def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
     if isinstance(found, Deviation):
-        known = f", the last four known to {100 * found.relative_error:.2g} %" if found.probes else ""
+        known = f", the last four known to {percent(found.relative_error)}" if found.probes else ""
         meaning, more = f"one standard deviation, to first order{known}", 1.0
     else:
         # Two digits may be 5 % low, and what is printed is to be proven, too.

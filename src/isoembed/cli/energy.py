@@ -53,7 +53,6 @@ from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.two_metric import TwoMetric
 from isoembed.space import Space
 from isoembed.space.models import to_model
-from isoembed.surface.checked import checked_errors
 from isoembed.surface.smooth_integrals import Lengths
 
 OF_METRIC = ("merge", "mean_curvature", "momentum", "normal_momentum", "lengths", "length_error")
@@ -172,7 +171,8 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(
             "which surface? Give a METRIC, or a --spacetime and a --surface, or a --geometry and a --sphere"
         )
-    metric = read_metric_or_grid(options.input, merge=options.merge)
+    errors = length_errors(options)
+    metric = read_metric_or_grid(options.input, merge=options.merge, length_errors=errors)
     if isinstance(metric, SurfaceData):
         return _smooth(options, outputs, _on_grid(options, metric), number)
     return _triangles(options, outputs, metric)
@@ -182,7 +182,9 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     try:
         surface = embed_surface(data, space=reference(options), vertices=number, best_fit=options.best_fit)
     except NotEmbedded as error:
-        print_error("; ".join([str(error), *_instead(options, error.embedding)]))
+        print_error(str(error))
+        for option in _instead(options, error.embedding):
+            print_error(option, "try")
         band = _write_band(outputs, data, error.embedding.space) if options.band else []
         report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
         _show(options, _with_check(data, report))
@@ -204,10 +206,10 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
 def _instead(options: argparse.Namespace, attempt: SmoothEmbedding) -> Iterator[str]:
     """What to ask for instead of an embedding in Euclidean space that there is not."""
     if attempt.hindrance and attempt.space.is_euclidean:
-        yield "--space hyperbolic embeds the whole"
+        yield "--space hyperbolic, which embeds the whole surface"
         about_z = attempt.coordinates is None and attempt.harmonics.order < attempt.harmonics.degree
         if about_z and not options.band:
-            yield "--band FILE writes the band that embeds"
+            yield "--band FILE, which writes the band that embeds"
 
 
 def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
@@ -292,10 +294,9 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     lengths: Lengths | None = options.lengths
     if lengths is None and input_ending(options.input) in MESH_ENDINGS and metric.space == own:
         lengths = "chord"  # in the space that the file is in; in another one they are neither
-    errors = length_errors(options)
-    if errors is not None:
-        checked_errors(metric, errors)  # before anything is computed
-    embedding, failure = solved(options, lambda progress: isoembed.embed(metric, progress=progress))
+    errors = None if options.length_error is None else metric.length_errors
+    exact = metric if errors is None else metric.with_length_errors(0.0)
+    embedding, failure = solved(options, lambda progress: isoembed.embed(exact, progress=progress))
     if failure is not None:
         if options.json:
             print_json({"status": "not embedded", "name": str(options.input), **failure.report})

@@ -147,9 +147,9 @@ def run(options: argparse.Namespace) -> int:
                 drawn[outputs["png"]] = result
         if not result.answered:
             called, why = report.get("name", stem), result.message
-            if report.get("hindrance") and not report["space"]["curvature"]:
-                why += "; --space hyperbolic embeds it"
             print_error(why if refused and called in why else f"{called}: {why}")
+            if report.get("hindrance") and not report["space"]["curvature"]:
+                print_error("--space hyperbolic, which embeds the whole surface", "try")
         elif not options.json:
             (print_aside if options.output else print_out)(energy_table(report))
     found = {report["status"] for report in reports}

@@ -20,7 +20,7 @@ def add_length_error_option(
         required=required,
         metavar="E",
         help="standard deviation of the lengths, whose errors are independent, in their unit: a number, or a "
-        f".npy file with one for each edge{purpose}",
+        f".npy file with one for each edge, in the file's order{purpose}",
     )
 
 

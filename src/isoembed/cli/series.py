@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TABLE = "table.csv"
+FILMS = ("horizons.mp4", "horizons.gif", "horizons.html")
 PERIOD = 20.0  # seconds between two tables of what there is so far
 OF_HORIZONS = (
     "geometry",
@@ -128,6 +129,9 @@ def run(options: argparse.Namespace) -> int:
         for sentence in missing:
             print_error(sentence)
             status = WRONG
+        stale = [name for name in FILMS if name not in written and (folder / name).exists()]
+        if stale and not options.quiet:
+            print_error(f"of an earlier command: {', '.join(stale)}; --film makes a new one", "note")
     if options.json:
         print_json({**(tally.report if tally else {}), "folder": str(options.output), "files": written})
     else:
@@ -196,7 +200,7 @@ def _products(store: Store, *, film: bool) -> tuple[list[str], list[str]]:
                 make(f"{name}.png", partial(_write_figure, figure))
         if film:
             make("horizons.mp4" if find_spec("imageio_ffmpeg") else "horizons.gif", write_series_film)
-            make("horizons.html", write_series_page)
+            make(FILMS[-1], write_series_page)
     return written, missing
 
 

@@ -183,7 +183,7 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
 
 def _triples(name: str, flat: list[float]) -> list[list[float]]:
     if len(flat) % 3:
-        raise UsageError(f"--{name} takes three numbers for each hole: {len(flat)} are not that")
+        raise UsageError(f"--{name} takes three numbers for each hole, not {len(flat)} in all")
     return [flat[k : k + 3] for k in range(0, len(flat), 3)]
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.special import chdtri
+from scipy.special import chdtri, ndtri
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
@@ -17,19 +17,18 @@ if TYPE_CHECKING:
     from isoembed.proof.certificate import Certificate
 
 SIGNIFICANCE = 1e-3
-"""Of the chi-square test: the true surface fails it at most once in a thousand."""
+"""Of each test: the true lengths of all edges fail it once in a thousand."""
 SUSPECTS = 3
-"""Edges that the message of a failure names: a blunder is as a rule the first, or beside it."""
+"""Edges that the message of a failure names at most: a blunder is as a rule the first, or beside it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredSurface(Embedding):
     """Smooth surface fitted to edge lengths with known standard deviations.
 
-    The residuals are judged as a whole: the surface has converged if `chi_square` is at most
-    `chi_square_limit`.  That says that its lengths agree with those given, not that no other surface does.
-    The test is the global model test of adjustments in surveying, and the edge that the message of a failure
-    names is the one by which Baarda's data snooping would begin.
+    It has converged if its residuals pass two tests: as a whole, `chi_square` is at most `chi_square_limit`,
+    and no single one stands out (Baarda's test).  That says that its lengths agree with those given, not that
+    no other surface does.  As the fit follows the errors in part, true lengths fail less often than stated.
     Deviations are of first order, and too small by a factor of about two where a vertex is flat within the
     errors.
 
@@ -40,8 +39,6 @@ class MeasuredSurface(Embedding):
     weight : float
         Of the roughness against the squares of the residuals, in squared mean edge lengths; 0 if the lengths
         are met exactly.
-    degrees_of_freedom : float
-        Of the residuals: the number of edges, less the trace of the matrix from given to fitted lengths.
 
     References
     ----------
@@ -50,17 +47,11 @@ class MeasuredSurface(Embedding):
 
     _: KW_ONLY
     weight: float
-    degrees_of_freedom: float
 
     def __post_init__(self) -> None:
         if self.length_errors is None:
             self._set(length_errors=self.metric.length_errors)
         super().__post_init__()
-
-    @property
-    def chi_square(self) -> float:
-        """Sum of the squared residuals over their variances."""
-        return float(np.sum(self._standardized**2))
 
     @property
     def _standardized(self) -> Floats:
@@ -69,14 +60,25 @@ class MeasuredSurface(Embedding):
         return self.residuals / sigma
 
     @property
+    def chi_square(self) -> float:
+        """Sum of the squared residuals over their variances."""
+        return float(np.sum(self._standardized**2))
+
+    @property
     def chi_square_limit(self) -> float:
-        """What chi-square with these degrees of freedom exceeds with a probability of 0.001."""
-        return float(chdtri(self.degrees_of_freedom, SIGNIFICANCE))
+        """What chi-square exceeds with a probability of 0.001, with as many degrees of freedom as edges."""
+        return float(chdtri(len(self.residuals), SIGNIFICANCE))
+
+    @property
+    def _outlier_limit(self) -> float:
+        """What the largest of so many normal errors exceeds with a probability of 0.001, in deviations."""
+        return float(-ndtri(SIGNIFICANCE / 2 / len(self.residuals)))
 
     @property
     def converged(self) -> bool:
-        """Whether the lengths, measured on these vertices, agree with those of the metric (chi-square)."""
-        return self.chi_square <= self.chi_square_limit
+        """Whether the lengths, measured on these vertices, agree with those of the metric: by both tests."""
+        agree = self.chi_square <= self.chi_square_limit
+        return agree and bool(self._standardized.max() <= self._outlier_limit)
 
     @cached_property
     def _certificate(self) -> Certificate:
@@ -88,29 +90,33 @@ class MeasuredSurface(Embedding):
         )
 
     def _sentence(self) -> str:
-        off = self._standardized
+        off, limit = self._standardized, self._outlier_limit
         suspects = np.argsort(-off, kind="stable")[:SUSPECTS].tolist()
+        largest = (
+            f"the largest residual is {self.residuals[suspects[0]]:.1e} of the mean edge length, "
+            f"{off[suspects[0]]:.1f} standard deviations, at edge {suspects[0]} "
+            f"{self.edges[suspects[0]].tolist()}"
+        )
         test = (
-            f"chi-square is {self.chi_square:.4g} with {self.degrees_of_freedom:.1f} degrees of freedom of "
-            f"{len(off)} edges, {'at most' if self.converged else 'more than'} {self.chi_square_limit:.4g} "
-            f"(significance {SIGNIFICANCE:g})"
+            f"chi-square is {self.chi_square:.4g} for {len(off)} edges, "
+            f"{'at most' if self.chi_square <= self.chi_square_limit else 'more than'} "
+            f"{self.chi_square_limit:.4g}, and {largest}, "
+            f"{'at most' if off[suspects[0]] <= limit else 'more than'} {limit:.1f} (significance "
+            f"{SIGNIFICANCE:g})"
         )
         if self.converged:
-            return (
-                f"the lengths agree with those given within their errors: {test}; the largest residual is "
-                f"{self.residual:.1e} of the mean edge length, {off[suspects[0]]:.1f} standard deviations, "
-                f"at edge {suspects[0]} {self.edges[suspects[0]].tolist()}"
-            )
-        ratios = self.lengths / self.metric.lengths
+            return f"the lengths agree with those given within their errors: {test}"
+        found = "no smooth surface was found whose lengths agree with those given within their errors"
+        changes = 100 * (self.lengths / self.metric.lengths - 1)
         named = ", ".join(
-            f"edge {e} {self.edges[e].tolist()} (off by {off[e]:.3g} standard deviations, {ratios[e]:.4g} "
-            "times as long as given)"
-            for e in suspects
+            f"edge {e} {self.edges[e].tolist()} ({changes[e]:+.2g} %)" for e in suspects if off[e] > limit
         )
-        return (
-            "no smooth surface was found whose lengths agree with those given within their errors: on the "
-            f"nearest, {test}; check first {named}"
+        remedy = (
+            f"; check these lengths first, and how much longer they are on that surface: {named}"
+            if named
+            else "; the errors may be larger than stated"
         )
+        return f"{found}: on the nearest surface {test}{remedy}"
 
     @property
     def _reported(self) -> Mapping[str, Any]:
@@ -118,7 +124,8 @@ class MeasuredSurface(Embedding):
         found = {
             "chi_square": self.chi_square,
             "chi_square_limit": self.chi_square_limit,
-            "degrees_of_freedom": self.degrees_of_freedom,
+            "largest_standardized_residual": float(self._standardized.max()),
+            "largest_standardized_residual_limit": self._outlier_limit,
             "significance": SIGNIFICANCE,
             "weight": self.weight,
         }

@@ -184,6 +184,12 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
     if "faces" not in tables or not ("lengths" in tables or "vertices" in tables):
         if "polygons" in tables:
             raise FileError(f"{name} is a net: glue it first, with 'isoembed glue {name} -o surface.ply'")
+        if "q_tt" in tables:
+            raise FileError(
+                f"{name} is a metric on a grid in theta and phi: embed it with 'isoembed energy {name}', or "
+                "make triangles of it first, with "
+                f"'isoembed triangulate {name} --vertices 1000 -o metric.npz'"
+            )
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(
             f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices"

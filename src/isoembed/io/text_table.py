@@ -37,7 +37,11 @@ def read_text_table(file: InputFile) -> TextTable:
         names the line.
     """
     lines = list(enumerate(map(str.strip, file.text.splitlines()), 1))
-    rows = [(number, line.replace(",", " ").split()) for number, line in lines if line and not line.startswith("#")]
+    rows = [
+        (number, line.replace(",", " ").split())
+        for number, line in lines
+        if line and not line.startswith("#")
+    ]
     if not rows:
         raise FileError(f"{file} holds no numbers")
     columns = len(rows[0][1])

@@ -61,7 +61,8 @@ def within_inequalities(sides: Indices, lengths: Floats, errors: Floats) -> Floa
     """Lengths nearest to those given that obey the triangle inequality in the plane, or nearly the nearest.
 
     Where a triangle breaks it, or is flat, its sides are changed in turn with others by the least sum of
-    squares over their variances, so that the two shorter ones exceed the longest by its error.
+    squares over their variances, so that the two shorter ones exceed the longest by its error, or by half of
+    the shortest if that is less.
 
     Parameters
     ----------
@@ -79,11 +80,11 @@ def within_inequalities(sides: Indices, lengths: Floats, errors: Floats) -> Floa
     for _ in range(MOST_TURNS):
         f = first_broken(sides, changed, 0.0)
         if f < 0:
-            return changed
+            return changed if (changed != lengths).any() else lengths
         three = sides[f][np.argsort(changed[sides[f]], kind="stable")]
         a, b, c = changed[three]
         variances = errors[three] ** 2
-        excess = (c - b - a + errors[three[2]]) / variances.sum()
+        excess = (c - b - a + min(errors[three[2]], a / 2)) / variances.sum()
         changed[three] += excess * variances * [1.0, 1.0, -1.0]
         if (np.abs(changed - lengths) > MOST_ERRORS * errors).any():
             break

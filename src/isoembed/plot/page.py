@@ -129,7 +129,10 @@ def _page(
 
 def _caption(embedding: Embedding) -> str:
     t, total = embedding.triangulation, embedding.integrated_mean_curvature
-    words = [f"{t.n_vertices:,} vertices, {faces_counted(embedding)}", f"∫ H dA{of_integral(embedding)} = {number(total)}"]
+    words = [
+        f"{t.n_vertices:,} vertices, {faces_counted(embedding)}",
+        f"∫ H dA{of_integral(embedding)} = {number(total)}",
+    ]
     if not has_own_lengths(embedding):
         words.append(f"largest length error {number(plain(embedding.residual))} of the mean edge")
     if not embedding.space.is_euclidean:

@@ -15,7 +15,6 @@ All of these matrices are symmetric, so that one factorization serves derivative
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import block_array, csr_array, diags_array, eye_array, kron
@@ -27,11 +26,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.bending_derivative import bending_force_derivative
 from isoembed.sheets.length_constraints import LengthConstraints
-
-if TYPE_CHECKING:
-    from isoembed.sheets.surface import SheetEmbedding
-
-BALANCED = 1e-6  # imbalance of bending up to which a surface is one of least bending
+from isoembed.sheets.surface import BALANCED, SheetEmbedding
 
 
 @dataclass(frozen=True, eq=False)

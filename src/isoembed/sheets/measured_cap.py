@@ -102,6 +102,5 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         tolerance=tolerance,
         stages=log.stages,
         weight=found.weight,
-        degrees_of_freedom=max(1.0, found.degrees_of_freedom * t.n_edges / closed.triangulation.n_edges),
         condition="plane",
     )

@@ -17,9 +17,9 @@ from isoembed.nonlinear.stopping import below, short_step
 from isoembed.progress.stages import Log
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.convex_cap import with_heights
-from isoembed.sheets.derivatives import BALANCED, SheetDerivatives, bending_factor
+from isoembed.sheets.derivatives import SheetDerivatives, bending_factor
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.sheets.surface import SheetEmbedding
+from isoembed.sheets.surface import BALANCED, SheetEmbedding
 
 STEPS = 30  # of Newton's method at most
 EXACT = 1e-14  # largest residual of lengths and forces, in mean edge lengths, that ends it

@@ -89,7 +89,6 @@ class AxisymmetricEmbedding:
             The metric is not axisymmetric about z, or not positive, or conical at a pole or otherwise not
             smooth; the message says how much and where.
         """
-
         check_two_metric(metric)
 
         def components(x: Floats) -> Floats:
@@ -266,7 +265,7 @@ class AxisymmetricEmbedding:
             f"no surface of revolution{where} has this metric for {_listed(self.obstruction)}: there {q_tt} <"
             f" (d rho/d theta)^2{reason}; {_listed([(band.start, band.stop) for band in self.bands])} embeds,"
             f" {100.0 * part:.6g} % of the area;"
-            f" space of curvature {self.greatest_curvature:.9g} or less has the whole"
+            f" the whole surface embeds in a space of curvature {self.greatest_curvature:.9g} or less"
         )
 
     def rho(self, theta: ArrayLike) -> Floats:

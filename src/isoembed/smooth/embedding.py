@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -19,6 +20,7 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.triangulation import SphereMesh, triangulate_metric
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, orthonormal_frame
 from isoembed.space import EUCLIDEAN, Space
+from isoembed.surface.estimate import Estimate
 
 ROUNDING = 1e-11  # relative error of lengths
 
@@ -60,6 +62,16 @@ class SmoothEmbedding:
     coordinates: SphereMap | None = None
     mesh: SphereMesh | None = field(default=None, repr=False)
     space: Space = EUCLIDEAN
+
+    def _shown(self) -> Iterator[tuple[str, object]]:
+        yield "metric", self.metric
+        yield "space", self.space
+        yield "degree", self.harmonics.degree
+        yield "residual", self.residual
+        yield "tolerance", self.tolerance
+        yield "area", self.area
+        yield "integrated_mean_curvature", Estimate(self.integrated_mean_curvature, self.curvature_error)
+        yield "hindrance", self.hindrance
 
     def triangulated(self, vertices: int) -> SphereMesh:
         """A mesh of the metric with so many vertices: the one that the embedding began with, or a new one.

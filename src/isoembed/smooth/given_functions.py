@@ -26,7 +26,7 @@ def called(what: str, function: Callable[..., Any], *arguments: NDArray[Any]) ->
 
 
 def array_of(what: str, given: ArrayLike, *, real: bool = True) -> NDArray[Any]:
-    """What a user gave, or a function returned, as an array of numbers; `InvalidParameter` where it is none."""
+    """What a user or a function gave, as an array of numbers; `InvalidParameter` where it is none."""
     try:
         array = np.asarray(given)
     except ValueError:

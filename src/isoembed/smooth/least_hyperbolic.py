@@ -60,19 +60,19 @@ class LeastHyperbolic:
 
     @property
     def explanation(self) -> str:
-        """A sentence: which space takes the metric, and by what."""
+        """A sentence: in which space the metric embeds, and why."""
         if self.of_revolution is None:
             least = f"the least Gaussian curvature is {Estimate(self.gaussian_curvature, self.error)}"
         else:
             bound = Estimate(self.of_revolution, self.error)
             least = (
-                f"the least Gaussian curvature is {self.gaussian_curvature:.9g}, and there is a surface of "
-                f"revolution up to the curvature {bound} of space"
+                f"the least Gaussian curvature is {self.gaussian_curvature:.9g}, and a surface of revolution "
+                f"with this metric exists in spaces of curvature up to {bound}"
             )
         if self.space.is_euclidean:
-            return f"Euclidean space takes the metric: {least}"
+            return f"the metric embeds in Euclidean space: {least}"
         curvature = Estimate(self.space.curvature, self.error)
-        return f"hyperbolic space of curvature {curvature} takes the metric: {least}"
+        return f"the metric embeds in hyperbolic space of curvature {curvature}: {least}"
 
     @property
     def _bound(self) -> float:

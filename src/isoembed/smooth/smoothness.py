@@ -12,7 +12,7 @@ from isoembed.errors import InvalidMetric
 from isoembed.meshing.spreading import WHOLE, Zone
 from isoembed.smooth.geodesics import definite_tensor
 from isoembed.smooth.poles import RINGS, SCALES, PoleSight, ring_sights, series_sights
-from isoembed.smooth.two_metric import NEAR_POLE, AngleMetric, TwoMetric, angle_components
+from isoembed.smooth.two_metric import NEAR_POLE, AngleMetric, TwoMetric, angle_components, components_at
 
 CONFLICT = 5e-3  # relative conflict of components that are those of no tensor
 VISIBLE = 1e-6  # relative misfit that may be due to a mistake
@@ -193,7 +193,7 @@ def _check_seam(metric: AngleMetric, zone: Zone) -> None:
     """Refuse components that are not those of the same points a turn later."""
     theta: Floats = np.linspace(*zone, AROUND + 1)[1:-1]
     ends = [np.full_like(theta, phi) for phi in (1e-9, 2.0 * np.pi - 1e-9)]
-    start, stop = (metric.at(theta, phi) for phi in ends)
+    start, stop = (components_at(metric, theta, phi) for phi in ends)
     sin = np.sin(theta)
     size = max(np.max(np.abs(start[0])), np.max(np.abs(start[2]) / sin**2))
     for name, before, after, power in zip(("q_tt", "q_tp", "q_pp"), start, stop, range(3), strict=True):
@@ -264,7 +264,10 @@ def _seen(sight: PoleSight, look: _Look | None = None) -> str:
     jump, largest = sight.conflicts[pole, 0], np.max(sight.conflicts[pole])
     if not sight.is_cone:
         size = jump if jump > VISIBLE else largest
-        return f"at {at} the components change with phi by {size:.2g} of their size as no tensor's do"
+        return (
+            f"at {at} the components vary with phi, by {size:.2g} of their size, in a way that those of a "
+            "smooth tensor cannot"
+        )
     doubtful = jump <= sight.doubts[pole, 0]
     if look and (doubtful or not 0.5 * abs(tt) < abs(pp) < 2.0 * abs(tt)):
         theta, tt, pp = look.near[pole]

@@ -39,8 +39,8 @@ PATIENCE = 3  # degrees in turn without progress that end the search
 PER_HARMONIC = 3  # vertices for each harmonic that is fitted to them
 NO_REVOLUTION = Evidence(
     "searched",
-    "surfaces of revolution alone, of which it is proved that none has the metric: the circumference changes "
-    "faster than the meridian allows, by more than the error of the metric",
+    "only surfaces of revolution were considered, and it is proved that none has the metric: the "
+    "circumference changes faster than the meridian allows, by more than the error of the metric",
 )
 
 
@@ -333,8 +333,8 @@ def _not_of_revolution(profile: AxisymmetricEmbedding, rough: SmoothEmbedding) -
     if profile.greatest_curvature < 0.0:
         enough = -profile.greatest_curvature * (1.0 + 1e-6)  # more than its rounding to nine digits
         instead = (
-            f'space=isoembed.Hyperbolic({enough:.9g}) has the whole, or space="hyperbolic" in '
-            "isoembed.relativity.embed_surface; AxisymmetricEmbedding has the bands that embed; " + instead
+            f'space=isoembed.Hyperbolic({enough:.9g}) admits the whole surface, as does space="hyperbolic" '
+            "in isoembed.relativity.embed_surface; AxisymmetricEmbedding has the bands that embed; " + instead
         )
     error.add_note(instead)
     return error

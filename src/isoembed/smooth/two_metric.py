@@ -67,36 +67,9 @@ class AngleMetric:
                 total += 0.5 * weight * self._away(moved / np.linalg.norm(moved, axis=1, keepdims=True))
         return projected(total, u)
 
-    def at(self, theta: Floats, phi: Floats) -> Floats:
-        """The components (3, n) at angles (n,).
-
-        Raises
-        ------
-        InvalidMetric
-            They are not three, or one is not finite; the message names the first one, and its angles.
-        InvalidParameter
-            The function takes no arrays, or returns no real numbers.
-        """
-        what = "the function for the metric"
-        given = called(what, self.components, theta, phi)
-        if not isinstance(given, tuple | list | np.ndarray) or len(given) != 3:
-            shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
-            count = f" of length {len(given)}" if isinstance(given, tuple | list) else shape
-            raise InvalidMetric(
-                f"{what} returns a {type(given).__name__}{count}, not the three q_tt, q_tp and q_pp"
-            )
-        q = [np.broadcast_to(array_of(what, component), theta.shape) for component in given]
-        for name, values in zip(("q_tt", "q_tp", "q_pp"), q, strict=True):
-            if not np.isfinite(values).all():
-                i = int(np.argmin(np.isfinite(values)))
-                raise InvalidMetric(
-                    f"{name} is {values[i]} at theta = {theta[i]:.6g}, phi = {phi[i]:.6g}: it must be finite"
-                )
-        return np.stack(q).astype(np.float64)
-
     def _away(self, u: Floats) -> Floats:
         theta, phi = angles_of(u)
-        tt, tp, pp = self.at(theta, phi)
+        tt, tp, pp = components_at(self, theta, phi)
         good = are_definite(tt, tp, pp)
         if not good.all():
             i = int(np.argmin(good))
@@ -106,6 +79,38 @@ class AngleMetric:
             )
         sin = np.hypot(u[:, 0], u[:, 1])
         return from_angles(u, tt, tp / sin, pp / sin**2)
+
+
+def components_at(metric: AngleMetric, theta: Floats, phi: Floats) -> Floats:
+    """The components (3, n) at angles (n,).
+
+    Raises
+    ------
+    InvalidMetric
+        They are not three, or one is not finite; the message names the first one, and its angles.
+    InvalidParameter
+        The function takes no arrays, or returns no real numbers.
+    """
+    what = "the function for the metric"
+    given = called(what, metric.components, theta, phi)
+    if not isinstance(given, tuple | list | np.ndarray) or len(given) != 3:
+        shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
+        count = f" of length {len(given)}" if isinstance(given, tuple | list) else shape
+        raise InvalidMetric(
+            f"{what} returns a {type(given).__name__}{count}, not the three q_tt, q_tp and q_pp"
+        )
+    q = np.empty((3, *theta.shape))
+    for name, component, values in zip(("q_tt", "q_tp", "q_pp"), given, q, strict=True):
+        array = array_of(what, component)
+        if array.shape not in ((), (1,), theta.shape):
+            raise InvalidMetric(f"{name} has the shape {array.shape} for angles of shape {theta.shape}")
+        values[...] = array
+        if not np.isfinite(values).all():
+            i = int(np.argmin(np.isfinite(values)))
+            raise InvalidMetric(
+                f"{name} is {values[i]} at theta = {theta[i]:.6g}, phi = {phi[i]:.6g}: it must be finite"
+            )
+    return q
 
 
 @dataclass(frozen=True)
@@ -187,8 +192,12 @@ class PulledBack:
 def check_two_metric(given: object) -> None:
     """Refuse with an `InvalidMetric` what is no metric, such as a function."""
     if not callable(getattr(given, "tensor", None)):
-        advice = "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"
-        raise InvalidMetric(f"the metric is a {type(given).__name__}, which has no method tensor(u): {advice}")
+        advice = (
+            "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"
+        )
+        raise InvalidMetric(
+            f"the metric is a {type(given).__name__}, which has no method tensor(u): {advice}"
+        )
 
 
 def from_angles(u: Floats, Qtt: Floats, Qtp: Floats, Qpp: Floats) -> Floats:

@@ -20,12 +20,19 @@ class Estimate:
         object.__setattr__(self, "error", float(self.error))
 
     def __str__(self) -> str:
-        return f"{self.rounded} +- {self.error:.0e}"
+        return f"{self.rounded} {self.plus_minus}"
 
     @property
     def rounded(self) -> str:
-        """The value to one digit more than the error leaves."""
-        return f"{self.value:.{self.digits}g}"
+        """The value to one digit more than the error leaves, zeros at the end among them."""
+        if not self.error > 0.0:
+            return f"{self.value:.{MOST}g}"
+        return f"{self.value:#.{self.digits}g}".replace(".e", "e").rstrip(".") if self.value else "0"
+
+    @property
+    def plus_minus(self) -> str:
+        """The error with its sign, "+- 3e-02"."""
+        return f"+- {self.error:.0e}" if self.error else "+- 0"
 
     @property
     def digits(self) -> int:
@@ -44,3 +51,8 @@ class Estimate:
     def scaled(self, factor: float) -> Estimate:
         """The number times an exact one."""
         return Estimate(factor * self.value, abs(factor) * self.error)
+
+
+def percent(fraction: float, digits: int = 2) -> str:
+    """A fraction in percent, to so many digits and without an exponent unless it is tiny: "110 %"."""
+    return f"{float(f'{100.0 * fraction:.{digits}g}'):.15g} %"

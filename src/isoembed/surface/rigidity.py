@@ -371,8 +371,8 @@ class VertexSystem:
 
         S is the Laplacian of the triangulation with the tensions, (E,), for the weights of its edges.  For a
         surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.  Rigid motions
-        are held at all vertices, a little, or by held ones: where the weight is below `DIAGONAL_SHIFT`, the
-        former would be more than P.
+        are held at all vertices, a little, or by held vertices: where the weight is below `DIAGONAL_SHIFT`,
+        the former would be more than P.
         """
         penalty = weight * self._penalty
         if surface is not None and not surface.space.is_euclidean:

@@ -140,7 +140,10 @@ BAD = {
     "origin": (change(TEXT, 2, "-0.5", ""), r"line 2: '# origin = 3.25 0' does not give 3 finite numbers"),
     "no number": (change(TEXT, 5, "5", "nan"), r"line 5: '# N_rho = nan' does not give 1 finite numbers"),
     "no patch": (change(TEXT, 4, "###", "# a"), r"line 12: there are numbers before a line '### \+z patch'"),
-    "no origin": (change(TEXT, 2, "origin", "o"), r"line 12: there are numbers before a line '# origin = x y z'"),
+    "no origin": (
+        change(TEXT, 2, "origin", "o"),
+        r"line 12: there are numbers before a line '# origin = x y z'",
+    ),
     "twice": (TEXT.replace("-z patch", "+y patch"), r"line 199: the patch \+y is there twice"),
     "other files": ("# 1:cctk_iteration\n0 1 2\n", "has no line '# N_patches = ...': it is not a shape file"),
     "a patch missing": (

@@ -9,9 +9,10 @@ from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity import embed_surface, find_horizon, find_horizons
 from isoembed.relativity.spacetimes.differences import EIGHTH, SIXTH, central_differences
-from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist
+from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist, Superposed
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import AnalyticCallable, CallableGeometry
+from isoembed.relativity.spacetimes.transformed import Translated
 
 SPHERE = StarSurface.sphere((0, 0, 0), 2.0)
 X = 2.0 * fibonacci_directions(50)
@@ -76,20 +77,30 @@ def test_the_component_is_named():
         AnalyticCallable(one_component).gradient(X)
 
 
+def test_superposed_functions_are_compared_too():
+    alone = AnalyticCallable(by_norm)
+    with pytest.raises(InvalidParameter, match="by the complex step"):
+        Superposed((alone, Translated(AnalyticCallable(clean), (0.0, 0.0, 9.0)))).gradient(X)
+
+
 @pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
-@pytest.mark.parametrize("center", [(0.0, 0.0, 0.0), (0.0, 0.0, 1e5)])
+@pytest.mark.parametrize("center", [(0.0, 0.0, 0.0), (0.0, 0.0, 1e5), (1e9, 0.0, 0.0)])
 def test_holomorphic_functions_are_taken_in_every_unit_and_place(unit, center):
     hole = BrillLindquist((unit,), (np.array(center) * unit,))
     x = unit * (np.array(center) + X)
     given = AnalyticCallable(hole.metric).gradient(x)
     np.testing.assert_array_equal(given, hole.gradient(x))
+    faint = AnalyticCallable(lambda x: np.eye(3) * (1.0 + 1e-13 * root(x / unit))[:, None, None])
+    faint.gradient(x)
     AnalyticCallable(lambda x: np.broadcast_to(np.eye(3), (len(x), 3, 3))).gradient(x)
     CallableGeometry(hole.metric, 2.0 * unit).gradient(x)
 
 
 @pytest.mark.parametrize("length", [100.0, 300.0, 1000.0, 1e12])
 def test_too_large_a_length_is_refused(length):
-    with pytest.raises(InvalidParameter, match=f"the length {re.escape(f'{length:.6g}')} and .*: give the dist"):
+    with pytest.raises(
+        InvalidParameter, match=f"the length {re.escape(f'{length:.6g}')} and .*: give the dist"
+    ):
         embed_surface(SPHERE.data(CallableGeometry(by_norm, length)))
 
 
@@ -104,7 +115,9 @@ def test_noise_is_no_wrong_length():
         return by_norm(x) * (1.0 + 1e-4 * np.sin(1e7 * x[:, :1, None]))
 
     for length in (0.2, 2.0, 20.0):
-        error = np.abs(CallableGeometry(noisy, length).gradient(X) - AnalyticCallable(clean).gradient(X)).max()
+        error = np.abs(
+            CallableGeometry(noisy, length).gradient(X) - AnalyticCallable(clean).gradient(X)
+        ).max()
         assert 1e-4 < error < 1.0
 
 

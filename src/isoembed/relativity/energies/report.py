@@ -110,7 +110,8 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
 
 
 def _line(shown: str, value: float, error: float, width: int) -> str:
-    return f"{shown:{width}}  {Estimate(value, error).rounded:22} +- {error:.0e}"
+    estimate = Estimate(value, error)
+    return f"{shown:{width}}  {estimate.rounded:22} {estimate.plus_minus}"
 
 
 def _by_lengths(report: dict[str, Any], name: str) -> str:

@@ -134,8 +134,8 @@ def _limit(data: SurfaceData, embedding: SmoothEmbedding, time: TimeFunction | N
     energy = smooth_energies(data, embedding).liu_yau
     assert energy is not None
     notes = [
-        "of a horizon: the limit int k0 dA / 8 pi of the least energies of surfaces that tend to it, whose "
-        "tau tends to 0 (Zhao, Andersson and Yau, arXiv:2406.10751)"
+        "the surface is a horizon: this is the limit int k0 dA / 8 pi of the least energies of surfaces that "
+        "approach it, for which tau tends to 0 (Zhao, Andersson and Yau, arXiv:2406.10751)"
     ]
     if embedding.least_curvature <= 0.0:
         notes.append(inadmissible(embedding.least_curvature))

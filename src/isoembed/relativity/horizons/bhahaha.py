@@ -32,10 +32,10 @@ def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
     """Read the shape of a horizon from a file of BHaHAHA.
 
     The file holds one row ``x y z`` for each point, separated by blanks or commas: rings of constant theta,
-    each closed by its first point, to within rounding, and followed by a blank line.  The angles about the center are theta = (i + 1/2) pi / n_theta and phi =
-    -pi + (j + 1/2) 2 pi / n_phi.  The file does not name the center: it is the point from which the points
-    are seen at these angles.  Raises `FileError`: the file cannot be read, is cut short or malformed; the
-    message names the line where it can.
+    each closed by its first point, to within rounding, and followed by a blank line.  The angles about the
+    center are theta = (i + 1/2) pi / n_theta and phi = -pi + (j + 1/2) 2 pi / n_phi.  The file does not name
+    the center: it is the point from which the points are seen at these angles.  Raises `FileError`: the file
+    cannot be read, is cut short or malformed; the message names the line where it can.
 
     Parameters
     ----------
@@ -99,7 +99,9 @@ def _center(points: Floats, source: str) -> Floats:
 
 
 def _recognizes(file: InputFile) -> bool:
-    rows = (line.replace(",", " ").split() for line in file.head.splitlines() if not line.lstrip().startswith("#"))
+    rows = (
+        line.replace(",", " ").split() for line in file.head.splitlines() if not line.lstrip().startswith("#")
+    )
     return file.ending == ".gp" and len(next(filter(None, rows), ())) == 3
 
 

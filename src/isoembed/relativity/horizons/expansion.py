@@ -14,6 +14,7 @@ from isoembed.reprs import short_repr
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import area_density
+from isoembed.surface.estimate import percent
 
 ROUNDING = 1e-12  # relative to the largest k, in the expansion
 CLOSE = 0.01  # largest displacement, over the radius: a tenth of the Kijowski-Liu-Yau energy
@@ -133,7 +134,7 @@ def classify_horizon(
         )
     test = test or expansion_test(data)
     expansion = f"the expansion is {test.largest_expansion:.2g} +- {test.expansion_error:.1g}"
-    away = f"the estimated displacement of the horizon is {100.0 * test.displacement:.1g} % of its radius"
+    away = f"the estimated displacement of the horizon is {percent(test.displacement, 1)} of its radius"
     if test.inward and marginal is None:
         return _noted(
             replace(data, marginal=False),

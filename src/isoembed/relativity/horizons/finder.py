@@ -391,14 +391,14 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
 
 
 def _too_coarse(geometry: ThreeGeometry, surface: Surface) -> str:
-    """A clause on the grid of a slice, where a surface is small for it."""
+    """A sentence on the grid of a slice, where a surface is small for it."""
     while hasattr(geometry, "geometry"):  # in another frame
         geometry = geometry.geometry
     spacing = getattr(geometry, "spacing", None)
     if spacing is None or (across := 2.0 * surface.mean_radius / max(spacing)) >= SPACINGS:
         return ""
     return (
-        f"\nthe grid has {across:.3g} spacings across this surface, and {SPACINGS} are needed: use a finer "
+        f".\nThe grid has {across:.3g} spacings across this surface, and {SPACINGS} are needed: use a finer "
         "grid around the hole"
     )
 
@@ -415,10 +415,12 @@ def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
         f"{foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
     )
     at = f"at R = {least.areal_radius:.6g} around ({center})"
+    # It is 1 in flat space: there is a hole.
+    coarse = _too_coarse(geometry, least.surface) if least.normalized_expansion < 0.5 else ""
     return NoHorizon(
         "no horizon was found: among surfaces of constant expansion c and areal radius R, the least c R / 2 "
         f"is {least.normalized_expansion:.6g}{off}, {at}, and a horizon has 0; the search ended because "
-        f"{foliation.end}{_too_coarse(geometry, least.surface)}",
+        f"{foliation.end}{coarse}",
         least.normalized_expansion,
         evidence,
         error,

@@ -38,6 +38,7 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.relativity.spacetimes.transformed import ScaledCurvature
 from isoembed.smooth.transforms import resized
+from isoembed.surface.estimate import percent
 
 SHORTEST_STEP = 1e-4  # over the mean radius
 MISSED = 0.3  # largest difference of a leaf from its prediction, over the displacement
@@ -163,7 +164,9 @@ def foliate(
         if minimum is not None and leaf.normalized_expansion > end_at:
             return Foliation(tuple(leaves), None, minimum, error, "the expansion grows again")
         if not SMALLEST < leaf.surface.mean_radius / largest < 1.0 / SMALLEST:
-            end = f"the surfaces have become {'a thousand times as large' if outward else 'as small as points'}"
+            end = (
+                f"the surfaces have become {'a thousand times as large' if outward else 'as small as points'}"
+            )
             return Foliation(tuple(leaves), None, minimum, error, end)
 
 
@@ -368,4 +371,4 @@ def _prediction_error(
 def _noisy(leaf: ConstantExpansionSurface) -> str:
     if leaf.noise <= 0.01:
         return ""
-    return f"; the slice may displace the surface by {100.0 * leaf.noise:.2g} % there"
+    return f"; the slice may displace the surface by {percent(leaf.noise)} there"

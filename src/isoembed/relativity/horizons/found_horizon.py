@@ -20,6 +20,7 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.reprs import short_repr
+from isoembed.surface.estimate import percent
 
 
 @short_repr
@@ -117,7 +118,7 @@ def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.
     )
     off = surface.misfit / surface.mean_radius
     if off > 0.01:  # farther away it is another surface
-        raise NoConvergence(f"{left}, and the slice may displace the surface by {100.0 * off:.2g} %")
+        raise NoConvergence(f"{left}, and the slice may displace the surface by {percent(off)}")
     if found.residual > 0.01 and found.end is not End.RESOLVED:  # not the expansion that was asked for
         raise NoConvergence(f"{left}, and no higher degree was tried")
     stability = principal_eigenvalue(discretization.equations(at), R) * R * R

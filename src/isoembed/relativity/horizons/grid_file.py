@@ -4,6 +4,7 @@ import os
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables, check_ending, input_ending
@@ -87,15 +88,15 @@ def read_grid_data(path: str | os.PathLike[str]) -> SurfaceData:
 
 
 def read_metric_or_grid(
-    path: str | os.PathLike[str], *, merge: float | None = None
+    path: str | os.PathLike[str], *, merge: float | None = None, length_errors: ArrayLike | None = None
 ) -> PolyhedralMetric | SurfaceData:
     """Read a metric on triangles or on a grid, whichever a file holds: see `read_metric`, `read_grid_data`.
 
     Parameters
     ----------
     path : path
-    merge : float, optional
-        Of a mesh, as of `read_metric`.
+    merge, length_errors : optional
+        Of a metric on triangles, as of `read_metric`.
 
     Raises
     ------
@@ -105,10 +106,12 @@ def read_metric_or_grid(
         What it holds is not a metric.
     """
     if input_ending(path) not in ARRAY_ENDINGS:
-        return read_metric(path, merge=merge)
+        return read_metric(path, merge=merge, length_errors=length_errors)
     with opened(path) as file:
         is_grid = file.ending != ".npz" or holds_metric_grid(file) or "theta" in file.arrays[""]
-        return read_grid_data(file) if is_grid else read_metric(file, merge=merge)
+        if is_grid:
+            return read_grid_data(file)
+        return read_metric(file, merge=merge, length_errors=length_errors)
 
 
 def holds_metric_grid(file: InputFile) -> bool:

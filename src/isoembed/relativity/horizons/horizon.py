@@ -20,6 +20,7 @@ from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.reprs import short_repr
+from isoembed.surface.estimate import percent
 
 GivenHorizon = CoordinateShape | SurfaceData | Surface | FoundHorizon
 """Representations of a horizon that `horizon_data` takes."""
@@ -143,10 +144,10 @@ def _fitted(found: CoordinateShape) -> StarSurface | MappedSurface:
         star = StarSurface.from_points(found.points, found.center.tolist(), found.faces)
         # Points with a larger misfit are not star-shaped.
         if star.misfit > 0.1 * star.mean_radius:
-            relative = 100.0 * star.misfit / star.mean_radius
+            relative = star.misfit / star.mean_radius
             raise InvalidParameter(
                 f"{found.source or 'the points'}: a surface r(u) about the center {written(found.center)} "
-                f"misses the points by {star.misfit:.2g}, {relative:.2g} % of its radius: they are not "
+                f"misses the points by {star.misfit:.2g}, {percent(relative)} of its radius: they are not "
                 "star-shaped about it, and other shapes take triangles (faces) between the points"
             )
         return star

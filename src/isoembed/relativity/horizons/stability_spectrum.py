@@ -158,7 +158,7 @@ def spectrum_lines(report: dict[str, Any]) -> Iterator[str]:
         if imaginary:
             value += f" {'+-'[imaginary < 0.0]} {Estimate(abs(imaginary), error).rounded} i"
         of_order = "" if order is None else f", m = {order}"
-        yield f"  {value} +- {error:.0e}{of_order}"
+        yield f"  {value} {Estimate(real, error).plus_minus}{of_order}"
 
 
 def checked_eigenvalues(n: SupportsIndex) -> int:

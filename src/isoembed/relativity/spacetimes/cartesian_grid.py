@@ -14,6 +14,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
 from isoembed.relativity.spacetimes.loops import contracted
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
+from isoembed.reprs import short_repr
 from isoembed.smooth.given_functions import array_of
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
@@ -30,6 +31,7 @@ PERIOD = 64  # spacings after which a sample of noise repeats: few points of a s
 ERROR_FACTOR = 10.0  # error over the change with two points more or less
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class CartesianGrid:
     """A slice by its values at the points ``origin + spacing * (i, j, k)``.

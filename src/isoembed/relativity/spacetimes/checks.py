@@ -41,7 +41,9 @@ def check_geometry(given: object) -> None:
     """Refuse with an `InvalidParameter` what is no slice, such as a function."""
     if not callable(getattr(given, "extrinsic_curvature", None)):
         advice = "AnalyticCallable and CallableGeometry make one of a function" if callable(given) else ""
-        raise InvalidParameter(f"the slice is a {type(given).__name__}, not a ThreeGeometry: {advice}".rstrip(": "))
+        raise InvalidParameter(
+            f"the slice is a {type(given).__name__}, not a ThreeGeometry: {advice}".rstrip(": ")
+        )
 
 
 def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:

@@ -77,12 +77,15 @@ def disagreement(
     some = np.unique([*np.linspace(0, len(x) - 1, 3).astype(int), largest])[: len(x)]
     x, given = x[some], gradient[some]
     with np.errstate(all="ignore"):  # there may be no metric a step away
-        found = [central_differences(f, x, min(FIRST * size, step) * finer, SIXTH) for finer in FINER]
+        steps = min(FIRST * size, step) * np.array(FINER)
+        found = [central_differences(f, x, h, SIXTH) for h in steps]
         # Of two steps in turn that agree best, whatever the functions' scale and noise.
         errors = [np.abs(b - a).max(axis=(1, 2, 3), keepdims=True) for a, b in pairwise(found)]
         best = int(np.argmin([np.max(error, initial=0.0) for error in errors]))
         larger = np.maximum(np.abs(found[best]), np.abs(given)).max(axis=(1, 2, 3), keepdims=True)
-        excess = np.abs(found[best] - given) - relative * larger - 4.0 * errors[best]
+        scale = np.abs(f(x)).max(initial=0.0) + np.abs(x).max(initial=0.0) * larger
+        rounding = 64.0 * np.finfo(np.float64).eps * scale / steps[best]
+        excess = np.abs(found[best] - given) - relative * larger - 4.0 * errors[best] - rounding
     if not (excess > 0.0).any():  # of what is not finite nothing is known
         return None
     point, k, i, j = np.unravel_index(np.nanargmax(excess), excess.shape)

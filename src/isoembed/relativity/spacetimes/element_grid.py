@@ -19,10 +19,12 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.cartesian_grid import ENTRY
 from isoembed.relativity.spacetimes.checks import refuse_points
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
+from isoembed.reprs import short_repr
 
 BULGE = 0.25  # extents, by which an element may reach beyond the box of its nodes
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Element:
     """A part of a slice.
@@ -54,6 +56,7 @@ class Element:
                 )
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class ElementGrid:
     """A slice by its values at the nodes of elements.

@@ -24,6 +24,7 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.mesh_fit import fit_mesh
 from isoembed.smooth.projection import DIRECTIONS, project
 from isoembed.smooth.scattered_fit import deviating, white
+from isoembed.surface.estimate import percent
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.measures import volume
 
@@ -162,7 +163,7 @@ class MappedSurface(Surface):
             raise InvalidParameter(f"{scattered}: {error}") from None
         relative = surface.misfit / surface.mean_radius
         if relative > 0.05:  # vertices with a larger misfit are not on a smooth surface
-            raise InvalidParameter(f"{scattered}: it misses them by {100.0 * relative:.2g} % of its radius")
+            raise InvalidParameter(f"{scattered}: it misses them by {percent(relative)} of its radius")
         return surface
 
     @property

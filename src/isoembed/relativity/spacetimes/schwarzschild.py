@@ -269,6 +269,10 @@ class Superposed(_Holes):
         flat = np.eye(3)
         return np.asarray(flat + sum(hole.metric(x) - flat for hole in self.holes))
 
+    def gradient(self, x: Floats) -> Floats:
+        """See `ThreeGeometry`."""
+        return np.asarray(sum(hole.gradient(x) for hole in self.holes))
+
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
         return np.asarray(sum(hole.extrinsic_curvature(x) for hole in self.holes))

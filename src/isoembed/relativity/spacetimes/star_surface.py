@@ -22,6 +22,7 @@ from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.projection import project
 from isoembed.smooth.scattered_fit import deviating, fitted, white
+from isoembed.surface.estimate import percent
 
 
 @short_repr
@@ -122,7 +123,9 @@ class StarSurface(Surface):
         def by_direction(u: Floats) -> ArrayLike:
             theta = np.arctan2(np.hypot(u[:, 0], u[:, 1]), u[:, 2])
             phi = np.arctan2(u[:, 1], u[:, 0]) % (2.0 * np.pi)
-            return np.broadcast_to(real_values("the function for the radius", radius, theta, phi), theta.shape)
+            return np.broadcast_to(
+                real_values("the function for the radius", radius, theta, phi), theta.shape
+            )
 
         return cls.from_radius(by_direction, center)
 
@@ -156,7 +159,7 @@ class StarSurface(Surface):
         notes = tuple(
             f"point {i} at {written(x[i])} was left out: it lies {abs(apart):.3g} "
             f"{'outside' if apart > 0.0 else 'inside'} the surface that fits the others "
-            f"({100.0 * abs(apart) / r[i]:.2g} % of its radius)"
+            f"({percent(abs(apart) / r[i])} of its radius)"
             for i, apart in zip(np.flatnonzero(used)[fit.left_out], fit.apart, strict=True)
         )
         return cls(c, fit.harmonics, fit.coefficients, fit.misfit, fit.deviations, notes)
