@@ -270,7 +270,7 @@ def test_a_net_with_too_much_angle_is_refused(run):
         ({"polygons": [{"triangle": [1, 1, "a"]}], "sides": []}, "triangle has c = 'a', not a positive"),
         (
             {"polygons": [{"regular": 3}] * 4, "corners": ["abe", "bce", "cde", "dae"], "any_surface": True},
-            "'isoembed glue net.json --metric metric.npz' and then 'isoembed embed metric.npz --boundary plane",
+            "'isoembed glue net.json --metric metric.npz' and then 'isoembed embed metric.npz",
         ),
         ({"zip": 3}, "zip of net.json is not an object with polygon, at"),
         ({"zip": {"polygon": SQUARE}}, "zip of net.json lacks 'at'"),
