@@ -133,7 +133,9 @@ def solve(
         metric = metric.with_length_errors(length_errors)
     if getattr(metric, "length_errors", None) is not None and not method.takes_length_errors:
         if method.takes_boundary:
-            raise InvalidParameter("length_errors of surfaces with boundary are taken with boundary='plane' only")
+            raise InvalidParameter(
+                "length_errors of surfaces with boundary are taken with boundary='plane' only"
+            )
         raise InvalidParameter(
             f"the method {method.name!r} takes lengths as exact: embed without length_errors, and take "
             "embedding.with_length_errors(errors) for error bars"

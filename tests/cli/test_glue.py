@@ -268,6 +268,10 @@ def test_a_net_with_too_much_angle_is_refused(run):
         ({"polygons": [{"regular": [1, 2, 3]}], "sides": []}, "is a regular of 3 numbers, not 1 or 2"),
         ({"polygons": [{"regular": 2}], "sides": []}, "n is 2, not a whole number of sides"),
         ({"polygons": [{"triangle": [1, 1, "a"]}], "sides": []}, "triangle has c = 'a', not a positive"),
+        (
+            {"polygons": [{"regular": 3}] * 4, "corners": ["abe", "bce", "cde", "dae"], "any_surface": True},
+            "'isoembed glue net.json --metric metric.npz' and then 'isoembed embed metric.npz",
+        ),
         ({"zip": 3}, "zip of net.json is not an object with polygon, at"),
         ({"zip": {"polygon": SQUARE}}, "zip of net.json lacks 'at'"),
         ({"zip": {"polygon": SQUARE, "at": "a"}}, "at is 'a', not a position on the boundary from 0 to 4"),

@@ -63,7 +63,10 @@ def test_edges_are_cut_and_kept(call):
 
 def test_few_pages(call):
     write("solid.obj", *zoo.random_hull(30, 1))
-    for objective, pages in (("sheets", "150 mm a unit; cut into 8 islands to fit on pages; 7 pages"), ("pages", "150 mm a unit; 6 pages")):
+    for objective, pages in (
+        ("sheets", "150 mm a unit; cut into 8 islands to fit on pages; 7 pages"),
+        ("pages", "150 mm a unit; 6 pages"),
+    ):
         status, out, _ = call(
             "unfold", "solid.obj", "-o", "a.svg", "--scale", "150", "--objective", objective
         )

@@ -102,7 +102,9 @@ def test_bending_that_is_no_minimum_is_said():
     found = embed(ROUND, boundary="free", start=start)
     assert found.residual < 1e-12
     assert ("not at a minimum" in found.message) == (found.imbalance > 1e-6)
-    assert embed(ROUND, boundary="free").message.endswith("found from one start: other surfaces may bend less")
+    assert embed(ROUND, boundary="free").message.endswith(
+        "found from one start: other surfaces may bend less"
+    )
 
 
 def test_an_energy_below_that_of_all_smooth_surfaces_is_said():
@@ -123,7 +125,9 @@ def test_a_flat_disc_stays_flat():
     assert found.second_form_energy < 1e-12
     assert distance(found.vertices, x) < 1e-9
     # Nothing bends less: forces that are left, and other starts, are no matter.
-    assert replace(found, imbalance=1e-5).message.endswith(f"{found.edges[found.residuals.argmax()].tolist()}")
+    assert replace(found, imbalance=1e-5).message.endswith(
+        f"{found.edges[found.residuals.argmax()].tolist()}"
+    )
 
 
 def test_hyperbolic_disc():
@@ -259,7 +263,12 @@ RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
         (ROUND, {"boundary": "free", "start": np.zeros((37, 3))}, InvalidParameter, "face 0 .* has no area"),
         (ROUND, {"boundary": np.zeros((18, 3))}, InvalidParameter, "edge \\d+ .* are one point"),
         (ROUND, {"boundary": 5}, InvalidParameter, "the boundary has the shape \\(\\)"),
-        (ROUND, {"boundary": "free", "length_errors": 0.1}, InvalidParameter, "taken with boundary='plane' only"),
+        (
+            ROUND,
+            {"boundary": "free", "length_errors": 0.1},
+            InvalidParameter,
+            "taken with boundary='plane' only",
+        ),
         (ROUND, {"boundary": 3 * CURVE}, NotEmbedded, "vertices \\d+ and \\d+ differs .* in the order of"),
         (TETRAHEDRON, {"boundary": [1.0]}, InvalidParameter, "the metric has no boundary"),
         (RING, {"boundary": "plane"}, InvalidMetric, "2 boundaries and genus 0: a convex cap is a disc"),

@@ -182,6 +182,13 @@ def test_bands_of_horizons_embed():
     [
         (ROUND, {"zone": (1.0, 0.5)}, InvalidParameter, r"two angles with 0 <= start < stop <= pi, not \(1"),
         (ROUND, {"zone": (0.0, 4.0)}, InvalidParameter, r"not \(0.0, 4.0\)"),
+        (ROUND, {"zone": 1}, InvalidParameter, "two angles with .* not 1$"),
+        (
+            AngleMetric(lambda r, phi: (1.0, 0.0, np.sinh(r) ** 2)),
+            {},
+            InvalidMetric,
+            r"not smooth at the poles.*takes triangulate_metric\(..., zone=\(0, stop\)\)$",
+        ),
         (ROUND, {"zone": (0.0, 1e-9), "vertices": 5}, InvalidParameter, "at least 12, not 5"),
         (ROUND, {"zone": (1.0, 1.02)}, InvalidParameter, "are too few: nearly equilateral triangles"),
         (

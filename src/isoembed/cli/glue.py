@@ -68,8 +68,8 @@ def run(options: argparse.Namespace) -> int:
 
     if not net.is_sphere and (unknown := unknown_folding(net)):
         raise UsageError(
-            f"{unknown}: 'isoembed glue {options.input} --metric metric.npz' and then 'isoembed embed metric.npz "
-            "--boundary plane', or free"
+            f"{unknown}: 'isoembed glue {options.input} --metric metric.npz' and then "
+            "'isoembed embed metric.npz --boundary plane', or free"
         )
 
     def solve(progress: Listener | None) -> isoembed.Embedding:

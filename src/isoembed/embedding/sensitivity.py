@@ -121,7 +121,9 @@ class Sensitivity:
         InvalidParameter, InvalidMetric, SingularMatrix, OutOfMemory
             As `jvp`.
         """
-        return self._derivatives.vjp(checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient"))
+        return self._derivatives.vjp(
+            checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient")
+        )
 
     def boundary_jvp(self, changes: ArrayLike) -> Floats:
         """How the vertices of a `SheetEmbedding` move, to first order, when what is given there changes.
@@ -166,7 +168,9 @@ class Sensitivity:
             As `boundary_jvp`.
         """
         derivatives = self._at_boundary
-        return derivatives.boundary_vjp(checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient"))
+        return derivatives.boundary_vjp(
+            checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient")
+        )
 
     @property
     def _at_boundary(self) -> Any:

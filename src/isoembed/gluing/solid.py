@@ -114,7 +114,8 @@ def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> Shee
     ------
     InvalidMetric, NotEmbedded
     """
-    if unknown := unknown_folding(net):
+    unknown = unknown_folding(net)
+    if net.folded is None or unknown:
         raise InvalidMetric(f"{unknown}: give boundary='free', 'plane', heights or positions")
     metric = net.simplicial()
     t = metric.triangulation

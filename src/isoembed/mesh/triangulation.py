@@ -140,7 +140,7 @@ class Triangulation:
         return self.is_closed and self.euler_characteristic == 2
 
     def check_sphere(self, what: str = "", instead: str = "") -> None:
-        """Refuse surfaces with boundary and of higher genus, for what is asked of them; raises InvalidMetric."""
+        """Refuse surfaces with boundary and of higher genus, for what is asked; raises InvalidMetric."""
         if what and not self.is_sphere:
             kind = f"genus {self.genus}" if self.is_closed else "a boundary"
             after = f": {instead}" if instead else ""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from isoembed.sheets.derivatives import SheetDerivatives
 
 BALANCED = 1e-6  # imbalance of a minimum
-FLAT = 1e-6  # int k1^2 + k2^2, of which a surface as curved as it is wide has about 1: none can bend much less
+FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; of one as curved as it is wide it is about 1
 TOO_LITTLE = 0.95  # share of the least energy of smooth surfaces below which that of a mesh is an error
 
 
