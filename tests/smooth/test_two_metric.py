@@ -134,6 +134,7 @@ def test_functions_that_give_no_components(function, kind, said):
         AxisymmetricEmbedding.of,
         SurfaceData,
         lambda metric: triangulate_metric(metric, 100),
+        lambda metric: triangulate_metric(metric, 100, zone=(0, 1)),
         lambda metric: gaussian_curvature(metric, np.eye(3)),
     ],
 )

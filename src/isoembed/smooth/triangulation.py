@@ -20,7 +20,7 @@ from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
 from isoembed.smooth.grid_metric import GridMetric, sampled_on_grid
 from isoembed.smooth.smoothness import check_disc, check_rings
-from isoembed.smooth.two_metric import TwoMetric, area_density
+from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric
 from isoembed.space import EUCLIDEAN, Space
 
 MOST_VERTICES = 10_000_000  # more fit into no memory
@@ -136,6 +136,7 @@ def triangulate_metric(
         if vertices is None
         else checked_count("the number of vertices", vertices, MIN_VERTICES, MOST_VERTICES)
     )
+    check_two_metric(metric)
     if zone != WHOLE:
         return _triangulated_zone(metric, n, size, grading, _checked_zone(zone), space)
     if not isinstance(metric, GridMetric):  # grids have been looked at
