@@ -7,6 +7,7 @@ import pytest
 
 import isoembed
 import zoo
+from isoembed.cli.summary import measure
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.io import write_metric
 from isoembed.relativity import mesh_deviation
@@ -113,3 +114,22 @@ def test_what_is_refused(call, metric, given, sentence):
 def test_smooth_surfaces_have_no_lengths(call):
     status, _, err = call("energy", "--spacetime", "kerr", "--surface", "sphere", "--length-error", "1")
     assert status == 2 and "--length-error does not go with a --spacetime" in err
+
+
+def test_the_report_is_made_once(call, metric, monkeypatch):
+    """Error bars in the report and in the closing lines are the same numbers."""
+    made = []
+    own = isoembed.Sensitivity.integral_deviation
+    monkeypatch.setattr(
+        isoembed.Sensitivity, "integral_deviation", lambda *given: made.append(given) or own(*given)
+    )
+    arguments = "--length-error", "1e-4", "-o", "s.ply", "--report", "r.json", "--verbose"
+    assert call("embed", "m.npz", *arguments)[0] == 0
+    assert len(made) == 1
+
+
+def test_numbers_with_an_infinite_deviation():
+    assert measure({"volume": 2.0, "deviation": {"volume": None}}, "volume") == "2 +- infinite"
+    assert measure({"volume": 2.123456, "deviation": {"volume": 0.012}}, "volume") == "2.123 +- 0.012"
+    assert measure({"volume": None, "deviation": {"volume": 1.0}}, "volume").endswith(" +- 1")
+    assert measure({"volume": 2.0}, "volume") == "2"

@@ -245,8 +245,8 @@ def test_colors_by_values(peanut):
     [
         (np.zeros(3), r"values of shape \(3,\), not \(\d+,\): one for each of the vertices"),
         (Quantity("k", "k", np.zeros((2, 2)), at="faces"), "one for each of the faces"),
-        (["a", "b"], "the color is a list, not the name of a quantity"),
-        (object(), "the color is a object, not the name of a quantity"),
+        (["a", "b"], "the color is of type list, not the name of a quantity"),
+        (object(), "the color is of type object, not the name of a quantity"),
     ],
 )
 def test_colors_that_are_none(peanut, color, said):

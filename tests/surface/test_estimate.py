@@ -1,5 +1,7 @@
 """Numbers with errors, as text: to the digit after the first that is uncertain."""
 
+import math
+
 import pytest
 
 from isoembed.surface.estimate import Estimate, percent
@@ -33,3 +35,7 @@ def test_digits(value, error, text):
 )
 def test_percent(fraction, digits, text):
     assert percent(fraction, digits) == text
+
+
+def test_an_infinite_error():
+    assert str(Estimate(1.5, math.inf)) == "1.5 +- inf"

@@ -15,16 +15,15 @@ from isoembed.cli.outputs import Outputs, print_written, written
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.cli.summary import summary
+from isoembed.cli.summary import measure, summary
 from isoembed.cli.waiting import held
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer, ending
 from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
-from isoembed.surface.estimate import Estimate
 
-INTEGRALS = {"integrated_mean_curvature": "int H dA"}
+INTEGRALS = {"area": "area", "volume": "volume", "integrated_mean_curvature": "int H dA"}
 CERTIFIED = 10_000  # vertices: of more, a certificate takes as long as the surface
 
 
@@ -85,7 +84,8 @@ def answer(
     solve : callable
         Takes the listener and embeds.
     describe : callable
-        Says what was found: takes the surface, whether to list its ``stages``, and whether it ``failed``.
+        Says what was found: takes the surface, its report, whether to list its ``stages``, and whether it
+        ``failed``.
     reported : mapping
         Entries of the report besides those of the surface.
     **beside : callable
@@ -118,13 +118,18 @@ def answer(
         elif not options.quiet:  # a summary and a certificate take a while
             say = print_out if failure is None and not outputs else print_aside
             if options.verbose or not options.output:
-                say(describe(embedding, stages=options.verbose, failed=failure is not None))
-            _end(options, embedding, outputs, failed=failure is not None)
+                say(describe(embedding, whole(), stages=options.verbose, failed=failure is not None))
+            _end(options, embedding, outputs, whole, failed=failure is not None)
     return OK if failure is None else NOT_EMBEDDED
 
 
 def _end(
-    options: argparse.Namespace, embedding: isoembed.Embedding, outputs: Outputs, *, failed: bool
+    options: argparse.Namespace,
+    embedding: isoembed.Embedding,
+    outputs: Outputs,
+    report: Callable[[], Mapping[str, Any]],
+    *,
+    failed: bool,
 ) -> None:
     """Say what was found and written, in four lines as a rule."""
     if failed and not options.keep:
@@ -136,7 +141,10 @@ def _end(
         return
     if options.output:
         found = f"{embedding.status}: {embedding.message}"
-        lines = found, _proof(embedding), _integrals(embedding)
+        integrals = ""
+        if embedding.length_errors is not None and embedding.triangulation.is_sphere:
+            integrals = ", ".join(f"{shown} {measure(report(), name)}" for name, shown in INTEGRALS.items())
+        lines = found, _proof(embedding), integrals
         print_aside("\n".join(line for line in lines if line))
     print_written(options, *files)
 
@@ -150,18 +158,6 @@ def _proof(embedding: isoembed.Embedding) -> str:
     from isoembed.embedding.certify import certify
 
     return certify(embedding).reason
-
-
-def _integrals(embedding: isoembed.Embedding) -> str:
-    """Area, volume and int H dA with their standard deviations, of lengths with errors."""
-    errors = embedding.length_errors
-    if errors is None or not embedding.triangulation.is_sphere:
-        return ""
-    sigma = isoembed.Sensitivity(embedding).integral_deviation(errors).report
-    return ", ".join(
-        f"{INTEGRALS.get(name, name)} {Estimate(getattr(embedding, name), error)}"
-        for name, error in sigma.items()
-    )
 
 
 def solved(

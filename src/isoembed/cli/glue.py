@@ -1,8 +1,10 @@
 """``isoembed glue``: gluing and folding of a paper net to its solid."""
 
 import argparse
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import isoembed
 from isoembed.alexandrov.solid import Solid
@@ -79,6 +81,6 @@ def run(options: argparse.Namespace) -> int:
     return answer(options, outputs, solve, describe=_described, reported=correction, metric=metric)
 
 
-def _described(embedding: isoembed.Embedding, **how: bool) -> str:
+def _described(embedding: isoembed.Embedding, report: Mapping[str, Any], **how: bool) -> str:
     solid = f"{Solid.of(embedding)}\n\n" if isinstance(embedding, isoembed.ConvexPolyhedron) else ""
-    return f"{solid}{summary(embedding, **how)}"
+    return f"{solid}{summary(embedding, report, **how)}"

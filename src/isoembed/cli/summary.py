@@ -4,16 +4,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from isoembed.embedding.embedding import Embedding
+from isoembed.surface.estimate import Estimate
 
 
-def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False) -> str:
-    """Return the summary that ``isoembed embed`` prints where no output file is asked for.
+def summary(
+    embedding: Embedding, found: Mapping[str, Any], *, stages: bool = False, failed: bool = False
+) -> str:
+    """Return the summary of a report that ``isoembed embed`` prints where no output file is asked for.
 
     Of one that failed the message is left out: it is the error.
     """
-    from isoembed.embedding.report import report
-
-    found = report(embedding)
     size, residual = found["input"], found["residual"]
     convexity, smoothness = found["convexity"], found["smoothness"]
     lines = [
@@ -32,9 +32,9 @@ def summary(embedding: Embedding, *, stages: bool = False, failed: bool = False)
         f"rigidity    smallest singular value {_short(smoothness['smallest_singular_value'])}",
         f"proof       {found['certificate']['reason']}",
         *_sheet(found.get("sheet")),
-        f"area        {_measure(found, 'area')}",
-        *([] if "sheet" in found else [f"volume      {_measure(found, 'volume')}"]),
-        f"int H dA    {_measure(found, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
+        f"area        {measure(found, 'area')}",
+        *([] if "sheet" in found else [f"volume      {measure(found, 'volume')}"]),
+        f"int H dA    {measure(found, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
     ]
     if stages and embedding.stages:
         width = max(len("total"), *(len(stage.name) for stage in embedding.stages))
@@ -74,12 +74,15 @@ def _number(value: float | None) -> str:
     return "beyond the range of numbers" if value is None else f"{value:.12g}"
 
 
-def _measure(report: Mapping[str, Any], name: str) -> str:
-    """A number and, if the lengths have errors, its standard deviation."""
+def measure(report: Mapping[str, Any], name: str) -> str:
+    """A number and, if the lengths have errors, its standard deviation, to the digits that this leaves."""
+    value = report[name]
     if "deviation" not in report:
-        return _number(report[name])
+        return _number(value)
     sigma = report["deviation"][name]
-    return f"{_number(report[name])} +- {'infinite' if sigma is None else f'{sigma:.2g}'}"
+    if value is None or sigma is None:
+        return f"{_number(value)} +- {'infinite' if sigma is None else f'{sigma:.2g}'}"
+    return f"{Estimate(value, sigma).rounded} +- {sigma:.2g}"
 
 
 def _short(value: float | None) -> str:

@@ -1,4 +1,4 @@
-"""Surfaces with boundary, and the torus, in closed form: cap, cone, catenoid, Enneper's surface."""
+"""Closed-form surfaces with boundary, and the torus: cap, cone, catenoid, Enneper's surface."""
 
 from abc import abstractmethod
 from dataclasses import dataclass

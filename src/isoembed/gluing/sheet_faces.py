@@ -1,4 +1,4 @@
-"""Nets by faces: a sheet cut into its faces, which are glued along the folds, too."""
+"""Nets with one polygon for each face: sheets cut along their folds, which are glued again."""
 
 from collections.abc import Sequence
 

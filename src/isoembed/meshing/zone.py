@@ -1,4 +1,4 @@
-"""Triangulations of a zone of the sphere: a disc about a pole, or a band between two circles."""
+"""Triangulations of spherical zones: discs about a pole, and bands between two circles of latitude."""
 
 from __future__ import annotations
 

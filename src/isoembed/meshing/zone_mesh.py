@@ -1,4 +1,4 @@
-"""Triangulations of closed-form surfaces that are images of a zone of the sphere."""
+"""Triangulations of closed-form surfaces parametrized by a spherical zone."""
 
 import numpy as np
 

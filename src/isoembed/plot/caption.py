@@ -1,4 +1,4 @@
-"""Words of captions."""
+"""Captions of pictures: number of faces, and the surface that an integral belongs to."""
 
 from isoembed.embedding.embedding import Embedding
 from isoembed.surface.flat_faces import FlatFaces

@@ -221,8 +221,8 @@ def _own(embedding: Embedding, color: Quantity | ArrayLike) -> Quantity:
             color = Quantity("values", "", np.asarray(color, dtype=np.float64))
         except (TypeError, ValueError):
             raise InvalidParameter(
-                f"the color is a {type(color).__name__}, not the name of a quantity, a Quantity, or one "
-                "number for each vertex"
+                f"the color is of type {type(color).__name__}, not the name of a quantity, a Quantity, or "
+                "one number for each vertex"
             ) from None
     places = embedding.triangulation.n_vertices if color.at == "vertices" else len(embedding.polygons)
     if np.shape(color.values) != (places,):

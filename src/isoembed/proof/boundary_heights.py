@@ -1,4 +1,4 @@
-"""Certificates of discs whose boundary has given heights, and of convex caps.
+"""Certificates of discs with prescribed boundary heights, and of convex caps.
 
 Beside the length equations of `nearby_realization` stand ``z_v = h_v + c`` for the B vertices of the
 boundary, c being any number: E + B = 3 V - 3 equations, which only horizontal motions leave as they are.  The

@@ -1,4 +1,4 @@
-"""Derivative of the bending forces by the edge lengths: central differences of the fits in all charts.
+"""Derivative of the bending forces with respect to edge lengths, by central differences of local fits.
 
 The fit at a vertex depends on the edges between vertices of its chart.  Edges of which no chart has two are
 changed together: some fifty set-ups of the energy in either direction, however many vertices there are.

@@ -1,4 +1,4 @@
-"""Derivatives of surfaces with boundary, or with handles, by their lengths and by data at the boundary.
+"""Derivatives of surfaces with boundary or handles with respect to edge lengths and boundary data.
 
 The equations that define the surface are differentiated.  r are the residuals of `LengthConstraints`, J = r':
 

@@ -1,4 +1,4 @@
-"""Elastic sheets: stretching energy of the edges and a quadratic form for the bending, minimized together."""
+"""Elastic sheets: Newton minimization of edge stretching energy plus quadratic bending energy."""
 
 from __future__ import annotations
 

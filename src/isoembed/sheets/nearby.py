@@ -1,4 +1,4 @@
-"""The surface with boundary near a given one: other lengths, or other data at the boundary."""
+"""Newton's method from a surface with boundary to a nearby one with other lengths or boundary data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values of functions that users give, which are called with arrays."""
+"""Evaluation of user-supplied functions on arrays, with checks of types and shapes."""
 
 from __future__ import annotations
 

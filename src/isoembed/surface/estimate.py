@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, isfinite, log10
+from math import ceil, inf, isfinite, log10
 
 MOST = 15  # digits of a double
 
@@ -25,7 +25,7 @@ class Estimate:
     @property
     def rounded(self) -> str:
         """The value to one digit more than the error leaves, zeros at the end among them."""
-        if not self.error > 0.0:
+        if not 0.0 < self.error < inf:
             return f"{self.value:.{MOST}g}"
         return f"{self.value:#.{self.digits}g}".replace(".e", "e").rstrip(".") if self.value else "0"
 
@@ -37,7 +37,7 @@ class Estimate:
     @property
     def digits(self) -> int:
         """How many digits that are."""
-        if not (isfinite(self.value) and self.value and self.error > 0.0):
+        if not (isfinite(self.value) and self.value and 0.0 < self.error < inf):
             return MOST
         known = log10(abs(self.value)) - log10(self.error)
         return min(max(ceil(min(known, MOST)) + 1, 1), MOST)

@@ -1,4 +1,4 @@
-"""Central differences of functions in space, and the check of derivatives that were found otherwise."""
+"""Central finite differences of functions in space, and checks of other derivatives against them."""
 
 from __future__ import annotations
 
