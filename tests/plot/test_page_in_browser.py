@@ -16,6 +16,7 @@ from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.gluing.classics import LATIN_CROSS
 from isoembed.plot import Frame
 from isoembed.plot.coloring import intrinsic_curvature
+from isoembed.plot.notebook import notebook_html
 from isoembed.plot.page import write_page
 from regular_in_space import regular_solid
 
@@ -276,6 +277,22 @@ def test_on_a_phone(browser, file, tmp_path):
     tab.context.close()
 
 
+@pytest.mark.parametrize("width", [660, 820, 1000])
+def test_in_the_cell_of_a_notebook(browser, tmp_path, width):
+    """The report is beside the surface, and the page needs no scroll bars but that of the report."""
+    solid = embed(PolyhedralMetric.from_mesh(*zoo.icosphere(2)))
+    cell = tmp_path / "cell.html"
+    cell.write_text(notebook_html(solid), encoding="utf-8")
+    tab = Tab(browser, cell, viewport={"width": width + 16, "height": 600}).open()
+    page = tab.page.frame_locator("iframe")
+    aside = page.locator("aside")
+    assert aside.bounding_box()["y"] == page.locator("#surface").bounding_box()["y"]
+    assert page.locator("html").evaluate("html => html.scrollHeight - innerHeight") <= 0
+    assert aside.evaluate("box => box.scrollWidth - box.clientWidth") <= 0
+    assert page.locator("#view").bounding_box()["height"] >= 200
+    tab.context.close()
+
+
 def test_without_webgl(browser, file):
     tab = Tab(browser, file)
     tab.page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null;")
@@ -359,3 +376,4 @@ def test_the_models_of_hyperbolic_space(browser, tmp_path):
 
 def test_models_are_those_of_curved_spaces(tab):
     assert tab.page.locator("#models").is_hidden() and tab.page.locator("#infinity").is_hidden()
+
