@@ -162,7 +162,7 @@ class GluedMetric:
 
     @property
     def curvature(self) -> float:
-        """Of the triangles and of `space`, in 1/length^2."""
+        """Curvature of the triangles and of `space`, in 1/length^2."""
         return self.space.curvature
 
     @property
