@@ -236,7 +236,7 @@ def test_an_answer_without_a_way_to_it(browser, tmp_path):
     surface = embed(PolyhedralMetric.from_mesh(*zoo.icosphere(1)))
     write_page(tmp_path / "alone.html", surface, frames=[Frame("answer", 0.0, 0.0, surface.vertices)])
     tab = Tab(browser, tmp_path / "alone.html").open()
-    assert "leaped to this surface" in tab.text("#alone")
+    assert "in one step" in tab.text("#alone")
     assert not tab.page.locator("#film").is_visible()
     tab.context.close()
 
@@ -376,4 +376,3 @@ def test_the_models_of_hyperbolic_space(browser, tmp_path):
 
 def test_models_are_those_of_curved_spaces(tab):
     assert tab.page.locator("#models").is_hidden() and tab.page.locator("#infinity").is_hidden()
-
