@@ -48,7 +48,7 @@ def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, 
         Otherwise the vertices of the polyhedron, shape (V, 3).  None where the convex metric is flat at a
         vertex, whose radius nothing determines, or all of it is.
     """
-    if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths, convex.curvature)).any():
+    if (convex.deficits <= deficit_rounding(convex)).any():
         return None
     deficits, kept = convex.deficits, log.checkpoints.resume()
     # Deficits: with less curvature the height of a vertex is decided.
