@@ -46,7 +46,7 @@ def embed(
         Of curvature 0, unless it says otherwise: the surface then is in R^3.  A path is that of a metric, a
         mesh or a net.  Of a mesh, which is a tuple (vertices, faces), a ``trimesh.Trimesh``, a
         ``pyvista.PolyData`` or a surface of this package, the lengths are taken and the coordinates thrown
-        away.
+        away.  A triangulation by `isoembed.smooth.triangulate_metric` has its own metric.
     method : {"aim", "paper", "alexandrov", "sheet"}, the name of an installed method, or a Method, optional
         ``"aim"`` is `isoembed.Aim`, the default; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
         the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
@@ -245,6 +245,10 @@ def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
         from isoembed.io.net import holds_net, read_net
 
         return read_net(given) if holds_net(given) else read_metric(given, any_surface=True)
+    if isinstance(made := getattr(given, "metric", None), PolyhedralMetric) and not hasattr(
+        given, "vertices"
+    ):
+        return made  # of a triangulation by `isoembed.smooth.triangulate_metric`
     return PolyhedralMetric.from_mesh(**_mesh(given, "metric"))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
@@ -58,4 +59,5 @@ class TriangleMetric(ABC):
 
     @cached_property
     def _normalized(self) -> Self:
-        return self.scaled(1 / self.unit)
+        factor = 1 / self.unit
+        return self.scaled(factor) if math.isfinite(factor) else self.scaled(2.0**1000).normalized
