@@ -253,7 +253,7 @@ def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
 
 
 def _mesh(given: Any, wanted: str) -> dict[str, Any]:
-    """What `PolyhedralMetric.from_mesh` takes of a mesh.
+    """Arguments of `PolyhedralMetric.from_mesh` for a mesh.
 
     Raises
     ------

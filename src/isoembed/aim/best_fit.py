@@ -58,7 +58,7 @@ class BestFit:
 
     @property
     def degrees_of_freedom(self) -> float:
-        """Of the residuals: the number of edges less those that the fit uses up, and at least 1."""
+        """Degrees of freedom of the residuals, at least 1: the edges less those that the fit uses up."""
         return (self.noise / self.score) ** 2 if self.score < np.inf else 1.0
 
 

@@ -127,7 +127,7 @@ class _SoftMotions:
         return cls(LengthExpansion(system, vertices, lengths), linear, motions, stresses)
 
     def equations(self, count: int) -> _SoftEquations:
-        """Those of so many."""
+        """Cubic equations for the `count` softest motions."""
         expansion, motions, stresses = self.expansion, self.motions[:count], self.stresses[:count]
         k = len(motions)
         bends = np.array([expansion.bends(each, motions) for each in motions])

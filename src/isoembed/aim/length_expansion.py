@@ -91,7 +91,7 @@ class LengthExpansion:
         return np.asarray(products / space.sn(self.lengths))
 
     def _bends_of_heights(self, first: Floats, second: Floats) -> Floats:
-        """What hyperboloid or sphere add: half the second derivatives of w, squared, over k."""
+        """Contribution of the hyperboloid or sphere: half the second derivatives of w, squared, over k."""
         k, w, x = self.system.space.curvature, self._surface.heights, self.vertices
         a, b = self.system.triangulation.edges.T
         # w changes by -k times the slopes.

@@ -127,7 +127,7 @@ def newton_from_polytope(
 def _followed(
     tables: HalfEdges, start: Floats, analyses: Analyses, recorder: StageRecorder
 ) -> tuple[Solution, float] | None:
-    """From radii in one step, or from vertices in several; and the branch deviation."""
+    """Solution by Newton's method, from radii in one step or vertices in several; and branch deviation."""
     space, ends = Space(tables.curvature), (tables.corners, tables.corners[tables.twins])
     if start.ndim == 1:
         steps, ratio, directions = 1, np.ones(tables.lengths.size), None

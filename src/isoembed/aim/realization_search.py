@@ -134,7 +134,7 @@ class RealizationSearch:
         return self.metric.mean_length
 
     def _smoothed(self) -> Iterator[None]:
-        """From the smoothest realization, go to smoother ones as far as start points do."""
+        """Move from the smoothest realization to smoother ones, as long as start points lead to one."""
         for _ in range(4 if self.found else 0):  # moves to smoother realizations after each search
             i = self._roughness.index(self._least_roughness)
             if self.searched[i] or not self._descends(
@@ -187,7 +187,7 @@ class RealizationSearch:
             yield
 
     def _attempt(self, vertices: Floats) -> Iterator[None]:
-        """From a surface that misses the lengths, go to smoother ones; failing that, follow all start points.
+        """Move from a surface that misses the lengths to smoother ones, or else follow all start points.
 
         An attempt ends where J is nearly singular, so at first the softest motions are set apart.
         """

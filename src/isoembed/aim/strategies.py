@@ -250,7 +250,7 @@ class GuidedPath(Strategy):
         return replace(state, cost=pipeline.work.factorizations)
 
     def _followed(self, start: Floats, pipeline: Pipeline, kept: Arrays | None) -> Continued:
-        """Where the path ends, near enough to the lengths for Newton's method."""
+        """End of the path, near enough to the lengths for Newton's method."""
         from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
         from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
         from isoembed.linalg import SingularMatrix
@@ -300,7 +300,7 @@ class LocalSearch(Strategy):
 
 
 class BestFitting(Strategy):
-    """Where the lengths are still missed: the best fit to them, which is one more start, too.
+    """Best fit to the lengths where they are still missed, which is one more start, too.
 
     Needs the start; finds two candidates and the fit.
     """

@@ -34,7 +34,7 @@ GAIN = 1e-3  # relative decrease of the energy that counts
 
 
 class ReflectionTrial(NamedTuple):
-    """What becomes of a reflection.
+    """Outcome of a reflection.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class ReflectionTrial(NamedTuple):
         Of the energy.
     patch : CondensedPatch
     motion : ndarray, shape (n, 3)
-        Of its vertices.
+        Motion of its vertices.
     """
 
     growth: float
@@ -51,7 +51,7 @@ class ReflectionTrial(NamedTuple):
 
     @property
     def displacement(self) -> Floats:
-        """How all vertices move, (V, 3)."""
+        """Displacements of all vertices, (V, 3)."""
         return self.patch.followed(self.motion)
 
 
@@ -107,7 +107,7 @@ class ReflectionTrials:
         return apart
 
     def _promising(self, changes: Sequence[ReflectionTrial]) -> list[ReflectionTrial]:
-        """Those with which the energy falls; where it would fall below 0 the expansion is wrong."""
+        """Trials that lower the energy; where it would fall below 0 the expansion is wrong."""
         value = self.surface.value
         promising = [change for change in changes if -value < change.growth < -GAIN * value]
         return sorted(promising, key=lambda change: change.growth)
@@ -115,7 +115,7 @@ class ReflectionTrials:
     def _relaxed(
         self, center: int, rings: int, flipped: Iterable[tuple[int, ...]]
     ) -> Iterator[ReflectionTrial]:
-        """What becomes of reflections of some vertices in the patch about a center."""
+        """Outcomes of reflections of some vertices in the patch about a center."""
         vertices = self._about(center, rings)
         if self.is_done() or len(vertices) > LARGEST:
             return

@@ -131,7 +131,7 @@ def _laid_out(space: Space, sides: Floats, exterior: Floats) -> Floats | None:
 
 
 def _sheet(tables: HalfEdges, folds: Mask) -> Indices:
-    """Which side of the folds each face is on, shape (F,)."""
+    """Side of the folds that each face is on, shape (F,)."""
     inside = np.flatnonzero(~folds)
     return components(inside // 3, tables.twins[inside] // 3, tables.corners.size // 3)
 

@@ -108,7 +108,7 @@ class Polytope:
         return cls.on(tables, arrays[f"{prefix}radii"])
 
     def arrays(self, prefix: str = "") -> dict[str, NDArray[Any]]:
-        """What defines it, for a checkpoint: the triangles as they were flipped, and the radii."""
+        """Arrays that define the polytope, for a checkpoint: the flipped triangles and the radii."""
         return {
             prefix + name: table for name, table in {**self.tables._asdict(), "radii": self.radii}.items()
         }

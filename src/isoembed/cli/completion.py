@@ -10,7 +10,7 @@ SHELLS = ("bash", "zsh", "fish")
 
 
 def script(parser: argparse.ArgumentParser, shell: str) -> str:
-    """What a shell reads to complete the command line of a parser and of its subcommands.
+    """Completion script of a shell for the command line of a parser and its subcommands.
 
     Raises
     ------

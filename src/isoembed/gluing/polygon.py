@@ -139,7 +139,7 @@ class Polygon:
         return (side + float(part)) % self.n
 
     def points(self, positions: Floats) -> Floats:
-        """Where positions from 0 to below n lie, shape (m, 2); corners exactly."""
+        """Points of the boundary at positions from 0 to below n, shape (m, 2); corners are exact."""
         side = positions.astype(np.int64)
         part = (positions - side)[:, None]
         start, end = self.corners[side], self.corners[(side + 1) % self.n]

@@ -105,7 +105,7 @@ class Tolerance:
 
     @property
     def source(self) -> str:
-        """Where it comes from, as the end of a sentence."""
+        """Origin of the tolerance, as the end of a sentence."""
         if self.given is not None:
             return "as given"
         if self.digits:

@@ -104,7 +104,7 @@ def _empty(
 @cython.cfunc
 @cython.exceptval(check=False)
 def _cotangent(points: ConstReal[:, ::1], i: Int, j: Int, k: Int) -> Real:
-    """Of the angle at k."""
+    """Cotangent of the angle at k."""
     x, y = points[i, 0] - points[k, 0], points[i, 1] - points[k, 1]
     u, v = points[j, 0] - points[k, 0], points[j, 1] - points[k, 1]
     return (x * u + y * v) / (x * v - y * u)

@@ -304,7 +304,7 @@ def push(h: cython.longlong, stack: cython.longlong[::1], twins: cython.longlong
 
 @cython.cclass
 class Rule:
-    """What edges are flipped for, and what else there is to a flip."""
+    """Criterion for flips of edges, and the updates that belong to a flip."""
 
     @cython.cfunc
     @cython.exceptval(check=False)

@@ -198,7 +198,7 @@ def _beside(folder: Path, name: str) -> bytes:
 
 
 def _matrix(node: Object) -> Floats:
-    """What takes the coordinates of a node to those of the one above it, shape (4, 4)."""
+    """Transformation from the coordinates of a node to those of its parent, shape (4, 4)."""
     if "matrix" in node:
         return _numbers(node["matrix"], 16).reshape(4, 4).T
     x, y, z, w = _numbers(node.get("rotation", [0, 0, 0, 1]), 4)

@@ -42,7 +42,7 @@ WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in sizes of the font
 
 @dataclass(frozen=True)
 class _Style:
-    """What an element inherits."""
+    """Properties that an element inherits."""
 
     matrix: Floats  # (2, 3), to millimeters, y upward
     purpose: str = ""
@@ -146,7 +146,7 @@ class _Reader:
                 self.walk(child, style, depth + 1)
 
     def millimeters(self, root: Element, key: str) -> float:
-        """What the file says of itself."""
+        """Property of the drawing, in mm."""
         value = _plain(root.get(key, "0"), key)
         if not 0 <= value < math.inf:
             raise FileError(f"{self.name}: {key} is {value:g}, not a length in mm")
@@ -260,7 +260,7 @@ def _length(element: Element, key: str) -> float:
 
 
 def _view(root: Element) -> Floats:
-    """From the coordinates of the drawing to millimeters, y upward."""
+    """Transformation from the coordinates of the drawing to millimeters, y upward."""
     box = [number(x) for x in re.findall(NUMBER, root.get("viewBox", ""))]
     sizes = [
         re.fullmatch(rf"\s*({NUMBER})\s*([a-zA-Z]*)\s*", root.get(key, "")) for key in ("width", "height")

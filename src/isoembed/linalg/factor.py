@@ -173,7 +173,7 @@ class Factor:
         return x
 
     def _solved(self, b: Floats, sweeps: int) -> Floats:
-        """As `solve`, in elimination order."""
+        """Solution of `solve`, in elimination order."""
         x = self._numeric.solve(b)
         if sweeps == 0:
             return x

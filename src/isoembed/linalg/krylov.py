@@ -68,7 +68,7 @@ def gmres(
 
 
 def _products(v: Floats, w: Floats) -> Floats:
-    """Of vectors, or of columns."""
+    """Inner products of vectors, or of columns."""
     return np.asarray(np.einsum("i...,i...->...", v, w))
 
 

@@ -223,7 +223,7 @@ def _check_faces(faces: Indices) -> None:
 
 
 def _turned_over(edges: Indices, face_edges: Indices, faces: Indices) -> Mask:
-    """Which faces are to be turned over for all to be oriented as the first of their component, shape (F,).
+    """Mask of faces to turn over so that all are oriented as the first of their component, shape (F,).
 
     Refuses edges that are in more than two faces, and faces that cannot be oriented alike.
     """

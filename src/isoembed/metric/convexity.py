@@ -20,7 +20,7 @@ GAP = 30.0  # deficits of so many times the noise are no noise
 
 
 def deficit_rounding(metric: TriangleMetric) -> Floats:
-    """How far rounded lengths may put the deficits off, shape (V,), radians.
+    """Bounds on the effect of rounded lengths on the deficits, shape (V,), radians.
 
     An angle moves by ``l dl / (2 A)`` or less when a side of its triangle, l or shorter, moves by dl; on the
     sphere and in the hyperbolic plane by ``sn l dl`` over the amplitude.
@@ -34,7 +34,7 @@ def deficit_rounding(metric: TriangleMetric) -> Floats:
 
 
 def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices, curvature: float = 0.0) -> Floats:
-    """How far errors of the lengths put the deficits off, shape (V,), radians.
+    """Effect of errors of the lengths on the deficits, shape (V,), radians.
 
     For independent errors of one mean edge length, root mean square; to first order, so for smaller ones they
     are in proportion.  Errors of rounded coordinates fit to one another and put most deficits off by less.
@@ -108,7 +108,7 @@ def largest_noise(deficits: Floats) -> float:
 
 
 def noise_level(deficits: Floats) -> float:
-    """What the deficits of vertices that should be flat stay below in size, judged by the deficits alone.
+    """Noise level of the deficits, estimated from the deficits alone.
 
     Parameters
     ----------

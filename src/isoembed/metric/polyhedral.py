@@ -312,7 +312,7 @@ class PolyhedralMetric(TriangleMetric):
             e = int(np.argmax(wrong))
             raise InvalidMetric(
                 f"the length error of edge {e} {self.edges[e].tolist()} is {sigma[e]}, not a positive finite "
-                "number; zero for all edges is none"
+                "number; pass zeros for all edges to take the lengths as exact"
             )
         # Errors that are given, be they zero, go before the digits.
         return {"length_errors": None if exact else frozen(sigma), "rounding": None}
@@ -336,7 +336,7 @@ class PolyhedralMetric(TriangleMetric):
         return scaled._knowing(**self._known(factor))
 
     def _known(self, factor: float) -> dict[str, Any]:
-        """What is known of the lengths in another unit, in which their digits are not seen."""
+        """Precision, errors and rounding of the lengths in another unit, which does not show their digits."""
         errors = None if self.length_errors is None else frozen(self.length_errors * factor)
         return {"precision": self.precision, "length_errors": errors, "rounding": self.rounding}
 

@@ -57,14 +57,14 @@ MAX_BLOCK_EXCHANGES = 10  # of many vertices that may fail to help, before singl
 
 @dataclass(frozen=True, eq=False)
 class Repair:
-    """What `repaired` found and changed.
+    """Findings and changes of `repaired`.
 
     Attributes
     ----------
     vertices : ndarray of int64, shape (k,)
-        Those whose deficits, beyond rounding, were to be zero or were negative.
+        Vertices whose deficits, beyond rounding, were to be zero or were negative.
     deficits : ndarray, shape (k,)
-        What they were, radians.
+        Their deficits before the repair, radians.
     factors : ndarray, shape (V,)
         The conformal factors u.
     largest_change : float
@@ -82,7 +82,7 @@ class Repair:
         return float(np.abs(self.factors).max())
 
     def as_json(self) -> dict[str, object]:
-        """What changed, for a report."""
+        """Changes, for a report."""
         return {
             "vertices": self.vertices.tolist(),
             "deficits": self.deficits.tolist(),

@@ -39,17 +39,17 @@ class TriangleMetric(ABC):
 
     @property
     def curvature(self) -> float:
-        """Of the triangles and of `space`, in 1/length^2."""
+        """Curvature of the triangles and of `space`, in 1/length^2."""
         return self.space.curvature
 
     @property
     def triangles(self) -> Triangles:
-        """The shapes of the faces, measured anew: they take more memory than the metric."""
+        """Shapes of the faces, measured anew: they take more memory than the metric."""
         return Triangles.of(self.face_lengths, self.curvature)
 
     @property
     def unit(self) -> float:
-        """The power of two below the mean edge length: dividing by it rounds nothing."""
+        """Power of two below the mean edge length: dividing by it rounds nothing."""
         return float(np.ldexp(1.0, int(np.frexp(self.mean_length)[1]) - 1))
 
     @property

@@ -29,7 +29,7 @@ class Reason(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Solution(Generic[P]):
-    """Where an iteration ended.
+    """Result of an iteration.
 
     Attributes
     ----------

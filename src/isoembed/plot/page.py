@@ -64,7 +64,7 @@ TITLES = {
     **{"poincare": "Poincaré ball", "klein": "Klein ball", "hyperboloid": "hyperboloid, x y z"},
     **{"stereographic": "stereographic", "gnomonic": "gnomonic", "sphere": "sphere, x y z"},
 }
-"""What the models of a space are called on the page."""
+"""Names of the models of a space on the page."""
 TEX = {"$": "", r"\varepsilon_a": "ε", "A^*_a": "A*", "k_1": "k₁", "k_2": "k₂", "  ": " "}
 
 
@@ -142,7 +142,7 @@ def _caption(embedding: Embedding) -> str:
 
 
 def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], Packed]:
-    """What the script shows: a JSON object, and the arrays that it points to."""
+    """Data for the script: a JSON object, and the arrays that it points to."""
     packed, drawn = Packed(), Drawn.of(embedding)
     pieces = drawn.pieces
     earlier = list(frames[:-1])
@@ -210,7 +210,7 @@ def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) 
 
 
 def _named(quantity: Quantity) -> dict[str, Any]:
-    """What the script calls a quantity, and its colors if they are not those of all."""
+    """Names of a quantity for the script, and its colors if it has its own."""
     return {
         "name": quantity.name,
         "label": _plain(quantity.label),
@@ -257,7 +257,7 @@ def _why_alone(method: str) -> str:
 
 
 def _on_the_way(surface: Embedding) -> list[Quantity]:
-    """What changes from frame to frame: Gaussian curvature is that of the frame's own lengths."""
+    """Quantities that change from frame to frame: Gaussian curvature is that of the frame's own lengths."""
     metric, unit = surface.metric, surface.metric.unit
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a frame may be folded flat
         found = [mean_curvature(surface), residual(surface), concavity(surface)]

@@ -39,17 +39,17 @@ class Pieces:
 
     @property
     def cuts(self) -> int:
-        """How often the triangles are cut, n."""
+        """Number of times that the triangles are cut, n."""
         return len(self.parents)
 
     @property
     def per_face(self) -> int:
-        """How many pieces a triangle has."""
+        """Number of pieces of a triangle."""
         return int(4**self.cuts)
 
     @property
     def n_vertices(self) -> int:
-        """How many vertices there are."""
+        """Number of vertices."""
         return int(self.faces.max()) + 1
 
     def cut(self) -> Pieces:

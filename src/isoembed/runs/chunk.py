@@ -20,7 +20,7 @@ MEMORY = "there was not enough memory for it"
 
 @dataclass(frozen=True)
 class Wish:
-    """Which tasks are done although their results are there.
+    """Rerun policy: which tasks with stored results are computed again.
 
     Attributes
     ----------

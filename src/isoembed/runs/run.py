@@ -144,7 +144,7 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
 
 
 def chunk_of(tasks: int) -> int:
-    """How many of so many tasks are a chunk: it depends on nothing else, so that no result does."""
+    """Size of the chunks for a number of tasks; it depends on nothing else, so that no result does."""
     return min(max(tasks // PARTS, 1), CHUNK)
 
 

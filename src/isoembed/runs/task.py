@@ -22,7 +22,7 @@ class Task(Protocol):
 
     @property
     def facts(self) -> Mapping[str, Any]:
-        """What the report of a result without an answer says of it besides status and message."""
+        """Entries of the report of a result without an answer, besides status and message."""
         ...
 
     def digest(self) -> str:

@@ -239,7 +239,7 @@ class SmoothEmbedding:
 
     @cached_property
     def _metric(self) -> TwoMetric:
-        """As a function of the directions of the harmonics, as all that follows is."""
+        """Metric as a function of the directions of the harmonics, as all that follows is."""
         return metric_in(self.metric, self.coordinates)
 
     def _own(self, u: Floats) -> Floats:

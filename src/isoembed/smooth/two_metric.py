@@ -242,7 +242,7 @@ def angle_components(u: Floats, q: Floats) -> Floats:
 
 
 def are_definite(tt: Floats, tp: Floats, pp: Floats) -> Mask:
-    """Which components in an orthogonal frame, of one shape, are finite and those of a positive metric."""
+    """Mask of components in an orthogonal frame, of one shape, that are finite and positive definite."""
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         finite = np.isfinite(tt) & np.isfinite(tp) & np.isfinite(pp)
         return finite & (tt > 0) & (pp > 0) & (np.abs(tp) / np.sqrt(tt) < np.sqrt(pp))

@@ -83,7 +83,7 @@ class VertexFit:
 
     @property
     def weights(self) -> Floats:
-        """Of the vertices (V,)."""
+        """Weights of the vertices (V,)."""
         return self.angles * self.used
 
     @property

@@ -15,7 +15,7 @@ LOCAL = ("vertices", "normals", "dihedral_angles", "mean_curvature")
 
 
 def root_mean_square(values: Floats) -> float:
-    """Of numbers that are not negative, however large: their squares need not be finite."""
+    """Root mean square of nonnegative numbers, however large: their squares need not be finite."""
     top = float(values.max())
     return top * float(np.sqrt(np.mean((values / top) ** 2))) if 0.0 < top < np.inf else top
 

@@ -36,7 +36,7 @@ class Estimate:
 
     @property
     def digits(self) -> int:
-        """How many digits that are."""
+        """Number of digits of `rounded`."""
         if not (isfinite(self.value) and self.value and 0.0 < self.error < inf):
             return MOST
         known = log10(abs(self.value)) - log10(self.error)

@@ -38,7 +38,7 @@ class TriangleFaces:
 
     @property
     def sides(self) -> Indices:
-        """How many sides each face has."""
+        """Number of sides of each face."""
         return frozen(np.full(len(self.triangulation.faces), 3))
 
     @property
@@ -108,7 +108,7 @@ class FlatFaces(TriangleFaces):
 
     @cached_property
     def sides(self) -> Indices:
-        """How many sides each face has, flat vertices on its outline left aside."""
+        """Number of sides of each face, not counting flat vertices on its outline."""
         flat = self.flat[np.concatenate(self.polygons)]
         ends = np.cumsum([len(polygon) for polygon in self.polygons])
         return frozen(np.diff(np.cumsum(~flat)[ends - 1], prepend=0).astype(np.int64))

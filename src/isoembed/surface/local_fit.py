@@ -80,7 +80,7 @@ class Surroundings(NamedTuple):
 
     @classmethod
     def of(cls, triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Surroundings:
-        """Of the vertices, (V, 3)."""
+        """Surroundings of the vertices, (V, 3)."""
         adjacency, edges = triangulation.adjacency, triangulation.edges
         normals = vertex_normals(triangulation.faces, to_model(space, vertices, "conformal"))
         lengths = edge_lengths(edges, vertices) if space.is_euclidean else space.distances(*vertices[edges.T])

@@ -299,7 +299,7 @@ class HeldTriangle(HeldVertices):
 
     @classmethod
     def of(cls, vertices: Floats, corners: Indices) -> HeldTriangle:
-        """That of a surface."""
+        """Hold the triangle with these corners."""
         x, y, z = vertices[corners]
         along, normal = y - x, np.cross(y - x, z - x)
         along, normal = along / np.linalg.norm(along), normal / np.linalg.norm(normal)

@@ -102,7 +102,7 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
 
 
 def _poses(shown: Sequence[Scene]) -> list[Pose]:
-    """Where the viewer looks, and how much is seen: nothing leaves the picture, and it does not jump."""
+    """Centers and sizes of the views: nothing leaves the picture, and it does not jump."""
     calm = round(0.5 * 0.12 * len(shown))  # the part of the film within which the picture grows or shrinks
     boxes = _filled([_box(scene) for scene in shown])
     low, high = boxes[:, :3], boxes[:, 3:]

@@ -33,7 +33,7 @@ class Scene:
 
     @property
     def shells(self) -> tuple[PlacedHorizon, ...]:
-        """Those that hold others, which are seen through them, from the innermost one outward."""
+        """Horizons that enclose others, which are seen through them, from the innermost one outward."""
         found = [one for one in self.shown if any(one.holds(other) for other in self.shown)]
         return tuple(sorted(found, key=lambda one: one.radius))
 

@@ -157,7 +157,7 @@ class Functional:
         return np.asarray((self.frames @ self.tau.gradients(_whole(tau)))[:, :, 0])
 
     def slope(self, tau: Floats) -> Slope:
-        """What E is made of, for tau (m,)."""
+        """Terms of E, for tau (m,)."""
         gradient = self.gradient(tau)
         laplacian = traced(self.frames, self.tau.hessians(_whole(tau)))[:, 0]
         laplacian -= np.einsum("na,na->n", self.drift, gradient)
@@ -271,7 +271,7 @@ class EmbeddedTime:
 
     @cached_property
     def _off(self) -> Floats:
-        """By how much the metric (n, 3) of X is too large, as `strains` has it."""
+        """Excess of the metric (n, 3) of X, as `strains` has it."""
         f = self.functional
         return strains(f.tangents(self.X)) - f.stretch(self.tau)
 

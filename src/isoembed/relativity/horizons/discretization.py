@@ -74,7 +74,7 @@ class Discretization:
         return float(np.sqrt(self.transform.weights @ at.local.density / (4.0 * np.pi)))
 
     def equations(self, at: Iterate) -> Equations:
-        """Those for changes of f that change the expansion as asked for."""
+        """Equations for changes of f that change the expansion as asked for."""
         return Equations(self.transform, LowDegrees.of(self.transform), linearized(self.family, at.local))
 
 
@@ -158,7 +158,7 @@ class Equations:
         return np.asarray(found)
 
     def matrix(self) -> Floats:
-        """That of the low degrees (s, s)."""
+        """Matrix of the low degrees (s, s)."""
         low = self.low
         theta = self._changed(low.values, low.slopes, low.hessians)
         if self.free:
@@ -178,7 +178,7 @@ class Equations:
 
     @cached_property
     def _diagonal(self) -> Floats:
-        """That of the equations, as if the surface were a round sphere."""
+        """Diagonal of the equations, as if the surface were a round sphere."""
         degrees = self.transform.harmonics.labels[0]
         mean = self.transform.weights @ (self.linear.scale * self.linear.zeroth) / (4.0 * np.pi)
         laplacian = degrees * (degrees + 1.0)

@@ -107,7 +107,7 @@ class RadialImage(Image):
 
 
 def root_mean_square(f: Floats) -> float:
-    """That of functions with coefficients (N, size), over the sphere."""
+    """Root mean square over the sphere of functions with coefficients (N, size)."""
     return float(np.sqrt(np.mean(np.sum(f**2, axis=1)) / (4.0 * np.pi)))
 
 

@@ -100,7 +100,7 @@ class AMReXSlice(PatchSlice):
 
 @dataclass(frozen=True)
 class _Header:
-    """What the header of a plot file says.
+    """Header of a plot file.
 
     Attributes
     ----------

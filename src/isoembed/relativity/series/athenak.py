@@ -118,13 +118,13 @@ class _File:
 
     @property
     def cells(self) -> list[int]:
-        """Of a block, without ghost zones, along each axis."""
+        """Numbers of cells of a block along each axis, without ghost zones."""
         given = self.parameters
         return [int(given.get(f"meshblock/nx{a}", given[f"mesh/nx{a}"])) for a in "123"]
 
     @property
     def levels(self) -> Indices:
-        """Of the blocks."""
+        """Levels of the blocks."""
         return np.asarray(self.heads["place"][:, 3], dtype=np.int64)
 
     @classmethod

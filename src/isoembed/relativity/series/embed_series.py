@@ -22,7 +22,7 @@ from isoembed.runs import Result, Store, run
 from isoembed.space import EUCLIDEAN, Space
 
 SERIES = "horizon"
-"""Of moments that do not say which."""
+"""Name of the series of moments that do not give one."""
 
 
 def embed_series(

@@ -35,7 +35,7 @@ class Source(Protocol[T_co]):
         ...
 
     def read(self) -> T_co:
-        """What is there.
+        """Read the data.
 
         Raises `FileError` or `InvalidMetric`: it cannot be read, changes meanwhile, or is not what it should
         be; one sentence says why.
@@ -52,11 +52,11 @@ class SliceSource(Protocol):
 
     @property
     def name(self) -> str:
-        """As of `Source`."""
+        """See `Source.name`."""
         ...
 
     def digest(self) -> str:
-        """As of `Source`: of the whole slice."""
+        """Digest of the whole slice: see `Source.digest`."""
         ...
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
@@ -97,7 +97,7 @@ class HeldShape:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the shape."""
         known = (self.called, *(getattr(self.shape, each, "") for each in ("source", "name")))
         return next(filter(None, known), HELD)
 
@@ -123,7 +123,7 @@ class HeldSlice:
 
     @property
     def name(self) -> str:
-        """What kind of slice it is."""
+        """Name of the type of the slice."""
         return type(self.geometry).__name__
 
     def digest(self) -> str:
@@ -152,7 +152,7 @@ class MissingSlice:
 
     @property
     def name(self) -> str:
-        """What is missing."""
+        """Words for the missing slice."""
         return "no slice"
 
     def digest(self) -> str:

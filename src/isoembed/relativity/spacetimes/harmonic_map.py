@@ -42,7 +42,7 @@ class HarmonicMap:
 
     @property
     def degree(self) -> int:
-        """Of the harmonics."""
+        """Degree of the harmonics."""
         return self.harmonics.degree
 
     @property

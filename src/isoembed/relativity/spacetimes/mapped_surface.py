@@ -241,7 +241,7 @@ class _Nodes:
 
     @property
     def centroid(self) -> Floats:
-        """Of the area."""
+        """Centroid of the area."""
         return np.asarray((self.weights * self.densities) @ self.x / self.area)
 
     @property

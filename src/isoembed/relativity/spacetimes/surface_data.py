@@ -197,7 +197,7 @@ class SurfaceData:
 
     @property
     def _metric_error(self) -> Uncertainty:
-        """What the metric says of its own lengths: those of grids and of surfaces in slices do."""
+        """Error of the lengths that the metric itself states, as on grids and for surfaces in slices."""
         error = getattr(self.metric, "error", None)
         return error if isinstance(error, Uncertainty) else EXACT
 
