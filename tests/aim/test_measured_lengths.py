@@ -68,7 +68,7 @@ def test_a_blunder_is_named_and_not_followed(edge, off):
     lengths = metric.lengths.copy()
     lengths[edge] += off
     named = re.escape(
-        f"on that surface: edge {edge} {metric.edges[edge].tolist()} ({'-' if off > 0 else '+'}"
+        f"on the nearest smooth surface: edge {edge} {metric.edges[edge].tolist()} ({'-' if off > 0 else '+'}"
     )
     with pytest.raises(NotEmbedded, match=named) as caught:
         embed(metric.with_lengths(lengths), length_errors=ERROR)
