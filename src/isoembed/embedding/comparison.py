@@ -26,7 +26,7 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.proof.deviation_bound import DeviationBound
 from isoembed.proof.rounding import GUARD, gamma
 from isoembed.reprs import short_repr
-from isoembed.surface.alignment import aligned
+from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.changes import Changes
 from isoembed.surface.curvature import (
     ROUNDING,
@@ -119,8 +119,8 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
         raise InvalidParameter("the surfaces have other triangles, or in another order")
     t, unit, mean_length = first.triangulation, first.metric.unit, first.metric.normalized.mean_length
     if not t.is_closed:
-        mirrored = replace(second, vertices=second.vertices * [1.0, 1.0, -1.0])
-        second = min(second, mirrored, key=lambda each: _apart(first, each))
+        x, own = first.vertices / first.metric.unit, second.vertices / first.metric.unit
+        second = replace(second, vertices=first.metric.unit * aligned_image(own, x))
     obstacle = _obstacle(first, second)
     one, other = (
         DeviationBound.unproven(t, obstacle) if obstacle else Sensitivity(each).deviation_bound(0.0)
@@ -197,13 +197,6 @@ def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
         volume=volume(t.faces, y) - volume(t.faces, x),
         integrated_mean_curvature=integrated_mean_curvature(t, y) - integrated_mean_curvature(t, x),
     )
-
-
-def _apart(first: Embedding, second: Embedding) -> float:
-    """Norm of the distances of vertices, after the best rigid motion."""
-    unit = first.metric.unit
-    x = first.vertices / unit
-    return float(np.linalg.norm(aligned(second.vertices / unit, x) - x))
 
 
 def _obstacle(first: Embedding, second: Embedding) -> str:

@@ -145,15 +145,20 @@ def through_curve(
         least: dict[ElasticSheet, float] = {}
         best, fewest = boundary, np.inf
         for sheet, x, first in tries():
+            passed = [x]
             for stiffness in STIFFNESSES:
                 if stiffness <= first:
                     x = sheet.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
+                    passed.append(x)
             value = sheet.value(x, STIFFNESSES[-1] * energy.area)
             if not value < LESS * least.get(sheet, np.inf):  # as before, or worse
                 continue
             least[sheet], x = value, released(x)
             if squares(x) < fewest:
                 best, fewest = x, squares(x)
+                for y in passed:
+                    missed = np.abs(lengths.residuals(y)[inner]).max()
+                    recorder.show(residual=float(missed) / unit, vertices=y)
             if is_realized(x):
                 break
         x = best

@@ -192,6 +192,7 @@ def _raised(
         x = with_heights(metric, x, 0 * heights, recorder)
         for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if heights.any() else ():
             x = with_heights(metric, x, part * heights, recorder)
+            recorder.show(vertices=x)
     x = turned_about_vertical(x, loop)
     return _embedding(metric, x, tolerance, log, condition, heights=frozen(heights))
 
