@@ -92,7 +92,8 @@ def _held(options: argparse.Namespace, surface: Embedding) -> Embedding:
         raise UsageError(
             f"--boundary is for surfaces with boundary, and {options.surface} is closed"
             if t.is_closed
-            else f"{options.surface} has a boundary: --boundary says what holds it there, free, plane or a file"
+            else f"{options.surface} has a boundary: --boundary says what holds it there, free, plane or a "
+            "file"
         )
     if condition is None:
         return surface

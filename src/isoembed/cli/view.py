@@ -42,7 +42,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_output_option(
         parser,
         f"{' '.join(PAGE_ENDINGS)}: a page for the browser, in one file; {' '.join(PICTURE_ENDINGS)}: a "
-        f"picture of a single surface; {' '.join(ANIMATION_ENDINGS)}: a film (default: a page in a new temporary folder, which is opened in the browser)",
+        f"picture of a single surface; {' '.join(ANIMATION_ENDINGS)}: a film (default: "
+        "a page in a new temporary folder, which is opened in the browser)",
     )
     add_color_option(parser)
     add_merge_option(parser)

@@ -273,8 +273,8 @@ class Sensitivity:
         """How far a surface in R^3 may be off because its lengths have independent errors, to first order.
 
         Where few different lengths are rounded to a decimal place, whose standard deviation is the errors',
-        equal ones have the same error.  Of a `SheetEmbedding`, what is given at the boundary has no error, and H
-        is that of the dihedral angles.
+        equal ones have the same error.  Of a `SheetEmbedding`, what is given at the boundary has no error,
+        and H is that of the dihedral angles.
 
         Parameters
         ----------

@@ -61,7 +61,8 @@ def frames_of(surfaces: Sequence[Embedding], headings: Sequence[str]) -> tuple[F
     Returns
     -------
     tuple of Frame
-        Each surface is turned onto the next, and mirrored if it has a boundary and is nearer then; for `write_animation` with the last surface.
+        Each surface is turned onto the next, and mirrored if it has a boundary and is nearer then; for
+        `write_animation` with the last surface.
 
     Raises
     ------

@@ -42,7 +42,8 @@ def held(surface: SheetEmbedding, condition: str, heights: Floats | None = None)
         if off.max() > FAR * surface.metric.mean_length:
             k = int(np.argmax(off))
             raise InvalidParameter(
-                f"the boundary is not at the heights of {condition!r}: its vertex {loop[k]} is off by {off[k]:.2g}"
+                f"the boundary is not at the heights of {condition!r}: its vertex {loop[k]} is off by "
+                f"{off[k]:.2g}"
             )
     surface = replace(surface, condition=condition, heights=heights)
     if condition != "free":
@@ -54,6 +55,4 @@ def held(surface: SheetEmbedding, condition: str, heights: Floats | None = None)
     solved = factor_general(K).solve(np.append((form @ x).ravel(), np.zeros(len(lengths.lengths))))
     left, tensions = solved[: x.size], -solved[x.size :]
     scale = max(float(form.diagonal().mean()), 1 / energy.area)
-    return replace(
-        surface, tensions=frozen(tensions / unit), imbalance=float(np.abs(left).max()) / scale
-    )
+    return replace(surface, tensions=frozen(tensions / unit), imbalance=float(np.abs(left).max()) / scale)

@@ -80,9 +80,8 @@ class SheetSurface(Surface):
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    Deviations and comparisons are about closed surfaces of genus 0 and raise `InvalidMetric`; so does the
-    volume of a surface with boundary.  That has no outside: it is not mirrored, and the sign of its mean
-    curvature depends on the side from which the triangles are counterclockwise.
+    The volume of a surface with boundary raises `InvalidMetric`.  That has no outside: it is not turned over,
+    and the sign of its mean curvature depends on the side from which triangles are counterclockwise.
 
     Parameters
     ----------
@@ -134,8 +133,8 @@ class SheetEmbedding(Embedding):
         apart = np.linalg.norm(reflections(t, x)[chosen], axis=1) / unit
         least = int(np.argmin(apart))
         return (
-            f"; vertex {chosen[least]}, which has three neighbors, has the lengths on the other side of these, "
-            f"too, {apart[least]:.1g} mean edge lengths away: the smoother side was taken"
+            f"; vertex {chosen[least]}, which has three neighbors, has the lengths on the other side of "
+            f"these, too, {apart[least]:.1g} mean edge lengths away: the smoother side was taken"
         )
 
     def _trust(self) -> str:

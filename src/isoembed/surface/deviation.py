@@ -84,7 +84,12 @@ class IntegralDeviation:
 
     @classmethod
     def of_sheet(
-        cls, derivatives: Derivatives, triangulation: Triangulation, vertices: Floats, errors: Floats, shared: Indices
+        cls,
+        derivatives: Derivatives,
+        triangulation: Triangulation,
+        vertices: Floats,
+        errors: Floats,
+        shared: Indices,
     ) -> IntegralDeviation:
         """Of a surface in R^3 with boundary or handles, whose lengths need not be those given."""
         rates = derivatives.vjp(integral_gradients(triangulation, vertices))
