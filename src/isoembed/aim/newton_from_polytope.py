@@ -1,4 +1,4 @@
-"""Newton's method on the radii with edge flips, from the polytope of a nearby convex metric.
+"""Start from the polytope of a nearby convex metric, then Newton's method on the radii without flips.
 
 The polyhedron is that of the metric itself, on triangles of its own, or of a convex metric near it.  The path
 to it follows `isoembed.alexandrov`, with flips; from there one leap, or a few, lead back to the given
