@@ -46,7 +46,7 @@ def embed(
         The metric, or a file or mesh to take it from.  A flat metric, which is the default, gives a surface
         in R^3.  A path is that of a metric, a mesh or a net.  From a mesh, which is a tuple
         (vertices, faces), a ``trimesh.Trimesh``, a ``pyvista.PolyData`` or a surface of this package, only
-        the lengths are taken.
+        the lengths are taken.  A triangulation by `isoembed.smooth.triangulate_metric` has its own metric.
     method : {"aim", "paper", "alexandrov", "sheet"}, the name of an installed method, or a Method, optional
         ``"aim"`` is `isoembed.Aim`, the default; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
         the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
@@ -246,6 +246,10 @@ def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
         from isoembed.io.net import holds_net, read_net
 
         return read_net(given) if holds_net(given) else read_metric(given, any_surface=True)
+    if isinstance(made := getattr(given, "metric", None), PolyhedralMetric) and not hasattr(
+        given, "vertices"
+    ):
+        return made  # of a triangulation by `isoembed.smooth.triangulate_metric`
     return PolyhedralMetric.from_mesh(**_mesh(given, "metric"))
 
 

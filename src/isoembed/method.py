@@ -115,9 +115,8 @@ def solve(
         try:
             mesh.check_sphere()
         except InvalidMetric as error:
-            raise InvalidMetric(
-                f"{error}; boundary='free' is for such surfaces, boundary='plane' for convex caps"
-            ) from None
+            caps = "" if mesh.is_closed else ", boundary='plane' for convex caps"
+            raise InvalidMetric(f"{error}; boundary='free' is for such surfaces{caps}") from None
     if metric.curvature and not method.takes_curved:
         raise InvalidParameter(
             f"the metric has the curvature {metric.curvature:.6g}, and the method {method.name!r} embeds in "

@@ -61,7 +61,7 @@ class Convexification:
     @cached_property
     def is_convex(self) -> bool:
         """Whether no deficit of the given metric is negative beyond rounding."""
-        rounding = deficit_rounding(self.given.faces, self.given.face_lengths, self.given.curvature)
+        rounding = deficit_rounding(self.given)
         return bool((self.given.deficits >= -rounding).all())
 
     @property

@@ -49,7 +49,7 @@ def newton_on_radii(
         more than the one negative eigenvalue of convex bodies: there something may be turned inside out.
     """
     tables, deficits = given.half_edges(directed=False), given.deficits
-    rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
+    rounding = deficit_rounding(given)
     flat = np.mean(np.abs(deficits) <= rounding)  # where nothing determines a radius
     if not deficits.max() > 0 or flat > 0.1:  # more flat vertices and the path is not tried
         return None

@@ -1,4 +1,4 @@
-"""Problem shared by all strategies: metric, convexification, and acceptance of a surface as a realization."""
+"""Problem shared by all strategies: metric, convexification; placement and acceptance of a surface."""
 
 from __future__ import annotations
 

@@ -154,17 +154,9 @@ class ReflectionTrials:
 
     def _shallow(self) -> list[int]:
         """Vertices whose reflections change the lengths little, but to the better."""
-        surface, moved = self.surface, self.surface.vertices + self._reflected
-        x, r, lengths = surface.vertices, surface.residuals, surface.lengths
-        taken, changed = np.zeros((2, len(x)))
-        for ends in surface.energy.triangulation.edges.T, surface.energy.triangulation.edges.T[::-1]:
-            apart = np.linalg.norm(moved[ends[0]] - x[ends[1]], axis=1)
-            d = (apart - lengths) * (apart + lengths) / (2 * lengths) - r
-            taken -= np.bincount(ends[0], r * d, minlength=len(x))
-            changed += np.bincount(ends[0], d**2, minlength=len(x))
-        least, most = PROMISE
-        promised = np.flatnonzero((taken > least * (r @ r)) & (taken < most * (r @ r)))
-        return promised[np.argsort(changed[promised], kind="stable")][:SHALLOW].tolist()
+        surface = self.surface
+        t, x, moves = surface.energy.triangulation, surface.vertices, self._reflected
+        return shallow(t, x, surface.lengths, surface.residuals, moves)[:SHALLOW].tolist()
 
 
 def reflections(triangulation: Triangulation, vertices: Floats) -> Floats:
@@ -180,3 +172,28 @@ def reflections(triangulation: Triangulation, vertices: Floats) -> Floats:
     spread = sums(np.einsum("hi,hj->hij", away, away).reshape(-1, 9)).reshape(-1, 3, 3)
     normals = np.linalg.eigh(spread)[1][:, :, 0]
     return -2 * np.einsum("vi,vi->v", vertices - middles, normals)[:, None] * normals
+
+
+def shallow(
+    triangulation: Triangulation, vertices: Floats, lengths: Floats, residuals: Floats, moves: Floats
+) -> Indices:
+    """Vertices whose reflections change the lengths to the better, first those that change them least.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    vertices, moves : ndarray, shape (V, 3)
+        `moves` as of `reflections`.
+    lengths, residuals : ndarray, shape (E,)
+        Residuals as of `isoembed.surface.rigidity.length_residuals`, at a minimum of their squares.
+    """
+    r, x, moved = residuals, vertices, vertices + moves
+    taken, changed = np.zeros((2, len(x)))
+    for a, b in (triangulation.edges.T, triangulation.edges.T[::-1]):
+        apart = np.linalg.norm(moved[a] - x[b], axis=1)
+        d = (apart - lengths) * (apart + lengths) / (2 * lengths) - r
+        taken -= np.bincount(a, r * d, minlength=len(x))
+        changed += np.bincount(a, d**2, minlength=len(x))
+    least, most = PROMISE
+    promised = np.flatnonzero((taken > least * (r @ r)) & (taken < most * (r @ r)))
+    return promised[np.argsort(changed[promised], kind="stable")]

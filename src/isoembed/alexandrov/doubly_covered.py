@@ -17,7 +17,7 @@ from isoembed.intrinsic.delaunay_loops import tilts
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import flip, set_directions
 from isoembed.mesh.components import components
-from isoembed.metric.curvature import Triangles
+from isoembed.metric.triangles import Triangles
 from isoembed.space import Space
 
 THIN = 1e-4  # squared radii: a body whose apex is lower may turn flat

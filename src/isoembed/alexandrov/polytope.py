@@ -28,7 +28,7 @@ from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.delaunay_loops import non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
-from isoembed.metric.curvature import Triangles
+from isoembed.metric.triangles import Triangles
 from isoembed.space import Space
 
 

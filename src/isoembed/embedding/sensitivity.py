@@ -38,8 +38,8 @@ class Sensitivity:
     Parameters
     ----------
     embedding : Embedding
-        Closed, of genus 0, or a `SheetEmbedding`, which has `jvp`, `vjp`, `boundary_jvp` and `boundary_vjp`
-        only: the rest raises `InvalidMetric`.
+        Closed, of genus 0, or a `SheetEmbedding`: `variation`, `deviation_bound` and
+        `smallest_singular_value` of that raise `InvalidMetric`.
 
     Raises
     ------
@@ -69,7 +69,7 @@ class Sensitivity:
     @property
     def _closed(self) -> LengthDerivatives:
         """J and its factors, of a closed surface of genus 0; raises InvalidMetric of others."""
-        self._metric.triangulation.check_sphere("deviations and second derivatives are those of", OF_A_NUMBER)
+        self._metric.triangulation.check_sphere("second derivatives and bounds are those of", OF_A_NUMBER)
         return cast(LengthDerivatives, self._derivatives)
 
     def jvp(self, changes: ArrayLike) -> Floats:
@@ -273,7 +273,8 @@ class Sensitivity:
         """Deviation of a surface in R^3 by independent errors of its lengths, to first order.
 
         Where few different lengths are rounded to a decimal place, whose standard deviation is the errors',
-        equal ones have the same error.
+        equal ones have the same error.  Of a `SheetEmbedding`, what is given at the boundary has no error,
+        and H is that of the dihedral angles.
 
         Parameters
         ----------
@@ -289,7 +290,7 @@ class Sensitivity:
         """
         sigma = self._flat_errors(errors)
         shared = shared_errors(self._metric.lengths, sigma * self._metric.unit)
-        found = Deviation.of(self._closed, self._metric.normalized, self._normalized, sigma, shared)
+        found = Deviation.of(self._derivatives, self._metric.normalized, self._normalized, sigma, shared)
         return found.scaled(self._metric.unit)
 
     def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
@@ -310,11 +311,14 @@ class Sensitivity:
         sigma = checked_errors(self._metric, errors)
         shared, sigma = shared_errors(self._metric.lengths, sigma), sigma / self._metric.unit
         metric, x = self._metric.normalized, self._normalized
+        t, unit = metric.triangulation, self._metric.unit
+        if not t.is_sphere:
+            return IntegralDeviation.of_sheet(self._derivatives, t, x, sigma, shared).scaled(unit)
         try:
-            volume_rates = self._closed.vjp(volume_gradient(metric.triangulation, x, metric.space))
+            volume_rates = self._derivatives.vjp(volume_gradient(t, x, metric.space))
         except SingularMatrix:
             volume_rates = np.full(len(sigma), np.inf)
-        return IntegralDeviation.of(metric, x, sigma, shared, volume_rates).scaled(self._metric.unit)
+        return IntegralDeviation.of(metric, x, sigma, shared, volume_rates).scaled(unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
         """Proven bound on the deviation of a surface in R^3 by errors of its lengths.

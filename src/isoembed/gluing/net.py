@@ -107,7 +107,7 @@ class Net(GluedMetric):
     def knowing(self, *, precision: Precision | None = None, folded: Floats | None = None) -> "Net":
         """Copy with other folds and another precision, the error of a length in the unit of the sheets."""
         changed = copy(self)
-        changed.__dict__.pop("normalized", None)
+        changed.__dict__.pop("_normalized", None)
         if precision is not None:
             object.__setattr__(changed, "precision", precision.in_means(1 / self.mean_length))
         if folded is not None:

@@ -57,7 +57,7 @@ def embed_net(
     if folded is not None and folded.surface.concave_edges.any():
         return folded
     v = int(np.argmin(net.deficits))
-    if net.deficits[v] >= -deficit_rounding(net.faces, net.face_lengths, net.curvature)[v]:
+    if net.deficits[v] >= -deficit_rounding(net)[v]:
         return solve(net, configured("alexandrov"), tolerance=tolerance, progress=progress, resume=resume)
     if net.folded is None:
         found = _with_flat_polygons(net, tolerance, progress)

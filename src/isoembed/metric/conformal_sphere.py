@@ -25,9 +25,10 @@ from scipy.sparse import eye_array
 from isoembed.arrays import Floats, Indices, Points
 from isoembed.linalg import SingularMatrix, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.metric.curvature import Triangles, face_areas
+from isoembed.metric.curvature import face_areas
 from isoembed.metric.delaunay import ideal_delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.triangles import Triangles
 from isoembed.progress.stages import StageRecorder
 
 

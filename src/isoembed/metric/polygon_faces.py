@@ -92,10 +92,14 @@ class PolygonFaces:
         same = (np.diff(face[order]) == 0) & (np.diff(self.corners[order]) == 0)
         if same.any():
             f = int(face[order][:-1][same].min())
-            raise InvalidMetric(f"{self._name(f)} repeats a vertex")
+            transposed = (
+                ": the table of faces looks transposed" if len(self.sizes) == 3 < self.sizes[f] else ""
+            )
+            raise InvalidMetric(f"{self._name(f)} repeats a vertex{transposed}")
 
     def _name(self, f: int) -> str:
-        return f"face {f} {self.corners[self.starts[f] :][: self.sizes[f]].tolist()}"
+        corners = self.corners[self.starts[f] :][: self.sizes[f]].tolist()
+        return f"face {f} {corners}" if len(corners) < 20 else f"face {f} with {len(corners)} corners"
 
     def _refuse(self, f: int) -> None:
         raise InvalidMetric(

@@ -1,4 +1,4 @@
-"""Continuation: extrapolating predictors, and the loop of a penalty method, weight mu -> 0."""
+"""Generic continuation: extrapolating predictors, and the loop over a decreasing penalty weight."""
 
 from collections.abc import Callable
 

@@ -28,6 +28,7 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.measured_cap import measured_cap
 from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
+from isoembed.sheets.placement import standard_sheet, turned_about_vertical
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
 from isoembed.surface.measures import face_areas
 
@@ -191,6 +192,8 @@ def _raised(
         x = with_heights(metric, x, 0 * heights, recorder)
         for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if heights.any() else ():
             x = with_heights(metric, x, part * heights, recorder)
+            recorder.show(vertices=x)
+    x = turned_about_vertical(x, loop)
     return _embedding(metric, x, tolerance, log, condition, heights=frozen(heights))
 
 
@@ -231,7 +234,7 @@ def _least_bending(
 ) -> SheetEmbedding:
     """A surface of least bending."""
     energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
-    near = None
+    near, is_placed = None, start is not None
     if start is None:
         start, near = _start(metric, tolerance, log)
     t = metric.triangulation
@@ -263,7 +266,8 @@ def _least_bending(
             "imbalance": found.imbalance,
             "uniqueness": BENDING,
         }
-    return _embedding(metric, found.vertices, tolerance, log, "free", **known)
+    x = found.vertices if is_placed else standard_sheet(t, found.vertices)
+    return _embedding(metric, x, tolerance, log, "free", **known)
 
 
 def _residual(lengths: LengthConstraints, x: Floats) -> float:

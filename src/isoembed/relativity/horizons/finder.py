@@ -1,4 +1,4 @@
-"""Horizon finder: marginally outer trapped surfaces and surfaces of constant expansion."""
+"""Horizon finder: marginally outer trapped surfaces, and the evidence that no other one encloses them."""
 
 from __future__ import annotations
 
