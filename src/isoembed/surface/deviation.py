@@ -35,7 +35,7 @@ class Derivatives(Protocol):
     """Derivatives of the vertices of a surface by its lengths."""
 
     def jvp(self, changes: Floats) -> Floats:
-        """How the vertices move, (V, 3), when the lengths change, (E,)."""
+        """Derivative of the vertices, (V, 3), along a change of the lengths, (E,)."""
         ...
 
     def vjp(self, gradient: Floats) -> Floats:
@@ -91,7 +91,7 @@ class IntegralDeviation:
         errors: Floats,
         shared: Indices,
     ) -> IntegralDeviation:
-        """Of a surface in R^3 with boundary or handles, whose lengths need not be those given."""
+        """Deviation of a surface in R^3 with boundary or handles, whose lengths need not be those given."""
         rates = derivatives.vjp(integral_gradients(triangulation, vertices))
         if not triangulation.is_closed:
             rates[1] = np.nan
@@ -99,7 +99,7 @@ class IntegralDeviation:
 
     @classmethod
     def from_rates(cls, rates: Floats, errors: Floats, shared: Indices) -> IntegralDeviation:
-        """From the derivatives of the three integrals by the lengths, (3, E)."""
+        """Deviation from the derivatives of the three integrals by the lengths, (3, E)."""
         with np.errstate(invalid="ignore"):
             each = np.where(errors > 0, errors * rates, 0.0)
             scaled = np.array([np.bincount(shared, row) for row in each])
