@@ -1,4 +1,4 @@
-"""From lengths to a surface: isometric embedding of polyhedral metrics in Euclidean 3-space.
+"""Isometric embedding of polyhedral metrics in Euclidean 3-space: from lengths to a surface.
 
 Give the triangles of a surface and the length of every edge; get the surface back::
 

@@ -20,5 +20,5 @@ def plain(value: Any) -> Any:
 
 
 def strict_json(document: Any, indent: int | None = None) -> str:
-    """Text of a document in JSON, with null in the place of a number that is not finite."""
+    """Text of a document in JSON, with null in place of a number that is not finite."""
     return json.dumps(plain(document), indent=indent, allow_nan=False)

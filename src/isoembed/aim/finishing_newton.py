@@ -103,7 +103,7 @@ class _SoftMotions:
 
     @classmethod
     def of(cls, system: LengthSystem, vertices: Floats, lengths: Floats, most: int) -> _SoftMotions:
-        """So many at most; raises SingularMatrix.
+        """Softest motions, at most `count`; raises SingularMatrix.
 
         Where J is singular the motions cannot be had from the stresses: both are eigenvectors.
         """

@@ -4,7 +4,7 @@ With d the motions of the vertices, the `length_residuals` are
 
     ``r + J d + 1/2 Q(d, d)``,  ``Q(v, w) = (v_a - v_b) . (w_a - w_b) / l_ab``,
 
-and exactly so in Euclidean space.  In hyperbolic and spherical space sn(l) is in the place of l, and Q has
+and exactly so in Euclidean space.  In hyperbolic and spherical space sn(l) replaces l, and Q has
 one more term.
 """
 

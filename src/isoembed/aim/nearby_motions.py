@@ -46,7 +46,7 @@ class Motions:
 
     @classmethod
     def of(cls, expansion: LengthExpansion, directions: Floats) -> Motions:
-        """Along directions, (m, V, 3); where none is predicted, they are infinitely long, or not numbers.
+        """Motions along directions, (m, V, 3); those that are not predicted are infinite or not numbers.
 
         Of ``s J v + s^2 / 2 Q(v, v)``, the component along J v is zero.
         """

@@ -3,7 +3,7 @@
 The pyramids over the *given* triangles, of the given lengths, with a common apex, fit together in space when
 their curvatures vanish, whether the edges be convex or not (Bobenko and Izmestiev, Annales de l'Institut
 Fourier 58, 2008, who need convexity for existence only).  So the radii are all that has to be found: one
-unknown a vertex, and a matrix with the pattern of the triangulation, in the place of three unknowns and the
+unknown a vertex, and a matrix with the pattern of the triangulation, in place of three unknowns and the
 edges.  They are led there from equal radii at once, or else from those of a polyhedron nearby
 (`isoembed.aim.newton_from_polytope`).  The positions follow at the end.
 """

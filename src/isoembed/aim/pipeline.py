@@ -141,7 +141,7 @@ class Pipeline:
     method : Aim
     tolerance : float
     log : Log
-        Only listens.
+        Listener, checkpoints and work of the run.
 
     Attributes
     ----------

@@ -85,7 +85,7 @@ class RealizationSearch:
     _attempts: dict[float, Floats] = field(default_factory=dict)  # by the residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
-        """Search from so many realizations, or, as long as nothing is found, attempts beside the given one.
+        """Search from a number of realizations or, until one is found, from attempts beside the given one.
 
         These are in turn the smoothest of all, and the smoothest of those that the fewest moves from
         realization to realization lead to: the given one is the first of them.  Where it is the only one, it
@@ -209,7 +209,7 @@ class RealizationSearch:
         return self._starts[i]
 
     def _starts_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[StartPoint]:
-        """Start points about vertices, with so many of the softest motions set apart, or always taken."""
+        """Start points about vertices, with a number of the softest motions set apart, or always taken."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         self.recorder.factorizations += 2
         try:

@@ -103,7 +103,7 @@ class _ReflectionSearch(SearchState):
         return missed
 
     def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
-        """The minimum of the energy, with so many factorizations at most."""
+        """The minimum of the energy, with a limited number of factorizations."""
         descent = Budget(self.recorder.work, most)
 
         def is_enough(_: Floats) -> bool:

@@ -22,7 +22,7 @@ class SearchState:
         Start of the search.
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Listens.
+        Recorder of the work.
     budget : Budget
 
     Attributes
@@ -48,7 +48,7 @@ class SearchState:
 
     @property
     def exhausted(self) -> bool:
-        """Whether the budget is."""
+        """Whether the budget is exhausted."""
         return self.budget.exhausted
 
     def largest_residual(self, x: Floats) -> float:

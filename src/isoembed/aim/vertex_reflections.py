@@ -73,11 +73,11 @@ class ReflectionTrials:
         return reflections(self.surface.energy.triangulation, self.surface.vertices)
 
     def singles(self, kinds: int) -> Iterator[list[ReflectionTrial]]:
-        """Single vertices that promise less energy, the best first, in patches of so many kinds in turn."""
+        """Single vertices whose reflection promises less energy, the best first, for each kind of patch."""
         return self._in_patches(PATCHES[:kinds], 1)
 
     def pairs(self) -> Iterator[list[ReflectionTrial]]:
-        """Pairs of vertices that do."""
+        """Pairs of vertices whose reflection promises less energy, the best first."""
         # Kinds of patches in which pairs of vertices are reflected, at last.
         return self._in_patches(PATCHES[:3], 2)
 
@@ -134,14 +134,14 @@ class ReflectionTrials:
                 yield ReflectionTrial(growth, patch, relaxed)
 
     def _about(self, center: int, rings: int) -> Indices:
-        """The vertices within so many rings of one."""
+        """The vertices within a number of rings of one."""
         found, adjacency = np.array([center]), self.surface.energy.triangulation.adjacency
         for _ in range(rings):
             found = np.union1d(found, adjacency[found].indices)
         return found
 
     def _most_missed(self, count: int) -> Iterator[int]:
-        """So many vertices where the lengths are missed most, none near another."""
+        """The vertices where the lengths are missed most, none near another."""
         missed = sums_at_ends(self.surface.energy.triangulation, self.surface.residuals**2)
         free = np.ones(len(missed), dtype=bool)
         for center in np.argsort(-missed, kind="stable").tolist():

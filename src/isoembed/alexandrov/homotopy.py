@@ -31,7 +31,7 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 START_RADII = (2.0, 16.0, 64.0, 256.0)
-"""In least radii, tried in turn until a path arrives; then again, with curvatures over roots of deficits.
+"""Radii of starts in least radii, tried in turn until a path arrives; then with scaled curvatures.
 
 The deficits around the middle of a needle are so small against those at its tips that a sum of squares
 neglects their curvatures.

@@ -54,7 +54,7 @@ class Linearized:
         return self.derivatives.vjp(self._unaligned(gradient))
 
     def boundary_jvp(self, changes: Floats) -> Floats:
-        """Derivative of the vertices, (V, 3), along a change of the boundary data; zeros without such data."""
+        """Derivative of the vertices, (V, 3), along a change of the boundary data; zeros without any."""
         if not isinstance(self.derivatives, SheetDerivatives):
             return np.zeros_like(self.vertices)
         return self._aligned(self.derivatives.boundary_jvp(changes))

@@ -68,7 +68,7 @@ class Checkpoints:
     Parameters
     ----------
     path : path or None
-        Where they go, each in the place of the one before.
+        Where they go, each in place of the one before.
     resumed : Checkpoint, optional
         What the run goes on from, which need not be written again.
     """

@@ -86,7 +86,7 @@ def carried_out(
     options: argparse.Namespace,
     hear: Callable[[Result], None] | None = None,
 ) -> Tally:
-    """Do tasks as the options say, and tell of failures.
+    """Compute tasks as the options say, and report failures.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ class Comparison:
 
     @property
     def report(self) -> dict[str, Any]:
-        """All of it; of arrays root mean square and largest."""
+        """Report of all fields; of arrays, root mean square and largest."""
         return {
             "certified": self.certified,
             "reason": self.reason,
@@ -200,7 +200,7 @@ def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
 
 
 def _obstacle(first: Embedding, second: Embedding) -> str:
-    """Why nothing is proven of two surfaces; empty if it is."""
+    """Reason why nothing is proven of two surfaces; empty if it is."""
     if not first.triangulation.is_sphere:
         return "proofs about two surfaces are those of closed surfaces of genus 0"
     lengths, others = first.metric.lengths, second.metric.lengths

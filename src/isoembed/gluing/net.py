@@ -105,7 +105,7 @@ class Net(GluedMetric):
             object.__setattr__(self, name, value)
 
     def knowing(self, *, precision: Precision | None = None, folded: Floats | None = None) -> "Net":
-        """The same net, folded so and of this precision, the error of a length in the unit of the sheets."""
+        """Copy with other folds and another precision, the error of a length in the unit of the sheets."""
         changed = copy(self)
         changed.__dict__.pop("_normalized", None)
         if precision is not None:

@@ -98,7 +98,7 @@ class Polygon:
         return Polygon._made(corners.copy(), self.space, self.turned)
 
     def turned_over(self) -> Polygon:
-        """The same sheet seen from its back, corner 0 the same."""
+        """The sheet as seen from its back, with the same corner 0."""
         corners = np.roll((self.corners * [-1.0, 1.0])[::-1], 1, axis=0)
         return Polygon._made(corners, self.space, not self.turned)
 

@@ -93,7 +93,7 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
 
 
 def unknown_folding(net: Net) -> str:
-    """Why a net with boundary or handles does not say how it is folded; empty if it does."""
+    """Reason why a net with boundary or handles does not say how it is folded; empty if it does."""
     if net.folded is None:
         return (
             "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "

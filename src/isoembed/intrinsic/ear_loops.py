@@ -51,7 +51,7 @@ def corner_turn(points: ConstReal[:, ::1], a: Int, b: Int, c: Int) -> Real:
 
 
 def clip_ears(points: ConstReal[:, ::1], triangles: Int[:, ::1]):
-    """Fill in the triangles of a simple polygon; whether they are none of them lost in rounding."""
+    """Triangulate a simple polygon by ear clipping; return False if a triangle is lost to rounding."""
     n = points.shape[0]
     after: Int[::1] = np.arange(1, n + 1) % n
     before: Int[::1] = np.arange(-1, n - 1) % n

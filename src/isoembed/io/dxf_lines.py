@@ -20,7 +20,7 @@ APPLICATION = "ISOEMBED"
 PROPERTIES = ("kerf", "error")
 """Properties of a drawing, mm: the kerf, by half of which outlines are offset; the error of the points."""
 ANY_SURFACE = "any_surface"
-"""There where sides without a number are a boundary."""
+"""Property that is set where sides without a number are a boundary."""
 FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_NESTED = 10  # blocks

@@ -71,12 +71,12 @@ class InputFile(os.PathLike[str]):
 
     @cached_property
     def data(self) -> bytes:
-        """All of its bytes."""
+        """Bytes of the file."""
         return self._stream.read()
 
     @cached_property
     def text(self) -> str:
-        """All of its text.
+        """Text of the file.
 
         Raises
         ------

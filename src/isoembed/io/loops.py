@@ -102,7 +102,7 @@ def next_line(text: ConstByte[::1], i: Int) -> Int:
 def copy_words(
     text: ConstByte[::1], i: Int, count: Int, copy: Byte[::1], end: Int
 ) -> tuple[cython.longlong, cython.longlong]:
-    """Append so many words and blanks to a copy; where both end now, or -1 if there are fewer words."""
+    """Append `count` words and blanks to a copy; return both ends, or -1 if there are fewer words."""
     for _ in range(count):
         i = word_begin(text, i)
         if ends(text[i]):

@@ -62,7 +62,7 @@ def read_svg_lines(file: InputFile) -> Lines:
     Raises
     ------
     FileError
-        It is no SVG file, it is too large or defines entities, or a path or a transformation in it is none.
+        It is not an SVG file, it is too large or defines entities, or a path or a transformation is invalid.
     """
     if len(file.data) > MOST_BYTES:
         raise FileError(f"{file} has {len(file.data)} bytes, more than {MOST_BYTES}: no net needs as many")
@@ -287,10 +287,10 @@ def _transform(text: str, name: str) -> Floats:
         given = [number(x) for x in re.findall(NUMBER, inside)]
         one = _matrix(kind, given)
         if one is None:
-            raise FileError(f"{name} has the transformation {text[:60]!r}, which is none")
+            raise FileError(f"{name} has the invalid transformation {text[:60]!r}")
         matrix = _times(matrix, one)
     if not calls:
-        raise FileError(f"{name} has the transformation {text[:60]!r}, which is none")
+        raise FileError(f"{name} has the invalid transformation {text[:60]!r}")
     return matrix
 
 

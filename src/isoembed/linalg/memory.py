@@ -22,11 +22,11 @@ KEPT = {-3: 1 << 26, -1: -1, -2: 1 << 26}
 
 
 class OutOfMemory(MemoryError):  # noqa: N818  (named for what it says, as SingularMatrix is)
-    """Something would need more memory than this process may take; the message says how much."""
+    """The memory needed exceeds what this process may take; the message says by how much."""
 
 
 def require_memory(needed: int, what: str) -> None:
-    """Raise OutOfMemory if so many bytes are not free; `what` needs them, in the plural, in its message."""
+    """Raise OutOfMemory unless this many bytes are free; `what`, in the plural, needs them in its message."""
     if needed > UNASKED:
         free = available_memory()
         if needed > free:

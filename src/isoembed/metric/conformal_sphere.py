@@ -208,7 +208,7 @@ class _Plane:
         return u if np.abs(u).max() < 40.0 and not self.measure(u)[3] else self.rim_u
 
     def whole(self, u: Floats) -> tuple[_Plane, tuple[Floats, Floats, Floats, bool]]:
-        """The same conformal class on triangles that u does not break, and its measures.
+        """Copy of the conformal class on triangles that u does not break, and its measures.
 
         Where it does, triangles that are Delaunay at u take their place, by Ptolemy's flips.  From then on
         they are kept Delaunay: only then does the layout not depend on which edges were flipped.

@@ -254,7 +254,7 @@ class GluedMetric(TriangleMetric):
         return made(self.faces, self.twins, self.face_lengths, self.curvature)
 
     def simplicial(self) -> PolyhedralMetric:
-        """The same metric on a simplicial complex, so that it can be written to a file.
+        """The metric on a simplicial complex, so that it can be written to a file.
 
         Loops are cut into three and edges that share their two ends with another into two; the faces at them
         get a vertex inside, and those that meet a vertex twice also a ring around it.

@@ -261,7 +261,7 @@ class PolyhedralMetric(TriangleMetric):
         return self._knowing(precision=other.precision.in_means(other.mean_length / self.mean_length))
 
     def _knowing(self, **known: Any) -> PolyhedralMetric:
-        """The same triangles and lengths with another precision, errors or rounding of these."""
+        """Copy with another precision, errors or rounding of the lengths."""
         changed = copy(self)
         changed.__dict__.pop("_normalized", None)
         changed._put(**known)

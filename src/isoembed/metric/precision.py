@@ -53,7 +53,7 @@ class Precision:
         return math.sqrt(4.5) * self.length_error
 
     def in_means(self, factor: float) -> Precision:
-        """The same errors of edges whose mean length is smaller by this factor."""
+        """Precision of edges whose mean length is smaller by this factor."""
         return replace(self, length_error=self.length_error * factor)
 
     @classmethod

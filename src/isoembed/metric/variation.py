@@ -15,7 +15,7 @@ def deficit_derivative(metric: PolyhedralMetric) -> csr_array:
 
     In a triangle with angle i across from side i: ``d theta_i / d l_i = l_i / 2A``,
     ``d theta_i / d l_j = -cot(theta_k) / l_j``; on the sphere and in the hyperbolic plane with the sines of
-    the sides and with the amplitude in the place of 2A.
+    the sides and with the amplitude in place of 2A.
     """
     shape = metric.triangles
     sines, amplitudes = shape.sines, shape.amplitudes

@@ -27,7 +27,7 @@ def penalty_continuation(
     tolerance: float,
     exhausted: Callable[[], bool],
 ) -> tuple[Floats, float]:
-    """Let the weight mu of a penalty vanish; the last x, and its residual.
+    """Minimize with a decreasing penalty weight mu; return the last x and its residual.
 
     Parameters
     ----------

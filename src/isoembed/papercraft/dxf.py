@@ -75,7 +75,7 @@ def _rounded(points: Floats) -> list[tuple[float, float]]:
 
 @contextmanager
 def _no_dates(ezdxf: Any) -> Iterator[None]:
-    """The same drawing makes the same file: without the time and without random names."""
+    """Make the file reproducible: without the time and without random names."""
     before = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True
     try:

@@ -170,7 +170,7 @@ def usual(embedding: Embedding) -> str:
 
 
 def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
-    """Everything that there is to show of a surface, the usual one first.
+    """All quantities of a surface, the default one first.
 
     Parameters
     ----------

@@ -48,8 +48,11 @@ MAX_FRAMES = 40  # of a film in a page: more are not seen
 MAX_BYTES = 6_000_000  # of all frames of a page but the last; as text a third more
 
 
-LEAPT = "The method leaped to this surface: there is none on the way to it. The method 'paper' has some."
-ALONE = "This method has no surface before the answer."
+LEAPT = (
+    "This method reached the surface in one step, so there are no intermediate surfaces; "
+    "the method 'paper' has them."
+)
+ALONE = "This method has no intermediate surfaces."
 LARGER = 1.25  # half diameters of the answer, that fit beside it
 PAUSE = 140  # milliseconds from one frame to the next
 COLORS = 65  # the browser interpolates between them
@@ -248,7 +251,7 @@ def _space(space: Space, unit: float) -> dict[str, Any] | None:
 
 
 def _why_alone(method: str) -> str:
-    """Why there is no surface before the answer."""
+    """Reason why there are no intermediate surfaces."""
     try:
         found = configuration(method)
     except InvalidParameter:  # it was passed as it is

@@ -17,7 +17,7 @@ class Task(Protocol):
 
     @property
     def label(self) -> str:
-        """Its name, which no other task of the run has, and which can be that of a file."""
+        """Name of the task: unique in the run and valid as a file name."""
         ...
 
     @property
@@ -36,7 +36,7 @@ class Task(Protocol):
         ...
 
     def compute(self, before: Result | None) -> Result:
-        """Do it.
+        """Compute the result.
 
         Parameters
         ----------

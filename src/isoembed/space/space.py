@@ -75,7 +75,7 @@ class Space:
         return math.inf if self.is_euclidean else 1 / self.root
 
     def scaled(self, factor: float) -> Space:
-        """The same space in another unit: every length times this factor."""
+        """Space in another unit: every length times this factor."""
         if self.is_euclidean:
             return self
         with np.errstate(all="ignore"):  # a curvature beyond the floats is refused as infinite

@@ -45,7 +45,7 @@ class Changes:
     integrated_mean_curvature: float
 
     def scaled(self, unit: float) -> Self:
-        """In another unit: every length, and error of one, times this factor."""
+        """Changes in another unit: every length, and error of a length, times this factor."""
         return replace(
             self,
             vertices=unit * self.vertices,

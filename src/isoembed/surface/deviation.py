@@ -110,7 +110,7 @@ class IntegralDeviation:
         return cls(by_area, by_volume, by_integral, correlation)
 
     def scaled(self, unit: float) -> IntegralDeviation:
-        """In another unit: every length, and error of one, times this factor."""
+        """Deviation in another unit: every length, and error of a length, times this factor."""
         return IntegralDeviation(
             unit * (unit * self.area),
             unit * (unit * (unit * self.volume)),

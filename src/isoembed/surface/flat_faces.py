@@ -220,7 +220,7 @@ def coplanar_faces(
 
 
 def _heights(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:
-    """For each triangle, how far the vertices of its face are from the plane of the face, shape (F,)."""
+    """Half the extent of each triangle's face normal to its plane, shape (F,)."""
     normals = np.column_stack([np.bincount(faces, n) for n in face_normals(t.faces, vertices).T])
     sizes = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = normals / np.maximum(sizes, np.finfo(np.float64).tiny)

@@ -49,7 +49,7 @@ class Document:
 
     @property
     def text(self) -> str:
-        """All of the page."""
+        """Text of the whole page."""
         assets = files("isoembed.plot") / "browser"
         style, script, page = ((assets / f"page.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
         parts = {

@@ -134,7 +134,7 @@ def _filled(boxes: Sequence[Floats | None]) -> Floats:
 
 
 def _around(values: Floats, calm: int) -> Floats:
-    """Each value with so many before and after it, along a last axis."""
+    """Windows of the values with `calm` of them before and after each, along a last axis."""
     padded = np.pad(values, [(calm, calm)] + [(0, 0)] * (values.ndim - 1), "edge")
     return np.lib.stride_tricks.sliding_window_view(padded, 2 * calm + 1, axis=0)
 

@@ -135,7 +135,7 @@ def _most(shown: Sequence[Scene], fields: int) -> int:
 
 
 def _pose(shown: Sequence[Scene]) -> Pose:
-    """All of the horizons before the viewer, as they lie in their slices."""
+    """Pose of all horizons before the viewer, as they lie in their slices."""
     horizons = [one for scene in shown for one in scene.shown]
     low = np.min([one.vertices.min(axis=0) for one in horizons], axis=0)
     high = np.max([one.vertices.max(axis=0) for one in horizons], axis=0)

@@ -146,7 +146,7 @@ class EmbeddedSurface:
         return self.mesh_on(triangulation.directions, triangulation.faces)
 
     def mesh_on(self, directions: Floats, faces: Indices) -> dict[str, NDArray[Any]]:
-        """The same, as `mesh`, on a given triangulation of the sphere of directions.
+        """Mesh of `mesh` on a given triangulation of the sphere of directions.
 
         Parameters
         ----------

@@ -141,7 +141,7 @@ class Functional:
         )
 
     def with_time(self, harmonics: Harmonics) -> Functional:
-        """The same for time functions in other harmonics, of no higher degree."""
+        """Functional for time functions in other harmonics, of no higher degree."""
         return replace(self, tau=replace(self.tau, harmonics=harmonics))
 
     def embedded(self, tau: Floats, start: Floats) -> EmbeddedTime:
@@ -210,7 +210,7 @@ class EmbeddedTime:
     X: Floats
 
     def refined(self) -> EmbeddedTime:
-        """The same with an X whose metric is nearer, where one more linear solve finds it."""
+        """Embedding with an X whose metric is nearer, where one more linear solve finds it."""
         f = self.functional
         X = _nearer(f.system, f.frames, self.X, f.stretch(self.tau))
         return self if X is self.X else EmbeddedTime(f, self.tau, X)

@@ -93,7 +93,7 @@ class LowDegrees:
     @staticmethod
     @lru_cache(maxsize=1)
     def of(transform: SphereTransform) -> LowDegrees:
-        """All that a transform has if they are few, and otherwise some."""
+        """All harmonics of a transform if they are few, and otherwise those of low degree."""
         T, harmonics = transform, transform.harmonics
         # Up to so many harmonics, with symmetry about the z-axis more, equations are solved directly.
         if harmonics.size > (300, 1100)[int(harmonics.order == 0)]:

@@ -60,7 +60,7 @@ class Image(ABC):
 
     @abstractmethod
     def finer(self) -> Image:
-        """The same in the next degree, or the highest."""
+        """The image in the next degree, or the highest."""
 
     @abstractmethod
     def solved(

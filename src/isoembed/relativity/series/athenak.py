@@ -278,7 +278,7 @@ class _Data:
 
 @lru_cache(maxsize=64)
 def _coarsening(cells: int, levels: int) -> Floats:
-    """Matrix that takes values at the centers of cells to those of cells that are so many levels coarser.
+    """Matrix that takes values at the centers of cells to those of cells that are some levels coarser.
 
     Each of these lies halfway between two of the former.  The interpolation is that of `CartesianGrid`,
     one-sided at the ends of the block.

@@ -20,11 +20,11 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 class Source(Protocol[T_co]):
-    """Something to read, by what says where it is."""
+    """Source of data that can be read, with its name and a digest."""
 
     @property
     def name(self) -> str:
-        """For messages and reports: the path, and what of the file."""
+        """Name for messages and reports: the path, and the part of the file."""
         ...
 
     def digest(self) -> str:
@@ -60,7 +60,7 @@ class SliceSource(Protocol):
         ...
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
-        """So much of the slice as a surface needs.
+        """Read the part of the slice that a surface needs.
 
         Raises `FileError`: as of `Source`; or the slice does not cover the box.
 
@@ -77,7 +77,7 @@ class FileSlice(SliceSource, Protocol):
     """A slice in a file, which can be had without a surface."""
 
     def whole(self) -> ThreeGeometry:
-        """All of the slice.  Raises `FileError`: as of `Source`."""
+        """Read the whole slice.  Raises `FileError`: see `Source.read`."""
         ...
 
 
@@ -140,7 +140,7 @@ class HeldSlice:
 
 @dataclass(frozen=True)
 class MissingSlice:
-    """No slice where there must be one.
+    """A slice that is missing where there must be one.
 
     Attributes
     ----------
@@ -160,7 +160,7 @@ class MissingSlice:
         return hashlib.sha256(self.why.encode()).hexdigest()
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
-        """Nothing.  Raises `FileError`: always."""
+        """Raise `FileError`, always."""
         raise FileError(self.why)
 
 

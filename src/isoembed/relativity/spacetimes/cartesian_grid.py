@@ -145,7 +145,7 @@ class CartesianGrid:
 
 
 def wider(grid: CartesianGrid) -> ThreeGeometry:
-    """The same slice through two points more along each axis, or two less where they are missing."""
+    """Slice interpolated through two points more along each axis, or two less where they are missing."""
     return _Wider(grid)
 
 

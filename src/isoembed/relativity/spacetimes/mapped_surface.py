@@ -236,7 +236,7 @@ class _Nodes:
 
     @property
     def area(self) -> float:
-        """In the coordinates."""
+        """Area in the coordinates."""
         return float(self.weights @ self.densities)
 
     @property

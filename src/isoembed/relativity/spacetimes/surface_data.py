@@ -171,7 +171,7 @@ class SurfaceData:
         return cls(GridMetric(theta, phi, *q), k, p, j, name=name)  # type: ignore[arg-type] # arrays: see above
 
     def in_coordinates(self, coordinates: SphereMap) -> SurfaceData:
-        """The same surface as functions of the new directions v of a map u = F(v), with the same errors."""
+        """Data as functions of the new directions v of a map u = F(v), with the same errors."""
 
         def scalar(function: Callable[[Floats], Floats] | None) -> Callable[[Floats], Floats] | None:
             return _composed(function, lambda f, v: f(coordinates.forward(v)))
