@@ -152,7 +152,9 @@ def _fit_of_smooth_start(
     metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder, most: float = OUTLIER
 ) -> tuple[BestFit, int | None]:
     """The fit, and the first length whose studentized residual is more than the most, which ends the search."""
-    rms = float(1 / np.sqrt(np.mean(errors**-2.0)))  # of weights: lengths with large errors have no part in it
+    rms = float(
+        1 / np.sqrt(np.mean(errors**-2.0))
+    )  # of weights: lengths with large errors have no part in it
     energy = RegularizedEnergy(metric, start).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
