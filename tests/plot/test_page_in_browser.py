@@ -376,4 +376,3 @@ def test_the_models_of_hyperbolic_space(browser, tmp_path):
 
 def test_models_are_those_of_curved_spaces(tab):
     assert tab.page.locator("#models").is_hidden() and tab.page.locator("#infinity").is_hidden()
-
