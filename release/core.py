@@ -3,8 +3,8 @@
     python release/core.py [pytest options]
 
 A second distribution could be cut along this line.  The packages in `ABOVE` are left out of the sources, the
-wheel of the rest is installed into a fresh environment, and the tests of its packages are run.  Test files that
-import a package left out, themselves or through `tests/support`, are counted and not run.
+wheel of the rest is installed into a fresh environment, and the tests of its packages are run.  Test files
+that import a package left out, themselves or through `tests/support`, are counted and not run.
 """
 
 import ast

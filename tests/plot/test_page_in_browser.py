@@ -236,7 +236,7 @@ def test_an_answer_without_a_way_to_it(browser, tmp_path):
     surface = embed(PolyhedralMetric.from_mesh(*zoo.icosphere(1)))
     write_page(tmp_path / "alone.html", surface, frames=[Frame("answer", 0.0, 0.0, surface.vertices)])
     tab = Tab(browser, tmp_path / "alone.html").open()
-    assert "leaped to this surface" in tab.text("#alone")
+    assert "in one step" in tab.text("#alone")
     assert not tab.page.locator("#film").is_visible()
     tab.context.close()
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -21,13 +21,26 @@ from isoembed.reprs import short_repr
 from isoembed.surface.changes import INTEGRALS, Changes
 from isoembed.surface.curvature import dihedral_angles, vertex_areas, vertex_mean_curvature
 from isoembed.surface.derivatives import (
-    LengthDerivatives,
     dihedral_rates,
+    integral_gradients,
     normal_rates,
     volume_gradient,
 )
+from isoembed.surface.measures import edge_lengths
 
 PROBES = 400  # random errors with which the deviations at vertices, faces and edges are estimated
+
+
+class Derivatives(Protocol):
+    """Derivatives of the vertices of a surface by its lengths."""
+
+    def jvp(self, changes: Floats) -> Floats:
+        """How the vertices move, (V, 3), when the lengths change, (E,)."""
+        ...
+
+    def vjp(self, gradient: Floats) -> Floats:
+        """The transpose of `jvp`: (..., E) from (..., V, 3)."""
+        ...
 
 
 @short_repr
@@ -40,7 +53,8 @@ class IntegralDeviation:
     Attributes
     ----------
     area, volume, integrated_mean_curvature : float
-        To first order.  The volume's is infinite where the surface is not infinitesimally rigid.
+        To first order.  The volume's is infinite where the surface is not infinitesimally rigid, and NaN of
+        surfaces with boundary.
     correlation : ndarray, shape (3, 3)
         Of the errors of the three; NaN beside one that has no error, or an infinite one.
     """
@@ -59,13 +73,33 @@ class IntegralDeviation:
         shared: Indices,
         volume_rates: Floats,
     ) -> IntegralDeviation:
-        """From errors of the lengths, as of `Deviation.of`, and derivatives of the volume by these, (E,)."""
+        """Deviation by errors of the lengths, as in `Deviation.of`; the volume has the derivatives (E,)."""
         space = metric.space
         # Schlaefli: sum l dtheta = -2 k dV
         integral_rates = dihedral_angles(metric.triangulation, vertices, space) / 2
         if not space.is_euclidean:
             integral_rates = integral_rates - space.curvature * volume_rates
         rates = np.array([area_derivative(metric), volume_rates, integral_rates])
+        return cls.from_rates(rates, errors, shared)
+
+    @classmethod
+    def of_sheet(
+        cls,
+        derivatives: Derivatives,
+        triangulation: Triangulation,
+        vertices: Floats,
+        errors: Floats,
+        shared: Indices,
+    ) -> IntegralDeviation:
+        """Of a surface in R^3 with boundary or handles, whose lengths need not be those given."""
+        rates = derivatives.vjp(integral_gradients(triangulation, vertices))
+        if not triangulation.is_closed:
+            rates[1] = np.nan
+        return cls.from_rates(rates, errors, shared)
+
+    @classmethod
+    def from_rates(cls, rates: Floats, errors: Floats, shared: Indices) -> IntegralDeviation:
+        """From the derivatives of the three integrals by the lengths, (3, E)."""
         with np.errstate(invalid="ignore"):
             each = np.where(errors > 0, errors * rates, 0.0)
             scaled = np.array([np.bincount(shared, row) for row in each])
@@ -76,7 +110,7 @@ class IntegralDeviation:
         return cls(by_area, by_volume, by_integral, correlation)
 
     def scaled(self, unit: float) -> IntegralDeviation:
-        """In another unit: every length, and error of one, times this factor."""
+        """Deviation in another unit: every length, and error of a length, times this factor."""
         return IntegralDeviation(
             unit * (unit * self.area),
             unit * (unit * (unit * self.volume)),
@@ -115,7 +149,7 @@ class Deviation(Changes):
 
     @property
     def relative_error(self) -> float:
-        """What the estimate may add to each entry of the arrays, or take: its relative standard deviation.
+        """Relative standard deviation of the estimate of each entry of the arrays.
 
         It is that of the worst case, in which many edges contribute alike.
         """
@@ -124,7 +158,7 @@ class Deviation(Changes):
     @classmethod
     def of(
         cls,
-        derivatives: LengthDerivatives,
+        derivatives: Derivatives,
         metric: PolyhedralMetric,
         vertices: Floats,
         errors: Floats,
@@ -137,16 +171,17 @@ class Deviation(Changes):
         than the errors, each is taken once instead, and the result is exact.
         """
         t = metric.triangulation
-        integrals = IntegralDeviation.of(
-            metric, vertices, errors, shared, derivatives.vjp(volume_gradient(t, vertices))
-        )
+        if t.is_sphere:
+            volume_rates = derivatives.vjp(volume_gradient(t, vertices))
+            integrals = IntegralDeviation.of(metric, vertices, errors, shared, volume_rates)
+        else:
+            integrals = IntegralDeviation.of_sheet(derivatives, t, vertices, errors, shared)
         n = int(shared.max()) + 1
         exact = n <= PROBES
         sums = [np.zeros(n) for n in (len(vertices), t.n_faces, t.n_edges, len(vertices))]
         for draw in _units(n) if exact else _signs(n):
-            dl = errors * draw[shared]
-            moved = derivatives.jvp(dl)
-            for total, square in zip(sums, _squares(t, vertices, metric.lengths, dl, moved), strict=True):
+            moved = derivatives.jvp(errors * draw[shared])
+            for total, square in zip(sums, _squares(t, vertices, moved), strict=True):
                 total += square
         probes = 0 if exact else PROBES
         at_vertices, at_faces, at_edges, of_curvature = (np.sqrt(total / max(probes, 1)) for total in sums)
@@ -179,17 +214,17 @@ def _signs(n: int) -> Iterator[Floats]:
         yield rng.choice([-1.0, 1.0], n)
 
 
-def _squares(
-    t: Triangulation, x: Floats, lengths: Floats, dl: Floats, v: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Squares of what changes dl and velocities v do to vertices, normals, dihedral angles and H."""
+def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Squares of what velocities v do to vertices, normals, dihedral angles and H."""
     N, rates = normal_rates(t, x, v)
     size = np.linalg.norm(N, axis=1)
     n = N / size[:, None]
     along = np.einsum("fi,fi->f", n, rates)  # twice the rate of the area
     turned = np.linalg.norm(rates - along[:, None] * n, axis=1) / size
     bent = dihedral_rates(t, x, v)
-    quarters = np.repeat((dl * dihedral_angles(t, x) + lengths * bent) / 4, 2)
+    (a, b), lengths = t.edges.T, edge_lengths(t.edges, x)
+    grown = np.einsum("ei,ei->e", x[a] - x[b], v[a] - v[b]) / lengths
+    quarters = np.repeat((grown * dihedral_angles(t, x) + lengths * bent) / 4, 2)
     integrals = np.bincount(t.edges.ravel(), quarters)
     shares = np.bincount(t.faces.ravel(), np.repeat(along / 6, 3))
     areas = vertex_areas(t, x)

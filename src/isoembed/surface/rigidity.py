@@ -36,7 +36,7 @@ def length_residuals(
 ) -> Floats:
     """``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``, shape (E,): to first order, the error of each length.
 
-    In hyperbolic and spherical space the squares are those of chords, and sn(l) is in the place of l.
+    In hyperbolic and spherical space the squares are those of chords, and sn(l) replaces l.
     """
     a, b = triangulation.edges.T
     if not space.is_euclidean:
@@ -227,7 +227,7 @@ class LengthSystem:
         return VertexSystem(self.triangulation)
 
     def _step_by_vertices(self, surface: Projected, J: RigidityMatrix, r: Floats, damping: float) -> Floats:
-        """The same step by factors of J^T J; without damping, by those of J with a triangle held.
+        """Newton step by factors of J^T J; without damping, by those of J with a triangle held.
 
         J then is square, and its factors lose half as many digits as those of J^T J.
         """
@@ -299,7 +299,7 @@ class HeldTriangle(HeldVertices):
 
     @classmethod
     def of(cls, vertices: Floats, corners: Indices) -> HeldTriangle:
-        """That of a surface."""
+        """Hold the triangle with these corners."""
         x, y, z = vertices[corners]
         along, normal = y - x, np.cross(y - x, z - x)
         along, normal = along / np.linalg.norm(along), normal / np.linalg.norm(normal)

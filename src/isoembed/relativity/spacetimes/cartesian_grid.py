@@ -18,7 +18,7 @@ from isoembed.reprs import short_repr
 from isoembed.smooth.given_functions import array_of
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
-"""Which of the six is which entry of a symmetric matrix."""
+"""Indices of the six components, arranged as a symmetric matrix."""
 
 
 FEWER = 6
@@ -150,7 +150,7 @@ class CartesianGrid(ThreeGeometry):
 
 
 def wider(grid: CartesianGrid) -> ThreeGeometry:
-    """The same slice through two points more along each axis, or two less where they are missing."""
+    """Slice interpolated through two points more along each axis, or two less where they are missing."""
     return _Wider(grid)
 
 

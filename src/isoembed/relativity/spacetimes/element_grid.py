@@ -159,12 +159,12 @@ class ElementGrid(ThreeGeometry):
 
     @cached_property
     def _tree(self) -> cKDTree:
-        """Of the nodes of all elements."""
+        """Tree of the nodes of all elements."""
         return cKDTree(np.concatenate([element.points.reshape(-1, 3) for element in self.elements]))
 
     @cached_property
     def _trees(self) -> list[cKDTree]:
-        """Of the nodes of each."""
+        """Trees of the nodes of each element."""
         return [cKDTree(element.points.reshape(-1, 3)) for element in self.elements]
 
     def _search(self, x: Floats) -> tuple[Indices, Floats]:

@@ -64,7 +64,7 @@ class ThreeGeometry(ABC):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences for the reports of surfaces in the slice; by default none."""
+        """Notes needed to interpret the numbers of surfaces in the slice; by default none."""
         return ()
 
     @abstractmethod

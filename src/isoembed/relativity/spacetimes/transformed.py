@@ -67,7 +67,7 @@ class _Transformed(ThreeGeometry):
         return self.geometry.least_diameter(self._there(x))
 
     def _of(self, geometry: ThreeGeometry) -> Self:
-        """The same made of another slice."""
+        """The same transformation of another slice."""
         return replace(self, geometry=geometry)  # type: ignore[type-var] # subclasses are dataclasses
 
     @abstractmethod
