@@ -426,6 +426,11 @@ class Embedding:
             return 0.0
 
     @property
+    def _missed(self) -> Floats:
+        """The normalized lengths less those on a surface that is fitted to them, (E,); else zeros."""
+        return np.zeros(len(self.edges))
+
+    @property
     def _reported(self) -> Mapping[str, Any]:
         """What the report of a derived class has more, or in the place of what others have."""
         return {}

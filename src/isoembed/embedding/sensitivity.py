@@ -289,7 +289,9 @@ class Sensitivity:
         """
         sigma = self._flat_errors(errors)
         shared = shared_errors(self._metric.lengths, sigma * self._metric.unit)
-        found = Deviation.of(self._closed, self._metric.normalized, self._normalized, sigma, shared)
+        found = Deviation.of(
+            self._closed, self._metric.normalized, self._normalized, sigma, shared, self.embedding._missed
+        )
         return found.scaled(self._metric.unit)
 
     def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
@@ -309,12 +311,14 @@ class Sensitivity:
         """
         sigma = checked_errors(self._metric, errors)
         shared, sigma = shared_errors(self._metric.lengths, sigma), sigma / self._metric.unit
-        metric, x = self._metric.normalized, self._normalized
         try:
-            volume_rates = self._closed.vjp(volume_gradient(metric.triangulation, x, metric.space))
+            derivatives = self._closed
         except SingularMatrix:
-            volume_rates = np.full(len(sigma), np.inf)
-        return IntegralDeviation.of(metric, x, sigma, shared, volume_rates).scaled(self._metric.unit)
+            derivatives = None
+        found = IntegralDeviation.of(
+            self._metric.normalized, self._normalized, sigma, shared, self.embedding._missed, derivatives
+        )
+        return found.scaled(self._metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
         """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.
