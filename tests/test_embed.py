@@ -87,7 +87,7 @@ def test_what_is_unfolded_is_glued(tmp_path, ending):
     path = tmp_path / f"net{ending}"
     unfolding.save(path)
     assert isoembed.glue(path).n_vertices == 8
-    with pytest.raises(InvalidParameter, match="corners goes with polygons"):
+    with pytest.raises(InvalidParameter, match="corners can be given only with arrays"):
         isoembed.glue(path, corners=["abc"])
 
 

@@ -16,7 +16,7 @@ METHODS = {
     "alexandrov": "isoembed.alexandrov.method:Alexandrov",
     "sheet": "isoembed.sheets.method:Sheet",
 }
-"""Where the methods of this package are; they are imported on first use."""
+"""Entry points of the methods of this package, which are imported on first use."""
 
 GROUP = "isoembed.methods"
 """The entry points under which other packages bring theirs."""

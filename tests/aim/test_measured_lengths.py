@@ -60,7 +60,7 @@ def test_small_errors_leave_the_exact_surface_if_it_is_smoother():
     assert distance(found.vertices, 150 * x) < 0.02
 
 
-@pytest.mark.parametrize(("edge", "off"), [(30, 30.0), (110, -30.0)])
+@pytest.mark.parametrize(("edge", "off"), [(30, 30.0), (110, -30.0), (60, 10.0)])
 def test_a_blunder_is_named_and_not_followed(edge, off):
     """One length of a smooth rock is typed 30 mm wrong: the crumpled surface that has it is no answer."""
     x, faces = rock(2, rough=0.5)
@@ -68,15 +68,42 @@ def test_a_blunder_is_named_and_not_followed(edge, off):
     lengths = metric.lengths.copy()
     lengths[edge] += off
     named = re.escape(
-        f"on that surface: edge {edge} {metric.edges[edge].tolist()} ({'-' if off > 0 else '+'}"
+        f"on the nearest smooth surface: edge {edge} {metric.edges[edge].tolist()} ({'-' if off > 0 else '+'}"
     )
     with pytest.raises(NotEmbedded, match=named) as caught:
         embed(metric.with_lengths(lengths), length_errors=ERROR)
+    assert "with which all other lengths agree" in str(caught.value)
     nearest = caught.value.embedding
-    assert distance(nearest.vertices, x) < 30.0
+    assert distance(nearest.vertices, x) < 10.0
+    assert nearest.lengths[edge] == pytest.approx(metric.lengths[edge], abs=8.0)
     for other in nearest.others:
         assert other.converged
         assert other.surface.fine_roughness > nearest.surface.fine_roughness
+
+
+def test_a_blunder_among_rounded_lengths_is_named():
+    """The surface that has these lengths is exact, and crumpled; the message says which length to check."""
+    x, faces = rock(2, rough=0.5)
+    metric = in_millimeters(x, faces)
+    lengths = metric.lengths.copy()
+    lengths[30] += 30.0
+    found = embed(metric.with_lengths(lengths))
+    assert found.converged and not isinstance(found, MeasuredSurface)
+    doubt = found.message.splitlines()[-1]
+    assert "errors of their last digit" in doubt
+    assert f"edge 30 {metric.edges[30].tolist()} (-3" in doubt  # 30 mm of 86
+    with pytest.raises(NotEmbedded, match="check these lengths first") as caught:  # none is found so quickly
+        embed(metric.with_lengths(lengths), method=Aim(effort=0))
+    assert "the nearest misses edge" in str(caught.value)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_right_length_is_suspected(seed):
+    x, faces = triangulate(HarmonicSurface(degree=4, order=2, amplitude=0.15), 120, irregular=seed)
+    exact = PolyhedralMetric.from_mesh(x, faces)
+    error = 10.0 ** -(2 + seed / 2) * exact.mean_length
+    lengths = exact.lengths + error * np.random.default_rng(seed).standard_normal(len(exact.lengths))
+    assert embed(exact.with_lengths(lengths), method=Aim(effort=0), length_errors=error).converged
 
 
 def test_errors_that_are_larger_than_stated():

@@ -60,6 +60,17 @@ def test_zero_insists_on_the_digits(call):
     assert strict(call("embed", "rock.npz", "--json")[1])["measured"]["chi_square"] > 1e-3
 
 
+def test_suspects_have_a_line(call):
+    """The exact surface of lengths with a blunder is returned, and a closing line says what to check."""
+    metric = in_millimeters(*rock(2, rough=0.5))
+    lengths = metric.lengths.copy()
+    lengths[30] += 30.0
+    write_metric("rock.npz", metric.with_lengths(lengths))
+    status, out, _ = call("embed", "rock.npz", "-o", "s.ply")
+    assert status == 0
+    assert "check these lengths first" in out.splitlines()[1]
+
+
 def test_several_files(call, metric):
     write_metric("n.npz", metric)
     assert call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "1e-4", "--jobs", "1")[0] == 0

@@ -45,9 +45,9 @@ CONVERGED = 1e-6  # relative decrease of |r|^2 that is rounding
 
 
 class Searched(NamedTuple):
-    """Where a search ended, and what missed the lengths least where one of its stages ended, each (V, 3).
+    """End of a search, and of the ends of its stages the one nearest to the lengths, each (V, 3).
 
-    The search goes on from what lowers its energy, and that need not miss less.
+    The search continues from surfaces of lower energy, which need not be nearer to the lengths.
     """
 
     end: Floats
@@ -149,7 +149,7 @@ class _LocalSearch(SearchState):
         self.near = near
 
     def patch(self, vertices: Indices, mu: float) -> ClampedPatch:
-        """That of these vertices, what it costs being added up."""
+        """Patch of these vertices; its cost is charged to the budget."""
 
         def spend(share: float) -> None:
             self.budget.spend(self.patch_cost * share)
@@ -184,7 +184,7 @@ class _LocalSearch(SearchState):
         return False
 
     def released(self, energy: RegularizedEnergy, x: Floats, mu: float) -> Floats:
-        """Where a surface ends as mu vanishes, with a measure of smoothness."""
+        """Surface in the limit of vanishing mu, for one measure of smoothness."""
 
         def minimized(x: Floats, mu: float) -> Floats:
             x = descended(energy, x, self.lengths, mu, self.recorder, lambda _: self.exhausted)
@@ -212,7 +212,7 @@ class _LocalSearch(SearchState):
         return x
 
     def reach(self, x: Floats) -> float:
-        """How far apart surfaces are that stand on different sides, by the residual that is between them."""
+        """Estimated distance of the surfaces on two sides of a barrier, from the residual on it."""
         return self.energy.unit * float(np.sqrt(self.largest_residual(x)))
 
     def settled(self, x: Floats, mu: float) -> Floats:

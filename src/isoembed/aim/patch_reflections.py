@@ -61,7 +61,7 @@ class HarmonicPatch:
 
     @classmethod
     def of(cls, laplacian: csr_array, patch: Mask) -> HarmonicPatch:
-        """Of the vertices of a mask, (V,), by the Laplacian of the metric."""
+        """Patch of the vertices of a mask, (V,), with the Laplacian of the metric."""
         inside, rows = np.flatnonzero(patch), laplacian[patch]
         coupling = csr_array(rows.multiply(~patch))
         return cls(inside, factor_general(csc_array(rows[:, inside])), coupling)
@@ -206,7 +206,7 @@ class _Search:
             yield best
 
     def finished(self, choice: Choice) -> Floats:
-        """Where a choice ends when mu vanishes, by Newton's method in the end."""
+        """Surface of a choice in the limit of vanishing mu, completed by Newton's method."""
         self.done.add(choice)
         x, _ = self.begun(choice)
         mu = WEIGHTS[-1] * FADE * self.energy.unit**2

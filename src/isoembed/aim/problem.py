@@ -1,4 +1,4 @@
-"""Problem shared by all strategies: metric, convexification, and acceptance of a surface as a realization."""
+"""Problem shared by all strategies: metric, convexification; placement and acceptance of a surface."""
 
 from __future__ import annotations
 
@@ -106,11 +106,11 @@ class Problem:
         return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
 
     def accepts(self, surface: Embedding) -> bool:
-        """Whether no other surface needs to be sought, as this one has the lengths."""
+        """Whether the residual is within the acceptance tolerance."""
         return surface.residual <= self.good
 
     def is_exact(self, surface: Embedding) -> bool:
-        """Whether a surface is a realization, whatever the tolerance, as far as rounding allows."""
+        """Whether the residual is at the level of rounding, even if the tolerance is looser."""
         return surface.residual <= min(self.good, PLACED)
 
     # Order and orientation

@@ -85,7 +85,7 @@ class RealizationSearch:
     _attempts: dict[float, Floats] = field(default_factory=dict)  # by the residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
-        """Search from so many realizations, or, as long as nothing is found, attempts beside the given one.
+        """Search from a number of realizations or, until one is found, from attempts beside the given one.
 
         These are in turn the smoothest of all, and the smoothest of those that the fewest moves from
         realization to realization lead to: the given one is the first of them.  Where it is the only one, it
@@ -134,7 +134,7 @@ class RealizationSearch:
         return self.metric.mean_length
 
     def _smoothed(self) -> Iterator[None]:
-        """From the smoothest realization, go to smoother ones as far as start points do."""
+        """Move from the smoothest realization to smoother ones, as long as start points lead to one."""
         for _ in range(4 if self.found else 0):  # moves to smoother realizations after each search
             i = self._roughness.index(self._least_roughness)
             if self.searched[i] or not self._descends(
@@ -187,7 +187,7 @@ class RealizationSearch:
             yield
 
     def _attempt(self, vertices: Floats) -> Iterator[None]:
-        """From a surface that misses the lengths, go to smoother ones; failing that, follow all start points.
+        """Move from a surface that misses the lengths to smoother ones, or else follow all start points.
 
         An attempt ends where J is nearly singular, so at first the softest motions are set apart.
         """
@@ -209,7 +209,7 @@ class RealizationSearch:
         return self._starts[i]
 
     def _starts_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[StartPoint]:
-        """Start points about vertices, with so many of the softest motions set apart, or always taken."""
+        """Start points about vertices, with a number of the softest motions set apart, or always taken."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         self.recorder.factorizations += 2
         try:

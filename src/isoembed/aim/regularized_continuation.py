@@ -26,9 +26,9 @@ SHORTEST = 1e-9  # lengths: the least length at t = 1, where vertices may coinci
 
 
 class Continued(NamedTuple):
-    """Where the path of metrics ended, smooth, and where letting go of R led from there, each (V, 3).
+    """End of the path of metrics, smooth, and the surface after R was released from there, each (V, 3).
 
-    By levels (`isoembed.aim.levels`) R is let go along the way, and both are where these end.
+    With levels (`isoembed.aim.levels`) R is released along the way, and both are the end of the last.
     """
 
     smooth: Floats

@@ -93,7 +93,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--repair",
         metavar="NOISE",
-        help="with --method alexandrov: deficits of at most so many radians are noise, and are made zero "
+        help="with --method alexandrov: deficits of at most this many radians are noise, and are made zero "
         "by the smallest conformal change of the lengths",
     )
     parser.add_argument(
@@ -160,7 +160,7 @@ def run(options: argparse.Namespace) -> int:
             print_error(f"the method {method.name!r} takes lengths as exact: their errors are unused", "note")
         metric = metric.with_length_errors(0.0)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
-        print_error("the metric is convex in R^3, which takes it: no curvature is needed", "note")
+        print_error("the metric is convex in R^3, so no curved space is needed", "note")
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         found = isoembed.embed(

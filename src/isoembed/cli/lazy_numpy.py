@@ -1,7 +1,7 @@
 """Lazy import of NumPy submodules that SciPy's wildcard imports would load.
 
 NumPy itself imports them when they are first asked for, as do the modules that are left in their places.
-Measured with NumPy 2.4 and SciPy 1.17: an ``isoembed embed`` takes .04 s less, .59 in the place of .63 for
+Measured with NumPy 2.4 and SciPy 1.17: an ``isoembed embed`` takes .04 s less, .59 in place of .63 for
 400 vertices.
 """
 

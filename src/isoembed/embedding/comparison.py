@@ -42,7 +42,7 @@ from isoembed.surface.measures import area, face_normals, volume
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """How a second surface differs from a first one of the same triangles.
+    """Differences of a second surface from a first one with the same triangles.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Comparison:
 
     @property
     def report(self) -> dict[str, Any]:
-        """All of it; of arrays root mean square and largest."""
+        """Report of all fields; of arrays, root mean square and largest."""
         return {
             "certified": self.certified,
             "reason": self.reason,
@@ -200,7 +200,7 @@ def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
 
 
 def _obstacle(first: Embedding, second: Embedding) -> str:
-    """Why nothing is proven of two surfaces; empty if it is."""
+    """Reason why nothing is proven of two surfaces; empty if it is."""
     if not first.triangulation.is_sphere:
         return "proofs about two surfaces are those of closed surfaces of genus 0"
     lengths, others = first.metric.lengths, second.metric.lengths
@@ -245,20 +245,20 @@ def _sentence(obstacle: str, same: bool | None, apart: str, bounds: list[float])
 
 
 def _misaligned(x: Floats, y: Floats, first: Floats, second: Floats) -> tuple[float, Floats]:
-    """How far the motion of y that is best in least squares is from the identity, for exact vertices.
+    """Distance from the identity of the best motion of y in least squares, for exact vertices.
 
     Parameters
     ----------
     x, y : ndarray, shape (V, 3)
     first, second : ndarray, shape (V,)
-        How far the exact vertices are from these, at most.
+        Bounds on the distances of the exact vertices from these.
 
     Returns
     -------
     turned : float
         The angle of its rotation, at most.
     moved : ndarray, shape (V,)
-        By how much the distances of exact vertices differ from those of x and y, at most.
+        Bounds on the differences of the distances of exact vertices from those of x and y.
     """
     rounding = gamma(len(x) + 16)
     mean = 4 * rounding * float(max(np.abs(x).max(), np.abs(y).max()))  # how far it is off

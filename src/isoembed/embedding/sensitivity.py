@@ -30,7 +30,7 @@ OF_A_NUMBER = (
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """How the vertices of an embedding follow its lengths, and how far errors of these may take them.
+    """Derivatives of the vertices of an embedding by its lengths, and the effect of errors of these.
 
     The first derivative that is asked for factors J J^T, as a step of Newton's method does; the factors are
     kept for all of them.
@@ -44,7 +44,7 @@ class Sensitivity:
     Raises
     ------
     InvalidParameter
-        It is no embedding.
+        The argument is not an embedding.
     """
 
     embedding: Embedding
@@ -73,7 +73,7 @@ class Sensitivity:
         return cast(LengthDerivatives, self._derivatives)
 
     def jvp(self, changes: ArrayLike) -> Floats:
-        """How the vertices move, to first order, when the lengths change.
+        """Derivative of the vertices along changes of the lengths.
 
         Parameters
         ----------
@@ -84,9 +84,9 @@ class Sensitivity:
         -------
         ndarray, shape (..., V, 3)
             ``J^+ dl``, in the same unit, without translation and rotation.  (In hyperbolic and spherical
-            space, of least norm among the motions w z by z.)  Of a `SheetEmbedding`, how its vertices move
-            while what is given at the boundary stays: with given heights without horizontal motions, of a
-            surface of least bending to seven digits or so.
+            space, of least norm among the motions w z by z.)  For a `SheetEmbedding`, the boundary data stay
+            fixed: with given heights there are no horizontal motions, and a surface of least bending is
+            followed to seven digits or so.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class Sensitivity:
         )
 
     def boundary_jvp(self, changes: ArrayLike) -> Floats:
-        """How the vertices of a `SheetEmbedding` move, to first order, when what is given there changes.
+        """Derivative of the vertices of a `SheetEmbedding` along changes of its boundary data.
 
         Parameters
         ----------
@@ -186,7 +186,7 @@ class Sensitivity:
         return self.embedding._given_derivatives()
 
     def given_jvp(self, changes: ArrayLike) -> Floats:
-        """How the vertices move, to first order, when the lengths that were given change.
+        """Derivative of the vertices along changes of the given lengths.
 
         Of a `ConvexPolyhedron`, `jvp` is by the lengths of its own triangles, and this by those of its
         `edge_paths`; of other embeddings they are the same.  The first call factors what both this and
@@ -270,7 +270,7 @@ class Sensitivity:
         return Variation.of(self._closed, t, vertices, lengths, dl).scaled(unit)
 
     def deviation(self, errors: ArrayLike) -> Deviation:
-        """How far a surface in R^3 may be off because its lengths have independent errors, to first order.
+        """Deviation of a surface in R^3 by independent errors of its lengths, to first order.
 
         Where few different lengths are rounded to a decimal place, whose standard deviation is the errors',
         equal ones have the same error.  Of a `SheetEmbedding`, what is given at the boundary has no error,
@@ -321,7 +321,7 @@ class Sensitivity:
         return IntegralDeviation.of(metric, x, sigma, shared, volume_rates).scaled(unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
-        """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.
+        """Proven bound on the deviation of a surface in R^3 by errors of its lengths.
 
         Whatever the lengths are, within these errors of the metric's, there is a surface with them that
         differs from this one by no more.  The theorem is that of a `Certificate`.  With errors of 0 it is how

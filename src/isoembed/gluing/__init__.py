@@ -1,6 +1,6 @@
 """Paper nets: gluing of polygon sides to a polyhedral metric on the sphere, and unfolding of solids.
 
-`glue` is the room's verb and `Net` its noun; `unfold` leads back, from a solid to paper.  Zipped polygons,
+`glue` is the main function and `Net` the main class; `unfold` leads back, from a solid to paper.  Zipped polygons,
 pita forms, D-forms and the search for all edge-to-edge gluings of a polygon stand on them.
 """
 

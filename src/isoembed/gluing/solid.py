@@ -57,7 +57,7 @@ def embed_net(
     if folded is not None and folded.surface.concave_edges.any():
         return folded
     v = int(np.argmin(net.deficits))
-    if net.deficits[v] >= -deficit_rounding(net.faces, net.face_lengths, net.curvature)[v]:
+    if net.deficits[v] >= -deficit_rounding(net)[v]:
         return solve(net, configured("alexandrov"), tolerance=tolerance, progress=progress, resume=resume)
     if net.folded is None:
         found = _with_flat_polygons(net, tolerance, progress)
@@ -93,7 +93,7 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
 
 
 def unknown_folding(net: Net) -> str:
-    """Why a net with boundary or handles does not say how it is folded; empty if it does."""
+    """Reason why a net with boundary or handles does not say how it is folded; empty if it does."""
     if net.folded is None:
         return (
             "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "

@@ -153,7 +153,7 @@ class Pivots:
 
     @property
     def negative(self) -> int:
-        """How many pivots are."""
+        """Number of negative pivots."""
         return int((self.pivots < 0).sum())
 
     def errors(self, v: Floats) -> Floats:

@@ -65,7 +65,7 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     if sizes[2] > FLAT * sizes[0]:
         yield vertices, STIFFNESSES[0]
     else:  # of a flat curve all is flat, and would stay so
-        height = _height(lengths, vertices, np.outer(bump, axes[2]))
+        height = height_with_area(lengths, vertices, np.outer(bump, axes[2]))
         yield vertices + height * np.outer(bump, axes[2]), BUMPED
     height = BUMP * float(np.linalg.norm(curve, axis=1).max())
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
@@ -74,7 +74,7 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
             yield vertices + np.outer(side / np.abs(shape).max() * shape, axes[2]), BUMPED
 
 
-def _height(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:
+def height_with_area(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:
     """Height of a bump with which a surface has the area of the metric, or a little more."""
     faces, goal = lengths.triangulation.faces, float(face_areas(lengths.metric).sum())
     height = lengths.metric.mean_length

@@ -153,7 +153,15 @@ class SheetEmbedding(Embedding):
                 f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA = "
                 f"{self.least_second_form_energy:.3g}"
             )
-        said.append("found from one start: other surfaces may bend less")
+        if self.uniqueness is not None:
+            said.append(self.uniqueness.basis)
+        for other in self.others:
+            assert isinstance(other, SheetEmbedding)
+            more = other.second_form_energy / self.second_form_energy
+            said.append(
+                f"another surface, {self.distance(other):.1g} mean edge lengths from this one, has "
+                f"{more:.4g} times its int k1^2 + k2^2 dA"
+            )
         return "".join(f"; {each}" for each in said)
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:

@@ -96,7 +96,7 @@ class Variation:
     integrated_mean_curvature: tuple[float, float]
 
     def scaled(self, unit: float) -> Variation:
-        """In another unit: every length, and change of one, times this factor."""
+        """Derivatives in another unit: every length, and change of a length, times this factor."""
         return Variation(
             velocity=unit * self.velocity,
             acceleration=unit * self.acceleration,

@@ -73,7 +73,7 @@ class IntegralDeviation:
         shared: Indices,
         volume_rates: Floats,
     ) -> IntegralDeviation:
-        """From errors of the lengths, as of `Deviation.of`, and derivatives of the volume by these, (E,)."""
+        """Deviation by errors of the lengths, as in `Deviation.of`; the volume has the derivatives (E,)."""
         space = metric.space
         # Schlaefli: sum l dtheta = -2 k dV
         integral_rates = dihedral_angles(metric.triangulation, vertices, space) / 2
@@ -110,7 +110,7 @@ class IntegralDeviation:
         return cls(by_area, by_volume, by_integral, correlation)
 
     def scaled(self, unit: float) -> IntegralDeviation:
-        """In another unit: every length, and error of one, times this factor."""
+        """Deviation in another unit: every length, and error of a length, times this factor."""
         return IntegralDeviation(
             unit * (unit * self.area),
             unit * (unit * (unit * self.volume)),
@@ -149,7 +149,7 @@ class Deviation(Changes):
 
     @property
     def relative_error(self) -> float:
-        """What the estimate may add to each entry of the arrays, or take: its relative standard deviation.
+        """Relative standard deviation of the estimate of each entry of the arrays.
 
         It is that of the worst case, in which many edges contribute alike.
         """

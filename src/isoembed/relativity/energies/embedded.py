@@ -43,11 +43,11 @@ IN_CURVED_SPACE = {
     "integrated_mean_curvature": "int H dA with H = (k1 + k2)/2 in the space; int k0 dA is twice that",
     "wang_yau": "int V (k0 - sqrt(k^2 - p^2)) dA / 8 pi for observers at rest, for tau = 0 alone",
 }
-"""What differs where the space of reference is hyperbolic or spherical."""
+"""Conventions that differ where the space of reference is hyperbolic or spherical."""
 
 
 def conventions(space: Space) -> dict[str, str]:
-    """What the numbers of a report are, with this space of reference."""
+    """Conventions of the numbers of a report, with this space of reference."""
     return CONVENTIONS if space.is_euclidean else CONVENTIONS | IN_CURVED_SPACE
 
 
@@ -100,7 +100,7 @@ class EmbeddedSurface:
 
     @property
     def curvature_error(self) -> float:
-        """By how much the curvature of the space is uncertain: 0 where it was given."""
+        """Uncertainty of the curvature of the space: 0 where it was given."""
         return self.least.curvature_error if self.least else 0.0
 
     @cached_property
@@ -146,7 +146,7 @@ class EmbeddedSurface:
         return self.mesh_on(triangulation.directions, triangulation.faces)
 
     def mesh_on(self, directions: Floats, faces: Indices) -> dict[str, NDArray[Any]]:
-        """The same, as `mesh`, on a given triangulation of the sphere of directions.
+        """Mesh of `mesh` on a given triangulation of the sphere of directions.
 
         Parameters
         ----------

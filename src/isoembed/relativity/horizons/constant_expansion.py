@@ -62,7 +62,7 @@ class ConstantExpansionSurface:
         return 0.5 * self.expansion * self.areal_radius
 
     def displaced(self, distance: float) -> StarSurface:
-        """Prediction of the leaf whose fastest point is so many mean radii further out."""
+        """Prediction of the leaf whose fastest point is this number of mean radii further out."""
         return self.of_mean(self.surface.coefficients[0] * (1.0 + distance / self.speed))
 
     def of_mean(self, mean: float) -> StarSurface:

@@ -1,4 +1,4 @@
-"""Horizon finder: marginally outer trapped surfaces and surfaces of constant expansion."""
+"""Horizon finder: marginally outer trapped surfaces, and the evidence that no other one encloses them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
 
 
 def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> FoundHorizon:
-    """Marginally outer trapped surface that no other one is found to enclose, or the one near a guess.
+    """Find the outermost marginally outer trapped surface, or the one near a guess.
 
     Parameters
     ----------
@@ -492,7 +492,7 @@ def _around(holes: Sequence[tuple[float, Sequence[float]]], group: frozenset[int
 
 
 def _linked(masses: np.ndarray, at: np.ndarray) -> bool:
-    """Whether the holes hang together by distances that are not too long."""
+    """Whether the holes are connected by distances of at most twice their total mass."""
     # Holes that are farther apart than twice their mass have no common horizon.
     near = np.linalg.norm(at[:, None] - at[None], axis=2) <= 2.0 * masses.sum()
     reached = near[0]

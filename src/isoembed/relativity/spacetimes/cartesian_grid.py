@@ -18,7 +18,7 @@ from isoembed.reprs import short_repr
 from isoembed.smooth.given_functions import array_of
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
-"""Which of the six is which entry of a symmetric matrix."""
+"""Indices of the six components, arranged as a symmetric matrix."""
 
 
 FEWER = 6
@@ -90,7 +90,7 @@ class CartesianGrid:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What must be known to read the numbers of surfaces in it."""
+        """Notes needed to interpret the numbers of surfaces in the slice."""
         assumed = ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
         return (*self.remarks, *assumed)
 
@@ -145,7 +145,7 @@ class CartesianGrid:
 
 
 def wider(grid: CartesianGrid) -> ThreeGeometry:
-    """The same slice through two points more along each axis, or two less where they are missing."""
+    """Slice interpolated through two points more along each axis, or two less where they are missing."""
     return _Wider(grid)
 
 

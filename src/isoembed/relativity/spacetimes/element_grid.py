@@ -88,7 +88,7 @@ class ElementGrid:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What must be known to read the numbers of surfaces in it."""
+        """Notes needed to interpret the numbers of surfaces in the slice."""
         return ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
 
     def metric(self, x: Floats) -> Floats:
@@ -148,12 +148,12 @@ class ElementGrid:
 
     @cached_property
     def _tree(self) -> cKDTree:
-        """Of the nodes of all elements."""
+        """Tree of the nodes of all elements."""
         return cKDTree(np.concatenate([element.points.reshape(-1, 3) for element in self.elements]))
 
     @cached_property
     def _trees(self) -> list[cKDTree]:
-        """Of the nodes of each."""
+        """Trees of the nodes of each element."""
         return [cKDTree(element.points.reshape(-1, 3)) for element in self.elements]
 
     def _search(self, x: Floats) -> tuple[Indices, Floats]:

@@ -51,7 +51,7 @@ class Surface(ABC):
     @property
     @abstractmethod
     def mean_radius(self) -> float:
-        """Its size in the coordinates of the slice, a length."""
+        """Size in the coordinates of the slice, a length."""
 
     @abstractmethod
     def jet(self, u: Floats) -> Jet:

@@ -19,7 +19,7 @@ SURE = 3.0  # standard deviations, in a stated error
 
 @dataclass(frozen=True)
 class SurfaceErrors:
-    """How uncertain the data of a surface are because the surface or its slice is.
+    """Uncertainty of the data of a surface by that of the surface or its slice.
 
     Attributes
     ----------

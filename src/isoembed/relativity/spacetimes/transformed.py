@@ -47,7 +47,7 @@ class _Transformed(ABC):
         return self.geometry.error(lambda slice_: quantity(self._of(slice_)))
 
     def _of(self, geometry: ThreeGeometry) -> Self:
-        """The same made of another slice."""
+        """The same transformation of another slice."""
         return replace(self, geometry=geometry)  # type: ignore[type-var] # subclasses are dataclasses
 
     @abstractmethod
