@@ -426,6 +426,11 @@ class Embedding:
             return 0.0
 
     @property
+    def _missed(self) -> Floats:
+        """The normalized lengths less those on a surface that is fitted to them, (E,); else zeros."""
+        return np.zeros(len(self.edges))
+
+    @property
     def _reported(self) -> Mapping[str, Any]:
         """Entries that a subclass adds to the report or replaces."""
         return {}
