@@ -239,7 +239,9 @@ def _least_bending(
 ) -> SheetEmbedding:
     """A surface of least bending; beside it one from another start that bends more, if such was found."""
     energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
-    t, near, starts, stiffnesses = metric.triangulation, None, [], STIFFNESSES
+    t, near = metric.triangulation, None
+    starts: list[Floats] = []
+    stiffnesses = STIFFNESSES
     is_flexible = t.n_edges <= 3 * t.n_vertices - 6
     if start is None:
         start, near = _start(metric, tolerance, log)
