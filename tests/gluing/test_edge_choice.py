@@ -146,7 +146,7 @@ def test_two_squares_that_fit_exactly():
             {"cut": [(0, 1), (0, 2)]},
             r"cut\[1\] \(0, 2\) is not an edge between .* at an angle; those of vertex 0 lead to \d",
         ),
-        ({"keep": [(0, 99)]}, r"keep\[0\] \(0, 99\) is no edge"),
+        ({"keep": [(0, 99)]}, r"keep\[0\] \(0, 99\) is not an edge"),
         ({"keep": [3]}, r"keep\[0\] is 3, not a pair of vertex numbers"),
         ({"keep": [(0, 1.5)]}, r"keep\[0\] is \(0, 1\.5\), not a pair of vertex numbers"),
         ({"cut": [(0, 1)], "keep": [(1, 2), (1, 0)]}, r"keep\[1\] \(1, 0\) is in cut, too"),
