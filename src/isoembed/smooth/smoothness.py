@@ -38,7 +38,10 @@ def _left_out(Q: Floats, sin: Floats) -> Floats:
 
 EXCHANGED = "q_tt and q_pp look exchanged"
 DEGREES = "they differ by (180 / pi)^2: angles are in radians, not in degrees"
-LATITUDE = "q_pp vanishes at the equator instead of the poles: theta counts from the north pole, not from the equator"
+LATITUDE = (
+    "q_pp vanishes at the equator instead of the poles: "
+    "theta counts from the north pole, not from the equator"
+)
 # What may have been done to the components, how it is undone, and what is said of it.
 MISTAKES: tuple[tuple[Repair, str], ...] = (
     (
