@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 def checked_embedding(given: Any) -> Embedding:
-    """Return what was given, an embedding; raises InvalidParameter if it is none."""
+    """Return the argument if it is an embedding; raises InvalidParameter otherwise."""
     if not isinstance(given, Embedding):
         raise InvalidParameter(
             f"the embedding is a {type(given).__name__}: give what isoembed.embed returns, or "

@@ -189,7 +189,7 @@ class ElementGrid(ThreeGeometry):
                 found = _inverted(element, x[near], self._trees[k].query(x[near])[1])
                 better = np.abs(found).max(axis=1) < np.abs(place[near]).max(axis=1)
                 which[near[better]], place[near[better]] = k, found[better]
-        # Elements whose maps are no polynomials have gaps between them.
+        # Elements whose maps are not polynomials have gaps between them.
         outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + 1e-3)
         refuse_points(outside, x, f"lies in none of the {len(self.elements)} elements of the slice")
         return which, place
