@@ -60,6 +60,17 @@ def test_zero_insists_on_the_digits(call):
     assert strict(call("embed", "rock.npz", "--json")[1])["measured"]["chi_square"] > 1e-3
 
 
+def test_suspects_have_a_line(call):
+    """The exact surface of lengths with a blunder is returned, and a closing line says what to check."""
+    metric = in_millimeters(*rock(2, rough=0.5))
+    lengths = metric.lengths.copy()
+    lengths[30] += 30.0
+    write_metric("rock.npz", metric.with_lengths(lengths))
+    status, out, _ = call("embed", "rock.npz", "-o", "s.ply")
+    assert status == 0
+    assert "check these lengths first" in out.splitlines()[1]
+
+
 def test_several_files(call, metric):
     write_metric("n.npz", metric)
     assert call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "1e-4", "--jobs", "1")[0] == 0
@@ -90,7 +101,7 @@ def test_a_flat_vertex(call):
     flat = np.vstack([x, x[faces[0]].mean(axis=0)])
     write_metric("flat.npz", isoembed.PolyhedralMetric.from_mesh(flat, split))
     status, out, _ = call("embed", "flat.npz", "--length-error", "1e-4")
-    assert status == 0 and "+- infinite" not in out  # the fit is not flat
+    assert status == 0 and "+- not determined: the surface nearly flexes within the errors" in out
     exact = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(flat, split))
     assert isoembed.Sensitivity(exact).integral_deviation(1e-4).volume == np.inf
     status, _, err = call("energy", "flat.npz", "--length-error", "1e-4")
@@ -129,7 +140,10 @@ def test_the_report_is_made_once(call, metric, monkeypatch):
 
 
 def test_numbers_with_an_infinite_deviation():
-    assert measure({"volume": 2.0, "deviation": {"volume": None}}, "volume") == "2 +- infinite"
+    assert (
+        measure({"volume": 2.0, "deviation": {"volume": None}}, "volume")
+        == "2 +- not determined: the surface nearly flexes within the errors of the lengths"
+    )
     assert measure({"volume": 2.123456, "deviation": {"volume": 0.012}}, "volume") == "2.123 +- 0.012"
     assert measure({"volume": None, "deviation": {"volume": 1.0}}, "volume").endswith(" +- 1")
     assert measure({"volume": 2.0}, "volume") == "2"

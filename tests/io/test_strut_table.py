@@ -85,7 +85,7 @@ def test_more_than_half_a_sphere_is_no_cap(tmp_path):
     path = written(tmp_path, typed(strut_table(surface(*dome(3, -0.21))), 5))
     with pytest.raises(InvalidMetric, match=r"exterior angle of the boundary at vertex \d+ is -0\.037"):
         embed(path, boundary="plane")
-    with pytest.raises(InvalidParameter, match="are taken with boundary='plane' only"):
+    with pytest.raises(InvalidParameter, match="requires boundary='plane'"):
         embed(path, boundary="free")
 
 

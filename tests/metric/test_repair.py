@@ -41,7 +41,7 @@ def noisy(metric, size, seed=0):
 
 
 def rounding(metric):
-    return deficit_rounding(metric.faces, metric.face_lengths)
+    return deficit_rounding(metric)
 
 
 def is_convex(metric):

@@ -31,6 +31,8 @@ from isoembed.progress.work import Budget
 
 WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
 MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
+REDUNDANT = 0.1  # share of a wrong length that its residual shows: if less, no other length contradicts it
+DOUBT = 2.0  # errors: a fit that misses the other lengths by more is no witness against one
 PROBES = 4  # random vectors that estimate degrees of freedom, to a percent
 
 
@@ -58,7 +60,7 @@ class BestFit:
 
     @property
     def degrees_of_freedom(self) -> float:
-        """Of the residuals: the number of edges less those that the fit uses up, and at least 1."""
+        """Degrees of freedom of the residuals, at least 1: the edges less those that the fit uses up."""
         return (self.noise / self.score) ** 2 if self.score < np.inf else 1.0
 
 
@@ -142,6 +144,36 @@ class Fits:
             return BestFit(x, weight, np.inf, np.inf)
         noise = float(np.sqrt(r @ r / free)) / unit
         return BestFit(x, weight, noise, noise / np.sqrt(free))
+
+    def outlier(self, fit: BestFit, error: float, candidates: int, most: float) -> int | None:
+        """The length that a fit to the others misses by the most deviations, if these are more than `most`.
+
+        The residual of that fit is ``r_e / (1 - H_ee)``, of deviation ``s / sqrt(1 - H_ee)``; s is estimated
+        from its other residuals, but no less than the error.  Only so many lengths are candidates, those with
+        the largest residuals.
+        """
+        if not fit.score < np.inf or np.isinf(most):
+            return None
+        energy, lengths, x = self._energy, self._metric.lengths, fit.vertices
+        self._recorder.factorizations += 1
+        solve = energy.solver(x, lengths, fit.weight * self._metric.mean_length**2, 0.0)
+        r = energy.residuals(x, lengths)
+        suspect = None
+        large = np.argsort(-np.abs(r))[:candidates]
+        for e in large[np.abs(r[large]) > np.sqrt(REDUNDANT) * most * error].tolist():
+            column = np.zeros(len(r))
+            column[e] = 1.0
+            column -= energy.rates(x, lengths, solve(energy.forces(x, lengths, column)))  # of I - H
+            redundancy = column[e]
+            if redundancy < REDUNDANT:
+                continue
+            others = r - r[e] / redundancy * column
+            free = max(fit.degrees_of_freedom - column @ column / redundancy, 1.0)
+            deviation = max(error, np.sqrt(others @ others / free))
+            studentized = abs(r[e]) / np.sqrt(redundancy) / deviation
+            if studentized > most and deviation < DOUBT * error:
+                suspect, most = e, studentized
+        return suspect
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
         """Trace of ``I - H``, which takes errors of the lengths to what the fit leaves of them.

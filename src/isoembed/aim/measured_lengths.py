@@ -7,12 +7,21 @@ stays smooth, until ``sum (r / s)^2`` is no more than its expected value, E - tr
 given to fitted lengths: the discrepancy principle, corrected for the degrees of freedom that the fit uses up.
 Where no mu comes so far, the smoothest fit is taken whose sum chi-square does not reject, or the nearest to
 it.
+
+A blunder, one length that is wrong by many deviations, is followed by fits of small mu.  It stands out of
+those of large mu, each length compared with what the fit makes of the others: its residual over
+``s sqrt(1 - H_ee)``, s estimated from the other residuals but no less than the errors.  Where one is too
+large, the fits begin again without that length.  Of 320 rocks, ellipsoids, domes, boxes and Johnson solids
+with right lengths none had one above seven (the largest of so many normal errors is 4.6 at most); of 46 with
+one length off by 35 deviations 35 had, and it was the wrong one.
+
 On rough ellipsoids of 80 vertices this came nearer to the true vertices than generalized cross-validation,
 marginal likelihood and a fixed mu.
 
 References
 ----------
 Wahba, Bayesian "confidence intervals" for the cross-validated smoothing spline, J. R. Stat. Soc. B 45 (1983).
+Baarda, A testing procedure for use in geodetic networks, Netherlands Geodetic Commission 2/5 (1968).
 Morozov, On the solution of functional equations by the method of regularization, Soviet Math. Dokl. 7 (1966).
 """
 
@@ -27,7 +36,7 @@ from isoembed.aim.best_fit import WEIGHT, BestFit, Fits
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.embedding.measured import SIGNIFICANCE, MeasuredSurface
+from isoembed.embedding.measured import SIGNIFICANCE, SUSPECTS, MeasuredSurface
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.progress.work import Budget
@@ -44,6 +53,12 @@ START = 0.01
 BELOW_NOISE = 0.1
 """Root mean square of the residuals, over that of the errors, below which less mu changes nothing that the
 lengths could tell."""
+
+OUTLIER = 7.0
+"""Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
+
+CANDIDATES = 4
+"""Lengths with the largest residuals, of which one may be a blunder: their residuals are studentized."""
 
 SMALL = 1e-5
 """Errors, over the mean edge length, so small that the surface with exactly these lengths is sought as well.
@@ -88,16 +103,21 @@ def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
     found = measured_surface(measured, fit, exact.method, exact.tolerance)
     if exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness:
         return exact
-    digits = f"the errors are those of the last digit of the lengths, {rounding:.1e} of the mean edge length"
-    if not found.converged:
-        if not exact.converged:
-            return exact
-        return exact._with_message(f"{exact.message}; {found.message}; {digits}")
-    said = (
-        f"{found.message}; {digits}: the surface that has them exactly is "
-        f"{'rougher' if exact.converged else 'not found'}; errors of zero take the lengths as exact"
-    )
-    return found._with_others([exact] if exact.converged else [])._with_message(said)
+    digits = f"errors of their last digit, {rounding:.1e} of the mean edge length"
+    if found.converged:
+        said = (
+            f"{found.message}; the errors are those of the last digit of the lengths, {rounding:.1e} of the "
+            "mean edge length: the surface that has them exactly is "
+            f"{'rougher' if exact.converged else 'not found'}; errors of zero take the lengths as exact"
+        )
+        return found._with_others([exact] if exact.converged else [])._with_message(said)
+    if found._advice:
+        doubt = f"no smooth surface has the lengths within {digits}: {found._advice}"
+    elif exact.converged:
+        doubt = f"no smooth surface has the lengths within {digits}; the errors may be larger"
+    else:
+        return exact
+    return exact._with_message(f"{exact.message}\n{doubt}")
 
 
 def fit_within_errors(
@@ -119,7 +139,22 @@ def fit_within_errors(
     -------
     BestFit
     """
-    rms = float(np.sqrt(np.mean(errors**2)))
+    known = np.array(errors)
+    for _ in range(SUSPECTS):
+        fit, suspect = _fit_of_smooth_start(metric, known, start, recorder)
+        if suspect is None:
+            return fit
+        known[suspect] = metric.mean_length
+    return _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+
+
+def _fit_of_smooth_start(
+    metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder, most: float = OUTLIER
+) -> tuple[BestFit, int | None]:
+    """The fit, and the first length whose studentized residual is more than the most: it ends the search."""
+    rms = float(
+        1 / np.sqrt(np.mean(errors**-2.0))
+    )  # of weights: lengths with large errors have no part in it
     energy = RegularizedEnergy(metric, start).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
@@ -128,18 +163,25 @@ def fit_within_errors(
     bound = START * float(metric.lengths @ metric.lengths) / metric.mean_length**2
     weight = min(WEIGHT, bound / penalty) if penalty > 0 else WEIGHT
     known = rms / metric.mean_length  # as the noise that a fit sees, over the mean edge length
-    found = [fits.fit(start, weight)]
-    while (fit := found[-1]).noise > known:
+    found: list[BestFit] = []
+    vertices = start
+    while True:
+        fit = fits.fit(vertices, weight)
+        found.append(fit)
+        suspect = fits.outlier(fit, rms, CANDIDATES, most)
+        if suspect is not None or fit.noise <= known:
+            break
         r = energy.residuals(fit.vertices, metric.lengths)
         if np.sqrt(np.mean(r**2)) < BELOW_NOISE * rms:
-            return fit
+            return fit, None
         least = int(np.argmin([one.noise for one in found]))
         if fit.weight <= LEAST_WEIGHT or len(found) - least > RISES:
             agrees = (one.noise / known < _largest_ratio(one.degrees_of_freedom) for one in found)
-            return next(compress(found, agrees), found[least])
-        found.append(fits.fit(fit.vertices, fit.weight / np.sqrt(10.0)))
+            return next(compress(found, agrees), found[least]), None
+        vertices, weight = fit.vertices, fit.weight / np.sqrt(10.0)
     before = found[-2:][0]
-    return before if before.noise * fit.noise < known**2 else fit  # the nearer, by the ratio to what is known
+    # The nearer, by the ratio to what is known.
+    return before if before.noise * fit.noise < known**2 else fit, suspect
 
 
 def _largest_ratio(degrees_of_freedom: float) -> float:

@@ -121,7 +121,7 @@ class GivenLengthDerivatives:
         return np.asarray(self._paths.solve(changes))
 
     def jvp(self, changes: Floats) -> Floats:
-        """How the vertices move, (V, 3), when the given lengths change by dl, (E,).
+        """Derivative of the vertices, (V, 3), along a change dl of the given lengths, (E,).
 
         Raises
         ------

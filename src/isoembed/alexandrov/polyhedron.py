@@ -188,7 +188,7 @@ class ConvexPolyhedron(Polyhedron):
 
     @property
     def _reported(self) -> Mapping[str, Any]:
-        """What only polyhedra have."""
+        """Entries of the report that only polyhedra have."""
         return {
             "input": {
                 "vertices": self.given.n_vertices,

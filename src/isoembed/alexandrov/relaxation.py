@@ -101,7 +101,7 @@ class Relaxed:
 
 
 def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | None:
-    """Where the curvatures get small but not to zero, go on with the lengths, and flip what is then concave.
+    """Solve for the lengths where the curvatures get small but not to zero, and flip concave edges.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def _dents(tables: HalfEdges, vertices: Floats) -> Floats:
 
 
 def _flipped(tables: HalfEdges, depths: Floats, least: float) -> int:
-    """How many edges that are dented by more than this were flipped, the deepest first, each face once."""
+    """Flip edges dented by more than `least`, the deepest first, each face once; return their number."""
     triangulation = Triangulation(tables.faces)
     whole = np.ones(triangulation.n_faces, dtype=np.bool_)
     views, flipped = tables.views, 0

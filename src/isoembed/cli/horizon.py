@@ -232,7 +232,7 @@ def _make_folder(options: argparse.Namespace, stems: list[str]) -> None:
 
 
 def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
-    """What may be written of one horizon."""
+    """Output files of one horizon."""
     return Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN)
 
 

@@ -179,7 +179,7 @@ def marginal(options: argparse.Namespace) -> bool | None:
 
 
 def vertices(options: argparse.Namespace) -> int:
-    """How many vertices the mesh of a smooth surface has.
+    """Number of vertices of the mesh of a smooth surface.
 
     Raises
     ------

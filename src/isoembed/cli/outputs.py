@@ -84,7 +84,7 @@ def print_written(options: argparse.Namespace, *files: Path) -> None:
 
 
 def elapsed(options: argparse.Namespace) -> str:
-    """How long the command has taken."""
+    """Time that the command has taken."""
     return f"{time.monotonic() - options.began:.1f} s"
 
 

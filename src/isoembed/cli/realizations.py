@@ -47,8 +47,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=int,
         default=8,
         metavar="N",
-        help="from how many of those that are found to search on, in turn breadth first and smoothest first "
-        "(default %(default)s)",
+        help="number of realizations to search from, alternating between breadth-first and smoothest-first "
+        "order (default %(default)s)",
     )
     add_output_option(
         parser, "for the surfaces: realization-1.ply, the smoothest, and so on", metavar="FOLDER"

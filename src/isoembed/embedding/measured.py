@@ -29,8 +29,7 @@ class MeasuredSurface(Embedding):
     It has converged if its residuals pass two tests: as a whole, `chi_square` is at most `chi_square_limit`,
     and no single one stands out (Baarda's test).  That says that its lengths agree with those given, not that
     no other surface does.  As the fit follows the errors in part, true lengths fail less often than stated.
-    Deviations are of first order, and too small by a factor of about two where a vertex is flat within the
-    errors.
+    Deviations include what the quantities change, to first order, if all lengths are met.
 
     Parameters
     ----------
@@ -52,6 +51,11 @@ class MeasuredSurface(Embedding):
         if self.length_errors is None:
             self._set(length_errors=self.metric.length_errors)
         super().__post_init__()
+
+    @property
+    def _missed(self) -> Floats:
+        """What the fit has smoothed, by which its quantities may be off."""
+        return self.metric.normalized.lengths - self.surface._lengths
 
     @property
     def _standardized(self) -> Floats:
@@ -89,34 +93,45 @@ class MeasuredSurface(Embedding):
             False, "not certified: the surface is fitted to measured lengths, and has none of them exactly"
         )
 
+    @property
+    def _suspects(self) -> list[int]:
+        """The edges with the largest residuals, the largest first, that a single one should not have."""
+        worst = np.argsort(-self._standardized, kind="stable")[:SUSPECTS].tolist()
+        return [e for e in worst if self._standardized[e] > self._outlier_limit]
+
+    @property
+    def _advice(self) -> str:
+        """Which lengths to check, if the surface misses some; else empty."""
+        suspects = self._suspects
+        if not suspects:
+            return ""
+        changes = 100 * (self.lengths / self.metric.lengths - 1)
+        named = ", ".join(f"edge {e} {self.edges[e].tolist()} ({changes[e]:+.2g} %)" for e in suspects)
+        others = np.delete(self._standardized, suspects)
+        agree = others @ others <= self.chi_square_limit and others.max() <= self._outlier_limit
+        return (
+            f"check these lengths first, and how much longer they are on the nearest smooth surface: {named}"
+            f"{', with which all other lengths agree' if agree else ''}"
+        )
+
     def _sentence(self) -> str:
         off, limit = self._standardized, self._outlier_limit
-        suspects = np.argsort(-off, kind="stable")[:SUSPECTS].tolist()
+        e = int(np.argmax(off))
         largest = (
-            f"the largest residual is {self.residuals[suspects[0]]:.1e} of the mean edge length, "
-            f"{off[suspects[0]]:.1f} standard deviations, at edge {suspects[0]} "
-            f"{self.edges[suspects[0]].tolist()}"
+            f"the largest residual is {self.residuals[e]:.1e} of the mean edge length, "
+            f"{off[e]:.1f} standard deviations, at edge {e} {self.edges[e].tolist()}"
         )
         test = (
             f"chi-square is {self.chi_square:.4g} for {len(off)} edges, "
             f"{'at most' if self.chi_square <= self.chi_square_limit else 'more than'} "
             f"{self.chi_square_limit:.4g}, and {largest}, "
-            f"{'at most' if off[suspects[0]] <= limit else 'more than'} {limit:.1f} (significance "
-            f"{SIGNIFICANCE:g})"
+            f"{'at most' if off[e] <= limit else 'more than'} {limit:.1f} (significance {SIGNIFICANCE:g})"
         )
         if self.converged:
             return f"the lengths agree with those given within their errors: {test}"
         found = "no smooth surface was found whose lengths agree with those given within their errors"
-        changes = 100 * (self.lengths / self.metric.lengths - 1)
-        named = ", ".join(
-            f"edge {e} {self.edges[e].tolist()} ({changes[e]:+.2g} %)" for e in suspects if off[e] > limit
-        )
-        remedy = (
-            f"; check these lengths first, and how much longer they are on that surface: {named}"
-            if named
-            else "; the errors may be larger than stated"
-        )
-        return f"{found}: on the nearest surface {test}{remedy}"
+        remedy = self._advice or "the errors may be larger than stated"
+        return f"{found}: on the nearest surface {test}; {remedy}"
 
     @property
     def _reported(self) -> Mapping[str, Any]:

@@ -99,7 +99,7 @@ def forest(faces: Faces, order: Indices) -> Indices:
 
 
 def _around(faces: Faces, sides: Sequence[int], keep: Edges) -> str:
-    """Which of the edges that are kept is the first to close a ring."""
+    """Clause on the first of the kept edges that closes a ring."""
     for k in range(len(sides)):
         kept = np.unique(sides[: k + 1])
         if len(forest(faces, kept)) < len(kept):

@@ -40,7 +40,7 @@ class LineGraph:
     loose: int
 
     def ends(self, side: Side) -> Floats:
-        """Where a side begins and ends, (2, 2)."""
+        """End points of a side, (2, 2)."""
         f, k = side
         return self.points[[self.faces[f][k], self.faces[f][(k + 1) % len(self.faces[f])]]]
 

@@ -16,7 +16,7 @@ from isoembed.thresholds import threshold
 
 Objective = Literal["sheets", "length", "strips", "faces"]
 Sheets = tuple[Floats, Indices, Indices]
-"""As of `joined`."""
+"""Joined sheets, as `joined` returns them."""
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ class Tolerance:
         return cls(np.zeros(n))
 
     def between(self, p: int, q: int, lengths: tuple[float, float], sides: int = 2) -> float:
-        """The tolerance for two lengths on the outlines of polygons p and q, made of so many sides."""
+        """The tolerance for two lengths on the outlines of polygons p and q, made of a number of sides."""
         least = GLUING.same_length * max(lengths)
         if self.given is not None:
             return max(least, self.given)
@@ -105,7 +105,7 @@ class Tolerance:
 
     @property
     def source(self) -> str:
-        """Where it comes from, as the end of a sentence."""
+        """Origin of the tolerance, as the end of a sentence."""
         if self.given is not None:
             return "as given"
         if self.digits:

@@ -233,7 +233,7 @@ def unfold(
 
 
 def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> Unfolding:
-    """What is left: outlines, identified sides and folds."""
+    """Unfolding after the cuts: outlines, identified sides and folds."""
     outlines = []
     place: dict[int, tuple[int, int]] = {}
     every = np.unique(sheets).tolist()

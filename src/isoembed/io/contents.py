@@ -1,4 +1,4 @@
-"""Detection of a file's contents: a net, a surface or a metric."""
+"""`isoembed.read`: the net, the surface or the metric in a file, whichever it holds."""
 
 import os
 

@@ -157,7 +157,7 @@ def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
 
 
 def solid_entries(unfolding: Unfolding, precision: str, any_surface: str) -> dict[str, Any]:
-    """Under these keys the precision of the solid, where it has one, and whether it is any surface."""
+    """Entries with the precision of the solid, where it has one, and whether it is any surface."""
     known = {} if unfolding.precision is None else {precision: asdict(unfolding.precision)}
     return {**known, any_surface: True} if unfolding.any_surface else known
 

@@ -53,7 +53,7 @@ class Format:
 
 
 def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
-    """What the entry point of another package refers to.
+    """Object that the entry point of another package refers to.
 
     Raises
     ------

@@ -133,9 +133,7 @@ class _Document:
             where, what = (_object(sparse.get(key), f"{key} of {name}") for key in ("indices", "values"))
             rows = self.view(where, _dtype(where, name), few, 1, name).astype(np.int64).ravel()
             if few and rows.max() >= count:
-                raise ValueError(
-                    f"{name} has {count} numbers, and others in the place of number {rows.max()}"
-                )
+                raise ValueError(f"{name} has {count} numbers, and others in place of number {rows.max()}")
             values = values.copy()
             values[rows] = self.view(what, dtype, few, columns, name)
         if accessor.get("normalized") and dtype.kind != "f":
@@ -198,7 +196,7 @@ def _beside(folder: Path, name: str) -> bytes:
 
 
 def _matrix(node: Object) -> Floats:
-    """What takes the coordinates of a node to those of the one above it, shape (4, 4)."""
+    """Transformation from the coordinates of a node to those of its parent, shape (4, 4)."""
     if "matrix" in node:
         return _numbers(node["matrix"], 16).reshape(4, 4).T
     x, y, z, w = _numbers(node.get("rotation", [0, 0, 0, 1]), 4)

@@ -65,7 +65,7 @@ def read_metric(
     any_surface : bool
         Whether it may be a metric on a surface with boundary, or of higher genus.
     length_errors : float or array_like, shape (E,), optional
-        Standard deviations of the lengths, in the order of the file's edges, in the place of those that it
+        Standard deviations of the lengths, in the order of the file's edges, in place of those that it
         holds.
 
     Returns

@@ -47,7 +47,7 @@ Makers = dict[str, tuple[Callable[..., Any], int, int]]
 
 NET_ENDINGS = (".json", ".fold")
 DRAWN = {".svg": read_svg_lines, ".dxf": read_dxf_lines}
-"""Who reads the lines of a drawn net, by the ending of the file."""
+"""Readers of the lines of a drawn net, by the ending of the file."""
 FORMS = ("polygons", "regular", "zip", "pita", "dform")
 CURVED: Makers = {"triangle": (triangle, 3, 3), "regular": (regular_polygon, 1, 2)}
 """Polygons of the plane, of the hyperbolic plane and of the sphere."""

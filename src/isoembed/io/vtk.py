@@ -270,7 +270,7 @@ class _Source:
         return values
 
     def floats(self, count: int, type_name: str, what: str, components: int = 1) -> Floats:
-        """The next so many numbers, in rows if they are the components of something."""
+        """The next `count` numbers, in rows if they are components."""
         with np.errstate(invalid="ignore"):  # some bytes are no numbers
             values = self.numbers(components * count, type_name, what).astype(np.float64)
         return values if components == 1 else values.reshape(count, components)

@@ -61,7 +61,7 @@ class Source:
         self.decompressor = self.choice("compressor", "", DECOMPRESSORS)
 
     def choice(self, name: str, default: str, known: dict[str, Any]) -> Any:
-        """What an attribute of the root stands for."""
+        """Value that an attribute of the root stands for."""
         value = self.root.get(name, default)
         if value not in known:
             raise ValueError(f"its {name} {value!r} is not known")

@@ -84,6 +84,7 @@ def triangle_mesh(
     if corners.max() >= len(points):
         raise InvalidMetric(
             f"a face refers to vertex {corners.max()}, but there are only {len(points)} vertices"
+            f"{': their table looks transposed' if len(points) == 3 < points.shape[1] else ''}"
         )
     if merge is None and not leave_out and (sizes == 3).all():
         return points, corners.reshape(-1, 3)

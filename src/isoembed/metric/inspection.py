@@ -235,8 +235,8 @@ def _warnings(
         (
             *("dual_areas", duals <= 0, -duals, "dual areas that are not positive"),
             lambda v: (
-                f"vertex {v}: the curvature k = deficit / dual area is undefined there, and methods "
-                'that flow by it (method="paper") may fail'
+                f"vertex {v}: obtuse triangles make its dual area negative or zero, so that the curvature "
+                'k = deficit / dual area is undefined there; of the methods, only "paper" needs it'
             ),
         ),
         (

@@ -243,7 +243,7 @@ def drawn(
 
 
 def _beyond(material: Material) -> float:
-    """How much farther than a tab what is cut may be from the outline of a sheet."""
+    """Largest distance of a cut from the outline of a sheet, less the depth of a tab."""
     farthest = (
         np.hypot(ALLOWANCE_LIMIT, 1.0) * material.allowance
     )  # the ends of what cuts off a needle's corner

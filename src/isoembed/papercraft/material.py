@@ -14,7 +14,7 @@ Surface = Literal["outside", "inside"]
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """What a net is cut from and with, in millimeters.
+    """Material of a net and how it is cut, in millimeters.
 
     Parameters
     ----------

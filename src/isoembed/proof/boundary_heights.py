@@ -75,7 +75,7 @@ class HeightEquations:
     points: Floats
 
     def residuals(self, corrections: Floats) -> tuple[Floats, Floats]:
-        """At the exact sums of points and corrections, rounded, and bounds on the rounding, each (B,)."""
+        """Residuals at the exact sums of points and corrections, and bounds on the rounding, each (B,)."""
         above, lost = exact_difference(self.points[self.vertices, 2], self.heights)
         off = above - above[0]
         rest = lost - lost[0] + corrections[self.vertices, 2]

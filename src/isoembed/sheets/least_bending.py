@@ -69,9 +69,11 @@ def thinned(
     x = start
     held = HeldTriangle.of(x, lengths.triangulation.faces[0])
     sheet = ElasticSheet(lengths, energy.form, held, recorder)
+    recorder.show(vertices=x)
     for stiffness in stiffnesses:
         epsilon = stiffness * energy.area
         x = sheet.relaxed(x, epsilon, DESCENT, SETTLED)
+        recorder.show(vertices=x)
     return LeastBending(x, lengths.residuals(x) / epsilon, np.inf)
 
 
@@ -146,7 +148,7 @@ def balanced(
             break  # at rounding, or no minimum near
         x, y = x + part * d, y + part * dy
         imbalance, residual = float(np.abs(g).max()) / size, float(np.abs(r).max()) / unit
-        recorder.show(residual=residual)
+        recorder.show(residual=residual, vertices=x)
         if imbalance < ROUNDING and residual < EXACT:
             break
     return LeastBending(x, y, imbalance)

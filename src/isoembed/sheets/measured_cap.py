@@ -20,6 +20,7 @@ from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, doubled, upright
+from isoembed.sheets.placement import turned_about_vertical
 from isoembed.sheets.surface import SheetEmbedding
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
     cap = (half + other * [1.0, 1.0, -1.0]) / 2
     return MeasuredCap(
         metric,
-        frozen(upright(cap @ axes, cap[loop] @ axes)),
+        frozen(turned_about_vertical(upright(cap @ axes, cap[loop] @ axes), loop)),
         method=name,
         tolerance=tolerance,
         stages=log.stages,

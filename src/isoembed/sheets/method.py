@@ -36,6 +36,7 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.measured_cap import measured_cap
 from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
+from isoembed.sheets.placement import standard_sheet, turned_about_vertical
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
 from isoembed.surface.alignment import aligned
 from isoembed.surface.measures import face_areas
@@ -199,6 +200,8 @@ def _raised(
         x = with_heights(metric, x, 0 * heights, recorder)
         for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if heights.any() else ():
             x = with_heights(metric, x, part * heights, recorder)
+            recorder.show(vertices=x)
+    x = turned_about_vertical(x, loop)
     return _embedding(metric, x, tolerance, log, condition, heights=frozen(heights))
 
 
@@ -239,10 +242,10 @@ def _least_bending(
 ) -> SheetEmbedding:
     """A surface of least bending; beside it one from another start that bends more, if such was found."""
     energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
-    t, near = metric.triangulation, None
+    t, near, stiffnesses = metric.triangulation, None, STIFFNESSES
     starts: list[Floats] = []
-    stiffnesses = STIFFNESSES
     is_flexible = t.n_edges <= 3 * t.n_vertices - 6
+    is_placed = start is not None
     if start is None:
         start, near = _start(metric, tolerance, log)
         if near is None and is_flexible:
@@ -275,7 +278,8 @@ def _least_bending(
                 "imbalance": found.imbalance,
                 "uniqueness": _searched(1 + len(starts)),
             }
-        surfaces.append(_embedding(metric, found.vertices, tolerance, log, "free", **known))
+        x = found.vertices if is_placed else standard_sheet(t, found.vertices)
+        surfaces.append(_embedding(metric, x, tolerance, log, "free", **known))
     surfaces.sort(key=_rank)
     return _beside(surfaces[0], surfaces[1:])._with_stages(log.stages)
 

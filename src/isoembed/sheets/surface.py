@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from isoembed.aim.vertex_reflections import reflections
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
@@ -79,9 +80,8 @@ class SheetSurface(Surface):
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    Deviations and comparisons are about closed surfaces of genus 0 and raise `InvalidMetric`; so does the
-    volume of a surface with boundary.  That has no outside: it is not mirrored, and the sign of its mean
-    curvature depends on the side from which the triangles are counterclockwise.
+    The volume of a surface with boundary raises `InvalidMetric`.  That has no outside: it is not turned over,
+    and the sign of its mean curvature depends on the side from which triangles are counterclockwise.
 
     Parameters
     ----------
@@ -120,7 +120,21 @@ class SheetEmbedding(Embedding):
         return (
             f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
             f"the largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
-            f"{self.metric.edges[e].tolist()}{self._trust()}"
+            f"{self.metric.edges[e].tolist()}{self._trust()}{self._sides()}"
+        )
+
+    def _sides(self) -> str:
+        """Clause on vertices inside a given curve whose mirror images have the lengths, too."""
+        t = self.triangulation
+        chosen = np.flatnonzero(~t.boundary_vertices & (t.degrees == 3))
+        if self.condition != "curve" or not self.converged or not len(chosen):
+            return ""
+        x, unit = self.vertices / self.metric.unit, self.metric.normalized.mean_length
+        apart = np.linalg.norm(reflections(t, x)[chosen], axis=1) / unit
+        least = int(np.argmin(apart))
+        return (
+            f"; vertex {chosen[least]}, which has three neighbors, has the lengths on the other side of "
+            f"these, too, {apart[least]:.1g} mean edge lengths away: the smoother side was taken"
         )
 
     def _trust(self) -> str:

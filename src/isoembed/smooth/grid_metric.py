@@ -159,7 +159,7 @@ class GridMetric:
         )
 
     def at_poles(self) -> PoleSight:
-        """How the metric looks at the poles.
+        """Behavior of the metric at the poles.
 
         Raises
         ------

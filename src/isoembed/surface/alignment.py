@@ -39,6 +39,12 @@ def aligned(vertices: Floats, onto: Floats, space: Space = EUCLIDEAN) -> Floats:
     return x @ best_rotation(x, onto - center) + center
 
 
+def aligned_image(vertices: Floats, onto: Floats) -> Floats:
+    """Vertices in R^3 as `aligned`, or those of the mirror image, (V, 3), whichever are nearer."""
+    images = aligned(vertices, onto), aligned(vertices * [1.0, 1.0, -1.0], onto)
+    return min(images, key=lambda x: float(np.linalg.norm(x - onto)))
+
+
 def distance(vertices: Floats, others: Floats, space: Space = EUCLIDEAN) -> float:
     """The largest distance of a vertex from its other place, after the best rotation and translation."""
     moved = aligned(vertices, others, space)

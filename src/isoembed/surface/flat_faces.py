@@ -38,7 +38,7 @@ class TriangleFaces:
 
     @property
     def sides(self) -> Indices:
-        """How many sides each face has."""
+        """Number of sides of each face."""
         return frozen(np.full(len(self.triangulation.faces), 3))
 
     @property
@@ -108,7 +108,7 @@ class FlatFaces(TriangleFaces):
 
     @cached_property
     def sides(self) -> Indices:
-        """How many sides each face has, flat vertices on its outline left aside."""
+        """Number of sides of each face, not counting flat vertices on its outline."""
         flat = self.flat[np.concatenate(self.polygons)]
         ends = np.cumsum([len(polygon) for polygon in self.polygons])
         return frozen(np.diff(np.cumsum(~flat)[ends - 1], prepend=0).astype(np.int64))
@@ -220,7 +220,7 @@ def coplanar_faces(
 
 
 def _heights(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:
-    """For each triangle, how far the vertices of its face are from the plane of the face, shape (F,)."""
+    """Half the extent of each triangle's face normal to its plane, shape (F,)."""
     normals = np.column_stack([np.bincount(faces, n) for n in face_normals(t.faces, vertices).T])
     sizes = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = normals / np.maximum(sizes, np.finfo(np.float64).tiny)

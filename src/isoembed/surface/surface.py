@@ -99,7 +99,7 @@ class Surface:
 
     @property
     def seams(self) -> Segments:
-        """Where sides of paper were glued: nowhere, unless the surface is that of a `ConvexPolyhedron`."""
+        """Seams where sides of paper were glued: none unless the surface is that of a `ConvexPolyhedron`."""
         return Segments.none()
 
     @cached_property

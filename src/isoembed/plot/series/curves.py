@@ -175,7 +175,7 @@ class _Curve:
 
     @property
     def isolated(self) -> Mask:
-        """What has no neighbor that a line could be drawn to."""
+        """Mask of points without a neighbor to which a line could be drawn."""
         there = np.concatenate([[False], self.known, [False]])
         return self.known & ~there[:-2] & ~there[2:]
 

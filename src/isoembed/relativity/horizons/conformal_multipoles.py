@@ -57,7 +57,7 @@ DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32), (16, 24, 32, 48, 64, 96, 128)
 AROUND = 16
 """Angles of nodes where the metric is symmetric about z: harmonics of the order 1 are needed."""
 SETTLED, ROUNDING = 1e-12, 1e-13
-"""Change of the multipoles by more harmonics that is none, and rounding in them."""
+"""Changes of the multipoles with more harmonics that count as converged, and as rounding."""
 STEPS, SHORTEST = 50, 2.0**-20
 """Newton's steps at most, and the shortest part of one that is tried."""
 
@@ -204,7 +204,7 @@ class _Sphere:
         return _Sphere(scale * d / rho - b, scale * rate @ self.slope)
 
     def turned(self, R: Floats) -> _Sphere:
-        """The same one in the frame of a rotation R (3, 3)."""
+        """The map in the frame of a rotation R (3, 3)."""
         return _Sphere(self.n @ R.T, R @ self.slope)
 
     def balanced(self, dA: Floats) -> _Sphere:

@@ -37,15 +37,6 @@ def numbers(given: ArrayLike) -> Floats:
         return np.array(np.nan)
 
 
-def check_geometry(given: object) -> None:
-    """Refuse with an `InvalidParameter` what is no slice, such as a function."""
-    if not callable(getattr(given, "extrinsic_curvature", None)):
-        advice = "AnalyticCallable and CallableGeometry make one of a function" if callable(given) else ""
-        raise InvalidParameter(
-            f"the slice is a {type(given).__name__}, not a ThreeGeometry: {advice}".rstrip(": ")
-        )
-
-
 def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:
     """Raise an `InvalidParameter` that names the first of the points x (n, 3) that are bad (n,)."""
     if bad.any():

@@ -236,12 +236,12 @@ class _Nodes:
 
     @property
     def area(self) -> float:
-        """In the coordinates."""
+        """Area in the coordinates."""
         return float(self.weights @ self.densities)
 
     @property
     def centroid(self) -> Floats:
-        """Of the area."""
+        """Centroid of the area."""
         return np.asarray((self.weights * self.densities) @ self.x / self.area)
 
     @property
