@@ -157,8 +157,8 @@ class SheetEmbedding(Embedding):
         inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
         if rough.sum() > ROUGH * inside.sum():
             said.append(
-                f"{rough.sum()} of {inside.sum()} edges inside are rough: the sheet is creased, and its energy "
-                "depends on the mesh; compare it with that of a finer one"
+                f"{rough.sum()} of {inside.sum()} edges inside are rough: the sheet is creased, and its "
+                "energy depends on the mesh; compare it with that of a finer one"
             )
         if self.uniqueness is not None:
             said.append(self.uniqueness.basis)
