@@ -10,15 +10,15 @@ with Gaussian errors of the same standard deviation, the unit over sqrt(12).  Th
     given      embed(metric, length_errors=sigma) of the same lengths,
     gaussian   embed(metric, length_errors=sigma).
 
-Rocks are ellipsoids of semiaxes 150, 120 and 100 whose vertices have independent Gaussian displacements of
-1.5, 3 and 6 units in each coordinate; scans and horizons are smooth.  Printed for each family: how many
-there are of each status; the farthest vertex of the answer from the true ones over that of the floor
-(`rounded_truth`), median and 95 % quantile; how many answers are crumpled, with a `fine_roughness` more
-than twice that of the true surface or of the floor; how many more than three times as far as the floor are
-other surfaces, which agree with the lengths and are as smooth as the true one to 5 %, so that nothing tells
-them from it; and the percentage of areas, volumes and integrals of the mean curvature within two stated
-standard deviations, of the answers that state some.  A refusal counts as infinitely far, crumpled, and
-outside.
+Rocks are ellipsoids of semiaxes 150, 120 and 100 whose vertices have independent Gaussian displacements
+of 1.5, 3 and 6 units in each coordinate; scans and horizons are smooth. Printed for each family: how
+many there are of each status; the farthest vertex of the answer from the true ones over that of the
+floor (`rounded_truth`), median and 95 % quantile; how many answers are crumpled, with a `fine_roughness`
+more than twice that of the true surface or of the floor; how many more than three times as far as the
+floor are other surfaces, which agree with the lengths and are as smooth as the true one to 5 %, so that
+nothing tells them from it; and the percentage of areas, volumes and integrals of the mean curvature
+within two stated standard deviations, of the answers that state some, volumes that are not determined
+aside. A refusal counts as infinitely far, crumpled, and outside.
 
 Percentages are judged where 30 answers or more state deviations: at least 90, and at most 99 of Gaussian
 errors.  Where all edges have one length, its rounding error is always within sqrt(3) deviations.
@@ -139,6 +139,8 @@ def measured(true, faces, digits, question, seed):
         stated = isoembed.Sensitivity(found).integral_deviation(found.length_errors)
         now, then = integrals(faces, found.vertices), integrals(faces, true)
         inside = [abs(abs(now[name]) - abs(then[name])) <= 2 * getattr(stated, name) for name in then]
+        if not stated.volume_is_determined:
+            inside[1] = np.nan
     return {
         "status": found.status,
         "ratio": off / floor,
@@ -172,7 +174,8 @@ def table(family, options):
             median, most = np.median(ratios), np.quantile(ratios, 0.95, method="higher")
             crumpled, other = (sum(row[name] for row in rows) for name in ("crumpled", "other"))
             stated = [row["inside"] for row in rows if row["inside"] is not None]
-            inside = 100 * np.mean(stated or [[np.nan] * 3], axis=0)
+            known = np.ma.masked_invalid(stated or [[np.nan] * 3])
+            inside = 100 * known.mean(axis=0).filled(np.nan)
             statuses = ", ".join(f"{n} {name}" for name, n in Counter(r["status"] for r in rows).items())
             print(
                 f"{family:18} {digits} digits {question:9} {len(rows):3d}: median {median:8.2f}, "

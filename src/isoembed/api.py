@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import TOLERANCE, Method, solve
-from isoembed.methods import configuration, configured
+from isoembed.methods import as_method, method_class
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -104,7 +104,7 @@ def embed(
     if boundary is not None:
         if method is not None:
             raise InvalidParameter("give either boundary or method, not both")
-        kind: Any = configuration("sheet")
+        kind: Any = method_class("sheet")
         own = given.simplicial() if isinstance(given, GluedMetric) else given
         return solve(own, kind(boundary, start), length_errors=length_errors, **how)
     if start is not None:
@@ -117,7 +117,7 @@ def embed(
         if isinstance(given, Net) and length_errors is None:
             return embed_net(given, **how)
         method = "alexandrov"
-    return solve(given, configured(method or "aim"), length_errors=length_errors, **how)
+    return solve(given, as_method(method or "aim"), length_errors=length_errors, **how)
 
 
 def glue(
@@ -259,7 +259,7 @@ def _mesh(given: Any, wanted: str) -> dict[str, Any]:
     Raises
     ------
     InvalidParameter
-        It is none.
+        The object is not a mesh.
     """
     if hasattr(given, "vertices") and hasattr(given, "faces"):
         return of_trimesh(given)

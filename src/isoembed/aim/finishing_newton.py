@@ -36,7 +36,7 @@ from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSys
 MOTIONS = (2, 3, 4, 5, 6, 8)  # numbers of softest motions, in turn
 
 
-def completed(
+def finish(
     system: LengthSystem,
     vertices: Floats,
     lengths: Floats,

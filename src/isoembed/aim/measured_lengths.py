@@ -8,12 +8,12 @@ given to fitted lengths: the discrepancy principle, corrected for the degrees of
 Where no mu comes so far, the smoothest fit is taken whose sum chi-square does not reject, or the nearest to
 it.
 
-A blunder, one length that is wrong by many deviations, is followed by fits of small mu.  It stands out of those
-of large mu, each length compared with what the fit makes of the others: its residual over
-``s sqrt(1 - H_ee)``, s estimated from the other residuals but no less than the errors.  Where one is too large,
-the fits begin again without that length.  Of 320 rocks, ellipsoids, domes, boxes and Johnson solids with right
-lengths none had one above seven (so many normal errors would have 4.6); of 46 with one length off by 35
-deviations 35 had, and it was the wrong one.
+A blunder, one length that is wrong by many deviations, is followed by fits of small mu.  It stands out of
+those of large mu, each length compared with what the fit makes of the others: its residual over
+``s sqrt(1 - H_ee)``, s estimated from the other residuals but no less than the errors.  Where one is too
+large, the fits begin again without that length.  Of 320 rocks, ellipsoids, domes, boxes and Johnson solids
+with right lengths none had one above seven (the largest of so many normal errors is 4.6 at most); of 46 with
+one length off by 35 deviations 35 had, and it was the wrong one.
 
 On rough ellipsoids of 80 vertices this came nearer to the true vertices than generalized cross-validation,
 marginal likelihood and a fixed mu.
@@ -151,7 +151,7 @@ def fit_within_errors(
 def _fit_of_smooth_start(
     metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder, most: float = OUTLIER
 ) -> tuple[BestFit, int | None]:
-    """The fit, and the first length whose studentized residual is more than the most, which ends the search."""
+    """The fit, and the first length whose studentized residual is more than the most: it ends the search."""
     rms = float(
         1 / np.sqrt(np.mean(errors**-2.0))
     )  # of weights: lengths with large errors have no part in it

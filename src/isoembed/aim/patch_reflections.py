@@ -22,7 +22,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from isoembed.aim.anneal import anneal
-from isoembed.aim.regularized_continuation import let_go
+from isoembed.aim.regularized_continuation import release_penalty
 from isoembed.aim.regularized_energy import LEAST_COTANGENT, RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.linalg import Factor, factor_general
@@ -210,7 +210,7 @@ class _Search:
         self.done.add(choice)
         x, _ = self.begun(choice)
         mu = WEIGHTS[-1] * FADE * self.energy.unit**2
-        near, _ = let_go(self.energy.finer(x), x, self.metric.lengths, mu, self.recorder, fade=FADE)
+        near, _ = release_penalty(self.energy.finer(x), x, self.metric.lengths, mu, self.recorder, fade=FADE)
         found = anneal(self.system, near, self.metric.lengths, self.recorder).vertices
         self.recorder.show(vertices=found)
         return found

@@ -36,7 +36,7 @@ class Problem:
 
     Attributes
     ----------
-    good : float
+    acceptance_tolerance : float
         Largest residual of an accepted surface.
     numbers : ndarray of int, shape (V,)
         The vertices in the order of the `convexification`, in which what is near is near in memory.
@@ -44,7 +44,7 @@ class Problem:
 
     def __init__(self, metric: PolyhedralMetric, tolerance: float, name: str) -> None:
         self.metric, self.tolerance, self.name = metric, tolerance, name
-        self.good = max(tolerance, REALIZED)  # below that, the tolerance is beyond rounding
+        self.acceptance_tolerance = max(tolerance, REALIZED)  # below that, the tolerance is beyond rounding
         tables = GluedMetric.of(metric).half_edges(directed=False)
         self.numbers = tables.order_in_memory()
         self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
@@ -107,11 +107,11 @@ class Problem:
 
     def accepts(self, surface: Embedding) -> bool:
         """Whether the residual is within the acceptance tolerance."""
-        return surface.residual <= self.good
+        return surface.residual <= self.acceptance_tolerance
 
     def is_exact(self, surface: Embedding) -> bool:
         """Whether the residual is at the level of rounding, even if the tolerance is looser."""
-        return surface.residual <= min(self.good, PLACED)
+        return surface.residual <= min(self.acceptance_tolerance, PLACED)
 
     # Order and orientation
 

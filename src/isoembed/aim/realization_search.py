@@ -20,7 +20,7 @@ from isoembed.aim.accuracy import REALIZED, SAME
 from isoembed.aim.anneal import Annealed, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
-from isoembed.aim.regularized_continuation import let_go
+from isoembed.aim.regularized_continuation import release_penalty
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.start_points import StartPoint, start_points
 from isoembed.arrays import Floats
@@ -166,7 +166,7 @@ class RealizationSearch:
             if self._least_roughness < roughness:
                 break
             energy, mu = self._energy.finer(vertices), weight * self._unit**2
-            relaxed, _ = let_go(energy, vertices, self.metric.lengths, mu, self.recorder)
+            relaxed, _ = release_penalty(energy, vertices, self.metric.lengths, mu, self.recorder)
             self.polish(relaxed, moves)
         return self._least_roughness < roughness
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
 from isoembed.aim.anneal import anneal
-from isoembed.aim.energy_descent import descended
+from isoembed.aim.energy_descent import minimize_energy
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.schur_complement import Condensation
 from isoembed.aim.search_state import SearchState
@@ -109,7 +109,7 @@ class _ReflectionSearch(SearchState):
         def is_enough(_: Floats) -> bool:
             return descent.exhausted or self.exhausted
 
-        x = descended(self.energy, x, self.lengths, mu, self.recorder, is_enough)
+        x = minimize_energy(self.energy, x, self.lengths, mu, self.recorder, is_enough)
         self.keep(x)
         self.show(x)
         return x

@@ -63,7 +63,7 @@ class FitWithinErrors(Strategy):
         start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
         with pipeline.log.stage("fit within errors") as recorder:
             state = replace(state, measured=fit_within_errors(metric, errors, start, recorder))
-        found = measured_surface(state, pipeline)
+        found = measured_candidate(state, pipeline)
         if not found.converged or has_small_errors(metric):
             return state
         return replace(state, answer=found, is_final=True)
@@ -458,7 +458,7 @@ class SmootherWithinErrors(Strategy):
         return state.measured is not None
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        found, exact = measured_surface(state, pipeline), answered(state)
+        found, exact = measured_candidate(state, pipeline), answered(state)
         if not exact.converged:
             return replace(state, answer=found)
         smoother = exact.surface.fine_roughness < found.surface.fine_roughness
@@ -564,7 +564,7 @@ def has_small_errors(metric: PolyhedralMetric) -> bool:
     return bool(np.max(np.asarray(metric.length_errors)) < SMALL * metric.mean_length)
 
 
-def measured_surface(state: State, pipeline: Pipeline) -> MeasuredSurface:
+def measured_candidate(state: State, pipeline: Pipeline) -> MeasuredSurface:
     """The smooth surface within the errors of the lengths."""
     from isoembed.aim.measured_lengths import measured_surface
 

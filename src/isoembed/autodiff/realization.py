@@ -12,7 +12,7 @@ from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import solve
-from isoembed.methods import configured
+from isoembed.methods import as_method
 from isoembed.nonlinear.acceptance import contraction
 from isoembed.nonlinear.stopping import below
 from isoembed.sheets.derivatives import SheetDerivatives
@@ -154,7 +154,7 @@ class Realization:
             max_iterations=20,
         )
         near = found.value <= 1e-10 * goal.mean()
-        vertices = unit * found.point.x if near else solve(metric, configured("aim")).vertices
+        vertices = unit * found.point.x if near else solve(metric, as_method("aim")).vertices
         return aligned(vertices, given.vertices)
 
     def _given(self, boundary: ArrayLike | None) -> Floats:

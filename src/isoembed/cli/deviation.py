@@ -11,6 +11,7 @@ from isoembed.cli.options import add_json_option, add_merge_option, add_output_o
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
+from isoembed.cli.summary import NEARLY_FLEXES
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, read_surface, write_atomically
@@ -24,7 +25,7 @@ from isoembed.proof.deviation_bound import DeviationBound
 from isoembed.sheets.held import held
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.changes import Changes, root_mean_square
-from isoembed.surface.deviation import Deviation
+from isoembed.surface.deviation import NONLINEAR, Deviation
 from isoembed.surface.estimate import percent
 
 EXAMPLES = (
@@ -147,4 +148,6 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
             f"{name:12}+- {more * root_mean_square(values):.2g}{unit}, "
             f"at most {more * values[worst]:.2g} (at {place} {worst})"
         )
+    if isinstance(found, Deviation) and not found.volume_nonlinearity <= NONLINEAR:
+        lines.append(f"first order is not valid here: {NEARLY_FLEXES}")
     return "\n".join([*lines, meaning])

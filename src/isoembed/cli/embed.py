@@ -18,11 +18,11 @@ from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted, InvalidParameter
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
 from isoembed.io.files import ending
-from isoembed.methods import configuration, method_names
+from isoembed.methods import method_class, method_names
 from isoembed.progress.stages import Listener
 
 WHICH = ("convex", "smoothest")
-"""The values of ``--which`` that are no file."""
+"""The values of ``--which`` that are not a file."""
 
 EXAMPLES = (
     "isoembed embed metric.npz -o surface.ply",
@@ -188,7 +188,7 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
     """The method with its parameters."""
     repair = [] if options.repair is None else [f"repair={options.repair}"]
     name = options.method or ("aim" if options.boundary is None else "sheet")
-    known = parameters(configuration(name))
+    known = parameters(method_class(name))
     if repair and "repair" not in known:
         raise UsageError(f"--repair needs the method 'alexandrov': the method {name!r} has no repair")
     if options.best_fit and "best_fit" not in known:

@@ -6,6 +6,8 @@ from typing import Any
 from isoembed.embedding.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 
+NEARLY_FLEXES = "the surface nearly flexes within the errors of the lengths"
+
 
 def summary(
     embedding: Embedding, found: Mapping[str, Any], *, stages: bool = False, failed: bool = False
@@ -81,7 +83,8 @@ def measure(report: Mapping[str, Any], name: str) -> str:
         return _number(value)
     sigma = report["deviation"][name]
     if value is None or sigma is None:
-        return f"{_number(value)} +- {'infinite' if sigma is None else f'{sigma:.2g}'}"
+        unknown = f"not determined: {NEARLY_FLEXES}"
+        return f"{_number(value)} +- {unknown if sigma is None else f'{sigma:.2g}'}"
     return f"{Estimate(value, sigma).rounded} +- {sigma:.2g}"
 
 

@@ -108,7 +108,7 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     Raises
     ------
     InvalidParameter
-        One is no embedding, the triangles are others, or space is curved.
+        One is not an embedding, the triangles are others, or space is curved.
     """
     for each in (first, second):
         checked_embedding(each)

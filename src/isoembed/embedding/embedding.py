@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 def checked_embedding(given: Any) -> Embedding:
-    """Return what was given, an embedding; raises InvalidParameter if it is none."""
+    """Return the argument if it is an embedding; raises InvalidParameter otherwise."""
     if not isinstance(given, Embedding):
         raise InvalidParameter(
             f"the embedding is a {type(given).__name__}: give what isoembed.embed returns, or "
@@ -424,6 +424,11 @@ class Embedding:
             return float(system.smallest_singular_values(x, normalized.lengths, 1)[0][0])
         except SingularMatrix:
             return 0.0
+
+    @property
+    def _missed(self) -> Floats:
+        """The normalized lengths less those on a surface that is fitted to them, (E,); else zeros."""
+        return np.zeros(len(self.edges))
 
     @property
     def _reported(self) -> Mapping[str, Any]:

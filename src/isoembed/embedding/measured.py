@@ -29,8 +29,7 @@ class MeasuredSurface(Embedding):
     It has converged if its residuals pass two tests: as a whole, `chi_square` is at most `chi_square_limit`,
     and no single one stands out (Baarda's test).  That says that its lengths agree with those given, not that
     no other surface does.  As the fit follows the errors in part, true lengths fail less often than stated.
-    Deviations are of first order, and too small by a factor of about two where a vertex is flat within the
-    errors.
+    Deviations include what the quantities change, to first order, if all lengths are met.
 
     Parameters
     ----------
@@ -52,6 +51,11 @@ class MeasuredSurface(Embedding):
         if self.length_errors is None:
             self._set(length_errors=self.metric.length_errors)
         super().__post_init__()
+
+    @property
+    def _missed(self) -> Floats:
+        """What the fit has smoothed, by which its quantities may be off."""
+        return self.metric.normalized.lengths - self.surface._lengths
 
     @property
     def _standardized(self) -> Floats:

@@ -290,7 +290,14 @@ class Sensitivity:
         """
         sigma = self._flat_errors(errors)
         shared = shared_errors(self._metric.lengths, sigma * self._metric.unit)
-        found = Deviation.of(self._derivatives, self._metric.normalized, self._normalized, sigma, shared)
+        found = Deviation.of(
+            self._derivatives,
+            self._metric.normalized,
+            self._normalized,
+            sigma,
+            shared,
+            self.embedding._missed,
+        )
         return found.scaled(self._metric.unit)
 
     def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
@@ -311,14 +318,16 @@ class Sensitivity:
         sigma = checked_errors(self._metric, errors)
         shared, sigma = shared_errors(self._metric.lengths, sigma), sigma / self._metric.unit
         metric, x = self._metric.normalized, self._normalized
-        t, unit = metric.triangulation, self._metric.unit
-        if not t.is_sphere:
-            return IntegralDeviation.of_sheet(self._derivatives, t, x, sigma, shared).scaled(unit)
-        try:
-            volume_rates = self._derivatives.vjp(volume_gradient(t, x, metric.space))
-        except SingularMatrix:
-            volume_rates = np.full(len(sigma), np.inf)
-        return IntegralDeviation.of(metric, x, sigma, shared, volume_rates).scaled(unit)
+        t, missed = metric.triangulation, self.embedding._missed
+        if t.is_sphere:
+            try:
+                derivatives = self._closed
+            except SingularMatrix:
+                derivatives = None
+            found = IntegralDeviation.of(metric, x, sigma, shared, missed, derivatives)
+        else:
+            found = IntegralDeviation.of_sheet(self._derivatives, t, x, sigma, shared, missed)
+        return found.scaled(self._metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
         """Proven bound on the deviation of a surface in R^3 by errors of its lengths.

@@ -16,7 +16,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.registry import check_output
-from isoembed.methods import configuration
+from isoembed.methods import method_class
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed
@@ -253,7 +253,7 @@ def _space(space: Space, unit: float) -> dict[str, Any] | None:
 def _why_alone(method: str) -> str:
     """Reason why there are no intermediate surfaces."""
     try:
-        found = configuration(method)
+        found = method_class(method)
     except InvalidParameter:  # it was passed as it is
         return ALONE
     return LEAPT if found.keeps_triangles and not found.shows_path else ALONE

@@ -242,7 +242,8 @@ def _least_bending(
 ) -> SheetEmbedding:
     """A surface of least bending; beside it one from another start that bends more, if such was found."""
     energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
-    t, near, starts, stiffnesses = metric.triangulation, None, [], STIFFNESSES
+    t, near, stiffnesses = metric.triangulation, None, STIFFNESSES
+    starts: list[Floats] = []
     is_flexible = t.n_edges <= 3 * t.n_vertices - 6
     is_placed = start is not None
     if start is None:

@@ -18,6 +18,7 @@ from isoembed.relativity.series.shape_sources import ShapeFile
 from isoembed.relativity.series.slice_files import SliceFile
 from isoembed.relativity.series.source import HeldShape, HeldSlice, ShapeSource, SliceSource
 from isoembed.relativity.spacetimes.checks import vector
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.runs import Result, Store, run
 from isoembed.space import EUCLIDEAN, Space
 
@@ -133,6 +134,6 @@ def _slice(position: int, given: Any) -> SliceSource | None:
         return SliceFile(os.fspath(given))
     if isinstance(given, Mapping):
         return GridDataSlice(given)
-    if not hasattr(given, "extrinsic_curvature"):
+    if not isinstance(given, ThreeGeometry):
         raise InvalidParameter(f"moment {position}: expected a slice, not {type(given).__name__}")
     return HeldSlice(given)

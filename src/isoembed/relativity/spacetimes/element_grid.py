@@ -21,6 +21,7 @@ from isoembed.relativity.spacetimes.checks import refuse_points
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 from isoembed.reprs import short_repr
 
+ACROSS = 12  # nodes across a horizon; with 8 none is found, with 9 its area has 4 digits, with 12 six
 BULGE = 0.25  # extents, by which an element may reach beyond the box of its nodes
 
 
@@ -58,7 +59,7 @@ class Element:
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class ElementGrid:
+class ElementGrid(ThreeGeometry):
     """A slice by its values at the nodes of elements.
 
     Attributes
@@ -88,7 +89,7 @@ class ElementGrid:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes needed to interpret the numbers of surfaces in the slice."""
+        """See `ThreeGeometry`."""
         return ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
 
     def metric(self, x: Floats) -> Floats:
@@ -116,6 +117,16 @@ class ElementGrid:
         of the simulation is not in it.
         """
         return np.asarray(quantity(_Polynomials(self, 2)) - quantity(self))  # without the two highest degrees
+
+    def least_diameter(self, x: Floats) -> float:
+        """See `ThreeGeometry`: 12 mean distances between neighboring nodes."""
+        there = [self.elements[k].points for k in np.unique(self.located(x)[0])]
+        return ACROSS * max(
+            float(np.linalg.norm(np.diff(points, axis=axis), axis=-1).mean(axis=axis).max())
+            for points in there
+            for axis in range(3)
+            if points.shape[axis] > 1
+        )
 
     def located(self, x: Floats) -> tuple[Indices, Floats]:
         """Elements that points are in, and their places in the cubes.
@@ -178,7 +189,7 @@ class ElementGrid:
                 found = _inverted(element, x[near], self._trees[k].query(x[near])[1])
                 better = np.abs(found).max(axis=1) < np.abs(place[near]).max(axis=1)
                 which[near[better]], place[near[better]] = k, found[better]
-        # Elements whose maps are no polynomials have gaps between them.
+        # Elements whose maps are not polynomials have gaps between them.
         outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + 1e-3)
         refuse_points(outside, x, f"lies in none of the {len(self.elements)} elements of the slice")
         return which, place

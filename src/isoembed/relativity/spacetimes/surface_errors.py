@@ -76,11 +76,9 @@ class SurfaceErrors:
             averaged=0.3,  # errors of truncation average out in part
             scattered=0.03,
         )
-        if noisy := getattr(own, "deviating", None):
-            base = _quantities(local, center, unit)
-            changes = [quantities(other) - base for other in noisy(local.jet.x)]
-            if changes:
-                errors += cls._of(local, SURE * np.array(changes), weights, unit)
+        base = _quantities(local, center, unit)
+        if changes := [quantities(other) - base for other in own.deviating(local.jet.x)]:
+            errors += cls._of(local, SURE * np.array(changes), weights, unit)
         return errors
 
     @classmethod
