@@ -107,6 +107,15 @@ class SheetEmbedding(Embedding):
     tensions: Floats | None = None
     imbalance: float | None = None
 
+    def _shaped(self, vertices: Floats, message: str) -> SheetEmbedding:
+        """Return a surface that was not solved for; the fits of its curvature are those of this one."""
+        assert isinstance(self.surface, SheetSurface)
+        found = SheetEmbedding(
+            self.metric, vertices, method="", tolerance=1.0, message=message, condition=self.condition
+        )
+        found.surface.__dict__["_energy"] = self.surface._energy
+        return found
+
     def _in_unit_of(self, given: Any) -> SheetEmbedding:
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
         found = super()._in_unit_of(given)
