@@ -259,7 +259,7 @@ def _mesh(given: Any, wanted: str) -> dict[str, Any]:
     Raises
     ------
     InvalidParameter
-        It is none.
+        The object is not a mesh.
     """
     if hasattr(given, "vertices") and hasattr(given, "faces"):
         return of_trimesh(given)

@@ -49,7 +49,7 @@ def method_class(name: str) -> type[Method]:
     Raises
     ------
     InvalidParameter
-        There is none, or the package that brings it has an entry point that leads to none.
+        There is none, or the package that brings it has an invalid entry point.
     """
     if name in METHODS:
         found = EntryPoint(name, METHODS[name], GROUP)

@@ -32,7 +32,7 @@ from isoembed.progress.work import Budget
 WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
 MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
 REDUNDANT = 0.1  # share of a wrong length that its residual shows: if less, no other length contradicts it
-DOUBT = 2.0  # errors: a fit that misses the other lengths by more is no witness against one
+DOUBT = 2.0  # errors: a fit that misses the other lengths by more is not a witness against one
 PROBES = 4  # random vectors that estimate degrees of freedom, to a percent
 
 

@@ -71,7 +71,7 @@ class Motions:
 
     def within(self, distance: float) -> Motions:
         """Motions that reach no farther than a distance, and end where the lengths are nearly right."""
-        # A larger relative defect of lengths is no motion.
+        # A larger relative defect of lengths is not a motion.
         return self[np.flatnonzero((self.reach <= distance) & (self.defect <= 0.5))]
 
     def different(self) -> Motions:

@@ -30,7 +30,7 @@ def metric_on(tables: HalfEdges) -> PolyhedralMetric:
     Raises
     ------
     InvalidMetric
-        They are none, or rounding broke one of them.
+        They are not valid, or rounding broke one of them.
     """
     triangulation = Triangulation(tables.faces)
     lengths = np.empty(triangulation.n_edges)

@@ -66,7 +66,7 @@ class Polytope:
         Without flips the triangles stay as they are, and any edges of theirs may be reflex.
         """
         space = Space(tables.curvature)
-        if not radii.min() > 0:  # not a number is no radius either
+        if not radii.min() > 0:  # not a number is not a radius either
             return None
         # Radii of curvature: hyperbolic sines of longer radii overflow.
         if not radii.max() * space.root < (np.pi if space.curvature > 0 else 100.0):

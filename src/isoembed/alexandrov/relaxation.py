@@ -91,12 +91,12 @@ class Relaxed:
 
     @property
     def is_sure(self) -> bool:
-        """Whether it has no dents, and is no polygon covered twice: flattened, it would miss its lengths."""
+        """Whether it has no dents, and is not a doubly covered polygon, which would miss its lengths."""
         centered = self.vertices - self.vertices.mean(axis=0)
         normal = np.linalg.svd(centered, full_matrices=False)[2][2]
         flattened = worst_length(self.tables, self.vertices - (centered @ normal)[:, None] * normal)
         error = max(worst_length(self.tables, self.vertices), FLAT_IN_FLOATS)
-        # Errors of the lengths, by which a body that is no polygon misses them when flattened.
+        # Errors of the lengths, by which a body that is not a polygon misses them when flattened.
         return self.dent <= DENTED and flattened > 10.0 * error
 
 

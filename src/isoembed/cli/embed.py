@@ -22,7 +22,7 @@ from isoembed.methods import method_class, method_names
 from isoembed.progress.stages import Listener
 
 WHICH = ("convex", "smoothest")
-"""The values of ``--which`` that are no file."""
+"""The values of ``--which`` that are not a file."""
 
 EXAMPLES = (
     "isoembed embed metric.npz -o surface.ply",

@@ -116,7 +116,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_length_error_option(
         parser, ": of a METRIC of triangles; then every energy has a standard deviation by them"
     )
-    add_marginal_options(parser, "of a surface on a grid or in a slice", "by default it is none")
+    add_marginal_options(parser, "of a surface on a grid or in a slice", "by default it is not one")
     add_spacetime_options(parser)
     parser.add_argument(
         "--sphere",

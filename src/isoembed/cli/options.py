@@ -123,7 +123,9 @@ def add_marginal_options(parser: argparse.ArgumentParser, what: str, otherwise: 
         "--marginal", action="store_true", help=f"{what}: it is a horizon, k^2 = p^2 ({otherwise})"
     )
     decision.add_argument(
-        "--not-marginal", action="store_true", help=f"{what}: it is no horizon, k and p are taken as they are"
+        "--not-marginal",
+        action="store_true",
+        help=f"{what}: it is not a horizon; k and p are taken as they are",
     )
 
 

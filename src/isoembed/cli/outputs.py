@@ -89,7 +89,7 @@ def elapsed(options: argparse.Namespace) -> str:
 
 
 def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:
-    """Find out before a computation whether its result can be written here, and is none of the inputs.
+    """Find out before a computation whether its result can be written here, and is not an input.
 
     Raises
     ------

@@ -20,7 +20,7 @@ class OutputError(RuntimeError):
 def print_out(text: str) -> None:
     """Print an answer, with options in place of Python arguments.
 
-    A reader who has gone away (``| head``) is no failure of ours.
+    A reader who has gone away (``| head``) is not a failure of ours.
 
     Raises
     ------

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 def checked_embedding(given: Any) -> Embedding:
-    """Return what was given, an embedding; raises InvalidParameter if it is none."""
+    """Return the argument if it is an embedding; raises InvalidParameter otherwise."""
     if not isinstance(given, Embedding):
         raise InvalidParameter(
             f"the embedding is a {type(given).__name__}: give what isoembed.embed returns, or "
@@ -164,7 +164,7 @@ class Embedding:
         """
         from isoembed.embedding.sensitivity import OF_A_NUMBER
 
-        self.triangulation.check_sphere("error bars are those of", OF_A_NUMBER)
+        self.triangulation.check_sphere("error bars need", OF_A_NUMBER)
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:

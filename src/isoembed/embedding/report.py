@@ -30,7 +30,7 @@ def report(embedding: Embedding) -> dict[str, Any]:
     Raises
     ------
     InvalidParameter
-        It is no embedding.
+        It is not an embedding.
     """
     surface, triangulation = checked_embedding(embedding).surface, embedding.triangulation
     entries = np.sum(triangulation.degrees**2)  # of J J^T

@@ -54,12 +54,12 @@ class Polygon:
         space : Space
             Of the curvature of the plane that it lies in.
         model : {"ambient", "conformal", "projective"}
-            Which coordinates are given, where that is no plane.
+            Which coordinates are given, where that is not a plane.
 
         Raises
         ------
         InvalidMetric
-            It has fewer than three corners, a corner that is no point of the plane or of the model, a side
+            It has fewer than three corners, a corner that is not a point of the plane or of the model, a side
             without length, or it meets itself.
         """
         corners = points_of_the_plane(given, f"polygon {index}").copy()

@@ -185,8 +185,9 @@ def unfold(
         A face is so thin that it lies in no plane, a side is so short that rounding hides it, or the surface
         is in hyperbolic or spherical space.
     InvalidParameter
-        Something is no edge between two faces, an edge is both cut and kept, edges that are kept lead around
-        a vertex, faces that they join overlap or do not fit, or there is no such objective or rectangle.
+        Something is not an edge between two faces, an edge is both cut and kept, edges that are kept lead
+        around a vertex, faces that they join overlap or do not fit, or there is no such objective or
+        rectangle.
 
     References
     ----------

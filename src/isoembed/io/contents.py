@@ -31,7 +31,7 @@ def read(path: str | os.PathLike[str], *, merge: float | None = None) -> Embeddi
     FileError
         The file cannot be read, or its ending is not known.
     InvalidMetric, InvalidParameter
-        What it holds is none of these.
+        It holds none of these.
 
     Warns
     -----

@@ -111,8 +111,8 @@ def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str)
         for fold in own if isinstance(own, list) else [own]:
             if not _is_fold(fold, n):
                 raise FileError(
-                    f"{name}: {str(fold)[:40]} is no fold of polygon {p}: [corner, corner, degrees], between "
-                    f"two of its {n} corners that are not neighbors"
+                    f"{name}: {str(fold)[:40]} is not a fold of polygon {p}: [corner, corner, degrees], "
+                    f"between two of its {n} corners that are not neighbors"
                 )
             chords.append(fold[:2])
             a, b = sorted(fold[:2])

@@ -95,7 +95,7 @@ class _Document:
             node = self.entry("nodes", k)
             seen += 1
             if seen > len(nodes):
-                raise ValueError("its nodes are no tree")
+                raise ValueError("its nodes are not a tree")
             matrix = above @ _matrix(node)
             if "mesh" in node:
                 yield self.entry("meshes", node["mesh"]), matrix
@@ -232,13 +232,13 @@ def _natural(part: Object, key: str, name: str, default: int | None = None) -> i
 def _list(part: Object, key: str) -> list[Any]:
     rows = part.get(key, [])
     if not isinstance(rows, list):
-        raise ValueError(f"its {key} are no list")
+        raise ValueError(f"its {key} are not a list")
     return rows
 
 
 def _object(value: Any, what: str) -> Object:
     if not isinstance(value, dict):
-        raise ValueError(f"{what} is no object")
+        raise ValueError(f"{what} is not an object")
     return value
 
 

@@ -118,7 +118,7 @@ def copy_words(
 @cython.cfunc
 @cython.exceptval(check=False)
 def natural(text: ConstByte[::1], i: Int, separator: Int) -> tuple[cython.longlong, cython.longlong]:
-    """The natural number that the next word is, up to a separator, and its end; -1 if it is none."""
+    """The natural number that the next word is, up to a separator, and its end; -1 if it is not one."""
     i = word_begin(text, i)
     begin = i
     value: Int = 0

@@ -123,7 +123,7 @@ def read(file: InputFile) -> Tables:
     FileError
         It is something else, cut short or damaged.
     InvalidMetric
-        A cell is no polygon.
+        A cell is not a polygon.
     """
     return read_pieces(file, "UnstructuredGrid", _cells)
 

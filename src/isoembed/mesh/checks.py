@@ -100,7 +100,7 @@ def polygon_corners(faces: ArrayLike) -> tuple[Indices, Indices]:
 
 
 def _check_entries(row: Any, what: str, k: int) -> None:
-    """Refuse entries of a row that are no numbers, or too large."""
+    """Refuse entries of a row that are not numbers, or too large."""
     for index in row:
         if isinstance(index, bool) or not isinstance(index, numbers.Real):
             raise InvalidMetric(
@@ -118,7 +118,7 @@ def _rows(values: ArrayLike, what: str) -> list[Any]:
 
 
 def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
-    """Indices as integers, refused at the first that is none; `row` says in which row an entry is."""
+    """Indices as integers, refused at the first that is not one; `row` says in which row an entry is."""
     checks = [
         (indices < 0, "vertex indices must not be negative"),
         (indices > LARGEST, "the index is too large"),
@@ -135,7 +135,7 @@ def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
 
 
 def real_array(given: ArrayLike, what: str, quantity: str) -> Floats:
-    """A float copy of an array of real numbers, refused at the first entry that is none."""
+    """A float copy of an array of real numbers, refused at the first entry that is not one."""
     try:
         values = np.asarray(given)
     except ValueError:  # rows of different sizes
@@ -198,7 +198,7 @@ def check_numbering(faces: Indices) -> None:
 
 
 def check_euler(n_vertices: int, n_faces: int) -> None:
-    """Refuse closed connected surfaces that are no sphere; raises InvalidMetric."""
+    """Refuse closed connected surfaces that are not a sphere; raises InvalidMetric."""
     euler = n_vertices - n_faces // 2
     if euler != 2:
         raise InvalidMetric(

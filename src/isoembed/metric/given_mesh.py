@@ -100,7 +100,7 @@ def triangle_mesh(
 
 
 def merging_advice(points: Floats, faces: ArrayLike, space: Space = EUCLIDEAN) -> str:
-    """The end of a sentence about faces that are no closed surface: vertices that merging makes one.
+    """The end of a sentence about faces that are not a closed surface: vertices that merging makes one.
 
     Merging is tried before it is advised.
     """

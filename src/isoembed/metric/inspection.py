@@ -164,7 +164,7 @@ def _measures(
 
 
 def _surface(metric: PolyhedralMetric, epsilon: Floats) -> Measure:
-    """The kind of a surface that is no sphere, its motions, and the conditions that may fix these."""
+    """The kind of a surface that is not a sphere, its motions, and the conditions that may fix these."""
     t = metric.triangulation
     sizes = [len(loop) for loop in t.boundaries]
     free = 3 * t.n_vertices - 6 - t.n_edges

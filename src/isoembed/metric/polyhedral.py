@@ -149,7 +149,7 @@ class PolyhedralMetric(TriangleMetric):
             As the constructor, and where a coordinate is not finite, a vertex is in no face, or a polygon
             has no area.
         InvalidParameter
-            There is no such model, or a vertex is no point of it.
+            There is no such model, or a vertex is not a point of it.
 
         Warns
         -----

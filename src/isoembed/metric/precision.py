@@ -84,7 +84,7 @@ DESIGNED = 30
 """Fewer different lengths are as likely those of a design as those of a measurement."""
 
 COARSE = 0.01
-"""Standard deviation, in mean lengths, above which the last digit is no rounding."""
+"""Standard deviation, in mean lengths, above which the last digit is not rounding."""
 
 
 SHARE = 0.4

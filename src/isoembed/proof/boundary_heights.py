@@ -109,7 +109,7 @@ def certify(metric: PolyhedralMetric, vertices: Floats, heights: Floats) -> CapC
     Raises
     ------
     InvalidMetric
-        The surface is no disc in R^3.
+        The surface is not a disc in R^3.
     """
     t = metric.triangulation
     if t.euler_characteristic != 1 or len(t.boundaries) != 1 or not metric.space.is_euclidean:

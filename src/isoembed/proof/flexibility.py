@@ -24,7 +24,7 @@ STEPS = 10
 
 KEPT = 1e-12
 """Change of the lengths that may be rounding, in mean edge lengths; also the least singular value of J that
-is no rounding, as its rows have unit entries."""
+is not rounding, as its rows have unit entries."""
 
 
 def described_flex(triangulation: Triangulation, surface: Projected, lengths: Floats) -> str | None:

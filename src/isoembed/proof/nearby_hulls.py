@@ -178,7 +178,7 @@ def _check_discs(t: Triangulation, cells: Cells) -> None:
     if not cells.polygonal.all():
         f = cells.first[np.argmin(cells.polygonal)]
         raise NotProven(
-            f"the faces that may be in one plane with face {f} {t.faces[f].tolist()} are no polygon together"
+            f"the faces that may be in one plane with face {f} {t.faces[f].tolist()} do not form a polygon"
         )
 
 

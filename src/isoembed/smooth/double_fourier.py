@@ -237,7 +237,7 @@ def one_dimensional(angles: ArrayLike, name: str) -> Floats:
     Raises
     ------
     InvalidMetric
-        They are no finite numbers in a row; the message names the first that is not finite.
+        They are not finite numbers in a row; the message names the first that is not finite.
     """
     array = np.asarray(angles)
     if array.ndim != 1 or array.size == 0 or array.dtype.kind not in "iuf":

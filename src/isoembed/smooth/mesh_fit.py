@@ -57,7 +57,7 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
     Raises
     ------
     InvalidMetric
-        The faces are no triangulated sphere, or a triangle is degenerate.
+        The faces are not a triangulated sphere, or a triangle is degenerate.
 
     Notes
     -----

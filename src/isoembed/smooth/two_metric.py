@@ -204,7 +204,7 @@ class PulledBack:
 
 
 def check_two_metric(given: object) -> None:
-    """Refuse with an `InvalidMetric` what is no metric, such as a function."""
+    """Refuse with an `InvalidMetric` what is not a metric, such as a function."""
     if not callable(getattr(given, "tensor", None)):
         advice = (
             "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"

@@ -9,7 +9,7 @@ from isoembed.space import EUCLIDEAN, Space
 def best_rotation(points: Floats, onto: Floats, weights: Floats | None = None) -> Floats:
     """The rotation R (3, 3) for which centered points (n, 3), as ``points @ R``, are nearest to others.
 
-    The sum of squared distances is least, with weights (n,) where they are given.  Reflections are none.
+    The sum of squared distances is least, with weights (n,) where they are given.  Reflections are excluded.
     Kabsch, Acta Cryst. A32 (1976).
     """
     left, _, right = np.linalg.svd((points if weights is None else points * weights[:, None]).T @ onto)

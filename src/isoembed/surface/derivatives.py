@@ -85,7 +85,7 @@ class Variation:
         First derivatives of the dihedral angles.
     area, volume, integrated_mean_curvature : tuple of float
         First and second derivatives of the area, the volume and int H dA = 1/2 sum l theta, of which
-        ``sum l dtheta`` is no part (Schlaefli).
+        ``sum l dtheta`` is not a part (Schlaefli).
     """
 
     velocity: Floats

@@ -213,7 +213,7 @@ def coplanar_faces(
     if error:
         bent = (angles > FLAT_ANGLE + bend_errors(t, vertices, space, error)) | t.boundary_edges
         wide = flat_faces(t, bent[t.face_edges.ravel()])
-        # Many small bends may lead around a surface that is smooth: that is no face.
+        # Many small bends may lead around a surface that is smooth: that is not a face.
         curved = _heights(t, vertices, wide) > 2 * error
         found = np.unique(np.where(curved, len(faces) + found, wide), return_inverse=True)[1]
     return found if found.any() else faces  # of a needle all is doubtful, and a closed surface is no face

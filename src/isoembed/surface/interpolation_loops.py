@@ -118,7 +118,7 @@ def projected(
 ):
     """Targets in the tangent planes at points, in their units, (nnz, 2).
 
-    Not in polar charts: these are no smooth coordinates of a surface that is curved otherwise than a sphere.
+    Not in polar charts: these are not smooth coordinates of a surface that is curved otherwise than a sphere.
     """
     x: Real
     y: Real

@@ -67,7 +67,7 @@ class SmoothIntegrals:
 
     c what is added in each triangle and d the part of it that is lost when the curvatures are fitted by
     cubics instead of quartics: the error of the fits, in its mean and from triangle to triangle, and the size
-    of the next order of the expansion.  It is no bound.  On smooth surfaces that the mesh resolves it is
+    of the next order of the expansion.  It is not a bound.  On smooth surfaces that the mesh resolves it is
     1 to 50 times the error, or more where errors happen to cancel; where curvatures change by their own size
     within an edge it means little.  Where there are too few vertices for a fit, as in solids with a dozen, it
     is the whole times the squared deficits there over their sum.

@@ -29,7 +29,7 @@ from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 
 NoWangYau = InvalidParameter | NotEmbedded | NoMinimum
-"""Why there is no Wang-Yau energy: data are missing, no surface in Minkowski space embeds, or no minimum."""
+"""Absence of a Wang-Yau energy: data are missing, no surface in Minkowski space embeds, or no minimum."""
 
 CONVENTIONS = {
     "units": "geometric, G = c = 1, in the unit of the lengths",

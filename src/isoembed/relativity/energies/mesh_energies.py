@@ -55,7 +55,7 @@ def mesh_energies(
     ------
     InvalidParameter
         Arrays have other shapes, the momentum has no mean curvature beside it, or the unit of length is such
-        that the area is no number.
+        that the area is not a number.
     """
     n = embedding.triangulation.n_vertices
     given = {"mean curvature": mean_curvature, "momentum": momentum}

@@ -128,7 +128,7 @@ def multipole_lines(report: dict[str, Any]) -> Iterator[str]:
 
 
 def checked_order(n: SupportsIndex) -> int:
-    """The highest degree of multipoles; `InvalidParameter` where it is none."""
+    """The highest degree of multipoles; `InvalidParameter` if it is not valid."""
     return checked_count("the highest degree of multipoles", n, 1, ORDERS)
 
 
@@ -145,7 +145,7 @@ def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMu
     Raises
     ------
     InvalidParameter
-        n is no degree.
+        n is not a degree.
     InvalidMetric
         The metric is not positive definite, or so far from round that its conformal sphere was not found.
 

@@ -120,7 +120,7 @@ def classify_horizon(
     ----------
     data : SurfaceData
     marginal : bool, optional
-        Whether it is one; by default `expansion_test` decides.  Without a mean curvature it is none.
+        Whether it is one; by default `expansion_test` decides.  Without a mean curvature it is not one.
     test : ExpansionTest, optional
         That of the data, if it is at hand.
     """

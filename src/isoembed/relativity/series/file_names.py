@@ -63,7 +63,7 @@ def is_pattern(text: str) -> bool:
 def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
     """Files whose names a pattern makes, with the iteration and the time in them.
 
-    Raises `InvalidParameter`: the pattern has other fields, or a format that is none.
+    Raises `InvalidParameter`: the pattern has other fields, or an invalid format.
 
     Parameters
     ----------

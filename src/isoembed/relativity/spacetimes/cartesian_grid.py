@@ -243,7 +243,7 @@ def _six(what: str, given: ArrayLike) -> Floats:
     """The entries (6, nx, ny, nz) of symmetric matrices, read-only."""
     array = array_of(what, given).astype(np.float64, copy=False)
     if array.ndim == 5 and array.shape[:2] == (3, 3):
-        # More is no rounding of a symmetric tensor.
+        # More is not rounding of a symmetric tensor.
         with np.errstate(invalid="ignore"):  # of infinities
             apart = np.abs(array - array.swapaxes(0, 1)) > 1e-10 * np.abs(array).max(axis=(0, 1))
         for i, j in ((0, 1), (0, 2), (1, 2)):

@@ -12,7 +12,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 
 
 def positive_number(what: str, value: float) -> float:
-    """The value as a positive finite number; `InvalidParameter` where it is none."""
+    """The value as a positive finite number; `InvalidParameter` if it is not one."""
     number = numbers(value)
     if number.ndim != 0 or not (isfinite(number) and number > 0.0):
         raise InvalidParameter(f"{what} must be positive, not {value}")

@@ -21,7 +21,7 @@ from isoembed.relativity.spacetimes.checks import refuse_points
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 from isoembed.reprs import short_repr
 
-ACROSS = 12  # nodes across a horizon; with 8 none is found, with 9 its area has 4 digits, with 12 six
+ACROSS = 12  # nodes across a horizon; with 8 none is found, with 9 some, with 12 all, to 4 digits or more
 BULGE = 0.25  # extents, by which an element may reach beyond the box of its nodes
 
 
@@ -189,7 +189,7 @@ class ElementGrid(ThreeGeometry):
                 found = _inverted(element, x[near], self._trees[k].query(x[near])[1])
                 better = np.abs(found).max(axis=1) < np.abs(place[near]).max(axis=1)
                 which[near[better]], place[near[better]] = k, found[better]
-        # Elements whose maps are no polynomials have gaps between them.
+        # Elements whose maps are not polynomials have gaps between them.
         outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + 1e-3)
         refuse_points(outside, x, f"lies in none of the {len(self.elements)} elements of the slice")
         return which, place

@@ -223,7 +223,7 @@ def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:
 
 
 def as_directions(u: ArrayLike) -> Floats:
-    """The directions as an array (n, 3); `InvalidParameter` where they are none."""
+    """The directions as an array (n, 3); `InvalidParameter` if they are not directions."""
     array = numbers(u)
     if array.ndim != 2 or array.shape[1] != 3:
         raise InvalidParameter(f"directions must be unit vectors (n, 3), not an array {array.shape}")

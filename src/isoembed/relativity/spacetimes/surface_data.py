@@ -84,8 +84,8 @@ class SurfaceData:
     Raises
     ------
     InvalidParameter
-        What is given for k, p or K(., n) is no function, and the metric is on no grid; or the relative error
-        is negative or not a number.
+        k, p or K(., n) is not a function, and the metric is not on a grid; or the relative error is negative
+        or not a number.
     InvalidMetric
         Arrays do not fit the grid, hold what is not finite, or their grid is too coarse for them.
     """
@@ -208,7 +208,7 @@ class SurfaceData:
             return given
         if not isinstance(self.metric, GridMetric):
             raise InvalidParameter(
-                f"the {field} is a {type(given).__name__}: with a metric that is on no grid it must be a "
+                f"the {field} is a {type(given).__name__}: with a metric that is not on a grid, it must be a "
                 "function of unit vectors u (n, 3)"
             )
         if field != "normal_momentum":
