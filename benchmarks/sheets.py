@@ -15,8 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed import InvalidMetric, NotEmbedded, PolyhedralMetric, embed
-from isoembed.gallery import SURFACES, triangulate
+from isoembed import NotEmbedded, PolyhedralMetric, embed
 from isoembed.surface.alignment import distance
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
@@ -66,44 +65,12 @@ def bending(options):
         print(f"bending  time grows as V^{exponent:.2f}")
 
 
-def bumpy(points, rng):
-    """A graph with K of both signs."""
-    x, y = points.T
-    a, b, c, d = rng.uniform([1.5, 1.2, 0.15, -0.2], [2.5, 2.2, 0.3, 0.2])
-    return np.column_stack([points, c * np.sin(a * x + 0.3) * np.cos(b * y) + d * x * y])
-
-
-def disc(name, seed):
-    """A random disc: vertices and triangles."""
-    rng = np.random.default_rng(seed)
-    if name == "half":
-        return half(seed, rng)
-    points, faces = discs.irregular(int(rng.integers(60, 250)), seed)
-    return bumpy(points, rng) if name == "bumpy" else discs.round_cap(points, rng.uniform(0.3, 1.5)), faces
-
-
-def half(seed, rng):
-    """The triangles of a gallery body on one side of a random plane through its center that are a disc."""
-    body = list(SURFACES.values())[seed % len(SURFACES)]()
-    vertices, faces = triangulate(body, int(rng.integers(120, 500)), irregular=seed)
-    while True:
-        normal = rng.normal(size=3)
-        kept = faces[((vertices - vertices.mean(axis=0)) @ normal > 0)[faces].all(axis=1)]
-        used, renumbered = np.unique(kept, return_inverse=True)
-        try:
-            t = PolyhedralMetric.from_mesh(vertices[used], renumbered.reshape(-1, 3)).triangulation
-        except InvalidMetric:  # in parts, or two of its triangles have one vertex in common
-            continue
-        if len(t.boundaries) == 1 and t.genus == 0:
-            return vertices[used], t.faces
-
-
 def curves(options):
     """Random discs with a given boundary."""
     for name in ("bumpy", "cap", "half"):
         found, wrong, spent = 0, 0, []
         for seed in range(options.count):
-            x, faces = disc(name, seed)
+            x, faces = discs.random_disc(name, seed)
             metric = PolyhedralMetric.from_mesh(x, faces)
             start = time.process_time()
             try:

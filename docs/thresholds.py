@@ -52,12 +52,12 @@ def table(thresholds: Any) -> str:
 
 
 def whole() -> str:
-    """The tables of the whole package, room by room."""
-    parts, room = [], ""
+    """The tables of the whole package, one subpackage after the other."""
+    parts, package = [], ""
     for module, name, value in everywhere():
-        if module.split(".")[1] != room:
-            room = module.split(".")[1]
-            parts.append(f"## {room}\n")
+        if module.split(".")[1] != package:
+            package = module.split(".")[1]
+            parts.append(f"## {package}\n")
         what = (type(value).__doc__ or name).strip().splitlines()[0]
         parts.append(f"**{what}** `{module}.{name}`\n\n{table(value)}")
     return "\n" + "\n".join(parts)

@@ -20,7 +20,7 @@ STEPS = 20  # of Newton's method, which needs 3 to 6
 
 
 @dataclass(frozen=True, eq=False)
-class TwoPunctures:
+class TwoPunctures(ThreeGeometry):
     """The slice ``gamma_ij = psi^4 delta_ij``, ``K_ij = psi^-2 A_ij`` of two holes at z = d / 2 and - d / 2.
 
     ``psi = 1 + sum_k m_k / (2 r_k) + u``, and the constraint is ``Laplace(u) = - A_ij A_ij psi^-7 / 8``.

@@ -40,9 +40,9 @@ HOSTS = {
 }
 """All hosts that pages link to: a new one is looked at once."""
 
-ROOMS = [found.name for found in pkgutil.walk_packages(isoembed.__path__, "isoembed.") if found.ispkg]
-DOCUMENTED = [name for name in ("isoembed", *ROOMS) if hasattr(importlib.import_module(name), "__all__")]
-"""The rooms that say what is public in ``__all__``."""
+PACKAGES = [found.name for found in pkgutil.walk_packages(isoembed.__path__, "isoembed.") if found.ispkg]
+DOCUMENTED = [name for name in ("isoembed", *PACKAGES) if hasattr(importlib.import_module(name), "__all__")]
+"""The packages that say what is public in ``__all__``."""
 
 
 def test_there_is_code_to_run():
@@ -160,12 +160,12 @@ def is_documented(names, place, name):
     return bool({f"{where}.{name}" for where in (place, home, home.rpartition(".")[0], "isoembed")} & names)
 
 
-@pytest.mark.parametrize("room", DOCUMENTED)
-def test_every_public_name_has_its_place_in_the_reference(room, reference_names):
-    module = importlib.import_module(room)
+@pytest.mark.parametrize("package", DOCUMENTED)
+def test_every_public_name_has_its_place_in_the_reference(package, reference_names):
+    module = importlib.import_module(package)
     for name in module.__all__:
         has_page = inspect.ismodule(getattr(module, name))
-        assert has_page or name.startswith("__") or is_documented(reference_names, room, name), name
+        assert has_page or name.startswith("__") or is_documented(reference_names, package, name), name
 
 
 def test_the_reference_has_no_name_that_is_gone(reference_names):

@@ -17,7 +17,7 @@ from isoembed.aim.paper import Paper
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import NotEmbedded
 from isoembed.io import FileError
-from isoembed.methods import configured, method_names
+from isoembed.methods import as_method, method_names
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import distance
@@ -38,7 +38,7 @@ def test_by_name_or_configured(method):
     assert (isoembed.embed(metric(), method=configuration).vertices == by_name.vertices).all()
     assert by_name.method == method
     assert by_name.converged
-    assert configured(configuration) is configuration
+    assert as_method(configuration) is configuration
 
 
 def test_meshes_are_taken_by_their_lengths():
@@ -87,7 +87,7 @@ def test_what_is_unfolded_is_glued(tmp_path, ending):
     path = tmp_path / f"net{ending}"
     unfolding.save(path)
     assert isoembed.glue(path).n_vertices == 8
-    with pytest.raises(InvalidParameter, match="corners goes with polygons"):
+    with pytest.raises(InvalidParameter, match="corners can be given only with arrays"):
         isoembed.glue(path, corners=["abc"])
 
 

@@ -1,4 +1,4 @@
-"""From lengths to a surface: isometric embedding of polyhedral metrics in Euclidean 3-space.
+"""Isometric embedding of polyhedral metrics in Euclidean 3-space: from lengths to a surface.
 
 Give the triangles of a surface and the length of every edge; get the surface back::
 
@@ -15,5 +15,18 @@ import lazy_loader
 
 from isoembed.version import __version__ as __version__
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_imported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 __all__ = ["__version__", *__all__]
+
+
+def __getattr__(name: str) -> object:
+    try:
+        return _imported(name)
+    except AttributeError:
+        if name.startswith("_"):
+            raise
+        from isoembed.similar_names import did_you_mean
+
+        raise AttributeError(
+            f"module 'isoembed' has no attribute {name!r}{did_you_mean(name, __all__)}"
+        ) from None

@@ -1,3 +1,4 @@
+from . import autodiff as autodiff
 from . import gallery as gallery
 from . import io as io
 from . import papercraft as papercraft

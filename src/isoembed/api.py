@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import TOLERANCE, Method, solve
-from isoembed.methods import configuration, configured
+from isoembed.methods import as_method, method_class
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -43,10 +43,10 @@ def embed(
     Parameters
     ----------
     metric : PolyhedralMetric, GluedMetric, path, or a mesh
-        Of curvature 0, unless it says otherwise: the surface then is in R^3.  A path is that of a metric, a
-        mesh or a net.  Of a mesh, which is a tuple (vertices, faces), a ``trimesh.Trimesh``, a
-        ``pyvista.PolyData`` or a surface of this package, the lengths are taken and the coordinates thrown
-        away.
+        The metric, or a file or mesh to take it from.  A flat metric, which is the default, gives a surface
+        in R^3.  A path is that of a metric, a mesh or a net.  From a mesh, which is a tuple
+        (vertices, faces), a ``trimesh.Trimesh``, a ``pyvista.PolyData`` or a surface of this package, only
+        the lengths are taken.  A triangulation by `isoembed.smooth.triangulate_metric` has its own metric.
     method : {"aim", "paper", "alexandrov", "sheet"}, the name of an installed method, or a Method, optional
         ``"aim"`` is `isoembed.Aim`, the default; ``"paper"`` is `isoembed.Paper`, AIM as printed.  Both keep
         the given triangles.  ``"alexandrov"`` is `isoembed.Alexandrov`, the exact convex polyhedron of a
@@ -62,15 +62,14 @@ def embed(
         within the errors, by a chi-square test, which is what converged then means.  Errors of zero take the
         lengths as exact, even if their digits show that they were rounded.
     boundary : {"free", "plane"} or array_like, shape (B,) or (B, 3), optional
-        Of a surface with boundary or of higher genus, in the place of a method: ``"free"`` for one of least
-        bending, ``"plane"`` for the convex cap, heights or positions of the boundary; see `isoembed.Sheet`.
-        The surface then is a `SheetEmbedding`.
+        Condition at the boundary of a surface with boundary or of higher genus, instead of a method:
+        ``"free"`` for one of least bending, ``"plane"`` for the convex cap, heights or positions of the
+        boundary; see `isoembed.Sheet`.  The surface then is a `SheetEmbedding`.
     start : array_like, shape (V, 3), optional
         A surface to start from, with `boundary`.
     progress : callable, optional
-        Receives an `isoembed.progress.stages.Progress` as the computation goes, which holds the checkpoint
-        by then.  If it raises an exception, that ends the computation; a `KeyboardInterrupt` does as Ctrl-C
-        does.
+        Called with an `isoembed.progress.stages.Progress`, which includes the latest checkpoint.  An
+        exception raised by it stops the computation; `KeyboardInterrupt` has the effect of Ctrl-C.
     resume : Checkpoint, optional
         Where an interrupted run with the same metric, method and tolerance is to go on.
 
@@ -104,8 +103,8 @@ def embed(
     how: dict[str, Any] = {"tolerance": tolerance, "progress": progress, "resume": resume}
     if boundary is not None:
         if method is not None:
-            raise InvalidParameter("a boundary takes the place of a method: give no method beside it")
-        kind: Any = configuration("sheet")
+            raise InvalidParameter("give either boundary or method, not both")
+        kind: Any = method_class("sheet")
         own = given.simplicial() if isinstance(given, GluedMetric) else given
         return solve(own, kind(boundary, start), length_errors=length_errors, **how)
     if start is not None:
@@ -118,7 +117,7 @@ def embed(
         if isinstance(given, Net) and length_errors is None:
             return embed_net(given, **how)
         method = "alexandrov"
-    return solve(given, configured(method or "aim"), length_errors=length_errors, **how)
+    return solve(given, as_method(method or "aim"), length_errors=length_errors, **how)
 
 
 def glue(
@@ -171,7 +170,9 @@ def glue(
         given["any_surface"] = any_surface or None
         for name, value in given.items():
             if value is not None:
-                raise InvalidParameter(f"{name} goes with polygons: what is given says it already")
+                raise InvalidParameter(
+                    f"{name} can be given only with arrays of corners; a file or an unfolding has its own"
+                )
     if isinstance(polygons, Unfolding):
         return polygons.net
     if isinstance(polygons, str | os.PathLike):
@@ -245,16 +246,20 @@ def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
         from isoembed.io.net import holds_net, read_net
 
         return read_net(given) if holds_net(given) else read_metric(given, any_surface=True)
+    if isinstance(made := getattr(given, "metric", None), PolyhedralMetric) and not hasattr(
+        given, "vertices"
+    ):
+        return made  # of a triangulation by `isoembed.smooth.triangulate_metric`
     return PolyhedralMetric.from_mesh(**_mesh(given, "metric"))
 
 
 def _mesh(given: Any, wanted: str) -> dict[str, Any]:
-    """What `PolyhedralMetric.from_mesh` takes of a mesh.
+    """Arguments of `PolyhedralMetric.from_mesh` for a mesh.
 
     Raises
     ------
     InvalidParameter
-        It is none.
+        The object is not a mesh.
     """
     if hasattr(given, "vertices") and hasattr(given, "faces"):
         return of_trimesh(given)

@@ -1,7 +1,4 @@
-"""Exceptions and warnings.
-
-And what is said about a mesh that is taken all the same.
-"""
+"""Exceptions and warnings, including notes on meshes that are accepted after a change."""
 
 from __future__ import annotations
 
@@ -21,14 +18,14 @@ SEARCHED = Evidence("searched", "the search that the message describes")
 
 
 class InvalidMetric(ValueError):  # noqa: N818 - the contract's name
-    """The input is not a polyhedral metric on the sphere.
+    """The input is not a valid polyhedral metric.
 
     The message is one sentence that names the first offending vertex, edge or face by its index and value.
     """
 
 
 class MeshNote(UserWarning):
-    """Something about a mesh, or a change of it, that one should know; a sentence."""
+    """A property of a mesh, or a change of it, that the user should know; a sentence."""
 
 
 def warn_of_mesh(note: str) -> None:

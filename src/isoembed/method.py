@@ -59,7 +59,7 @@ class Method(ABC):
     shows_path: ClassVar[bool] = False
 
     def scaled(self, factor: float) -> Self:
-        """The method with every parameter that has the unit of the lengths times a factor."""
+        """Copy of the method with all length-valued parameters multiplied by a factor."""
         return self
 
     @abstractmethod
@@ -82,7 +82,7 @@ class Method(ABC):
         Raises
         ------
         InvalidMetric
-            The metric is none that the method takes.
+            The method does not take this metric.
         NotEmbedded
             No surface was found; the exception holds the best attempt.
         """
@@ -97,7 +97,7 @@ def solve(
     progress: Listener | None = None,
     resume: Checkpoint | None = None,
 ) -> Embedding:
-    """Embed a metric by a method, as `isoembed.embed` does with what it is given."""
+    """Check a metric and a method against each other, normalize the unit, and run the method."""
     if isinstance(metric, GluedMetric) and not method.takes_glued:
         raise InvalidParameter(
             f"the method {method.name!r} keeps the given triangles, and those of a glued metric need not be "
@@ -108,16 +108,15 @@ def solve(
     mesh = metric.triangulation if isinstance(metric, PolyhedralMetric) else None
     if mesh and mesh.n_faces == 2 and mesh.is_closed and not method.takes_doubly_covered:
         raise InvalidParameter(
-            f"the metric is a triangle covered twice, which the method {method.name!r} does not embed: "
+            f"the metric is a doubly covered triangle, which the method {method.name!r} does not embed: "
             'take the method "alexandrov"'
         )
     if mesh and not method.takes_boundary:
         try:
             mesh.check_sphere()
         except InvalidMetric as error:
-            raise InvalidMetric(
-                f"{error}; boundary='free' is for such surfaces, boundary='plane' for convex caps"
-            ) from None
+            caps = "" if mesh.is_closed else ", boundary='plane' for convex caps"
+            raise InvalidMetric(f"{error}; boundary='free' is for such surfaces{caps}") from None
     if metric.curvature and not method.takes_curved:
         raise InvalidParameter(
             f"the metric has the curvature {metric.curvature:.6g}, and the method {method.name!r} embeds in "
@@ -127,15 +126,11 @@ def solve(
         raise InvalidParameter(f"the tolerance is {tolerance!r}, not a positive finite number")
     if length_errors is not None:
         if isinstance(metric, GluedMetric):
-            raise InvalidParameter(
-                "errors of the lengths of a glued metric do not take part in its embedding"
-            )
+            raise InvalidParameter("length_errors are not supported for a GluedMetric")
         metric = metric.with_length_errors(length_errors)
     if getattr(metric, "length_errors", None) is not None and not method.takes_length_errors:
         if method.takes_boundary:
-            raise InvalidParameter(
-                "length_errors of surfaces with boundary are taken with boundary='plane' only"
-            )
+            raise InvalidParameter("for a surface with boundary, length_errors requires boundary='plane'")
         raise InvalidParameter(
             f"the method {method.name!r} takes lengths as exact: embed without length_errors, and take "
             "embedding.with_length_errors(errors) for error bars"

@@ -16,13 +16,13 @@ METHODS = {
     "alexandrov": "isoembed.alexandrov.method:Alexandrov",
     "sheet": "isoembed.sheets.method:Sheet",
 }
-"""Where the methods of this package are; they are imported on first use."""
+"""Entry points of the methods of this package, which are imported on first use."""
 
 GROUP = "isoembed.methods"
 """The entry points under which other packages bring theirs."""
 
 
-def configured(method: str | Method) -> Method:
+def as_method(method: str | Method) -> Method:
     """The method of this name with its default parameters, or the given method itself.
 
     Raises
@@ -31,7 +31,7 @@ def configured(method: str | Method) -> Method:
         There is no such method.
     """
     if isinstance(method, str):
-        kind = configuration(method)
+        kind = method_class(method)
         try:
             return kind()
         except TypeError as error:  # a parameter without a default
@@ -43,13 +43,13 @@ def configured(method: str | Method) -> Method:
     return method
 
 
-def configuration(name: str) -> type[Method]:
+def method_class(name: str) -> type[Method]:
     """The class of the method of this name.
 
     Raises
     ------
     InvalidParameter
-        There is none, or the package that brings it has an entry point that leads to none.
+        There is none, or the package that brings it has an invalid entry point.
     """
     if name in METHODS:
         found = EntryPoint(name, METHODS[name], GROUP)

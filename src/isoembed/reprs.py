@@ -35,7 +35,7 @@ def _repr(self: Any) -> str:
 
 
 def html_table(self: Any) -> str:
-    """What such a dataclass shows in a notebook."""
+    """Table for a dataclass in a notebook."""
     from html import escape  # slow to import, and seldom needed
 
     rows = "".join(

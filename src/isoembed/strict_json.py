@@ -9,7 +9,7 @@ import numpy as np
 
 
 def plain(value: Any) -> Any:
-    """What JSON can hold: arrays as lists, and None in the place of a number that is not finite."""
+    """Convert to what JSON can hold: arrays to lists, and numbers that are not finite to None."""
     if isinstance(value, Mapping):
         return {str(key): plain(each) for key, each in value.items()}
     if isinstance(value, np.ndarray | np.generic):
@@ -20,5 +20,5 @@ def plain(value: Any) -> Any:
 
 
 def strict_json(document: Any, indent: int | None = None) -> str:
-    """Text of a document in JSON, with null in the place of a number that is not finite."""
+    """Text of a document in JSON, with null in place of a number that is not finite."""
     return json.dumps(plain(document), indent=indent, allow_nan=False)

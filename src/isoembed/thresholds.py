@@ -32,6 +32,6 @@ def rows(thresholds: Any) -> Iterator[tuple[str, Any, str, str]]:
 
 
 def rounded_up(value: float, digits: int = 2) -> str:
-    """A positive number in so many significant digits, not less than it: for who is to give it back to us."""
+    """Text of a positive number rounded up to some significant digits, so that a user can pass it back."""
     last = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
     return f"{math.ceil(value / last) * last:.{digits - 1}e}"

@@ -3,7 +3,7 @@
 import numpy as np
 
 import smooth_bodies
-from isoembed.aim.energy_descent import descended
+from isoembed.aim.energy_descent import minimize_energy
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.gallery import HarmonicSurface, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -25,7 +25,7 @@ def test_it_ends_at_a_minimum_where_gauss_newton_steps_do_not():
 
     found = x = vertices
     for _ in range(4):  # each ends where a step gains little
-        found = descended(energy, found, lengths, mu, recorder, lambda _: False)
+        found = minimize_energy(energy, found, lengths, mu, recorder, lambda _: False)
     for _ in range(recorder.factorizations):
         x = energy.relaxed(x, lengths, mu, 0.0, smooth_bodies.recorder())
     assert slope(found) < 1e-9 * min(slope(vertices), slope(x))
@@ -36,6 +36,8 @@ def test_it_stops_when_told():
     vertices, faces = triangulate(HarmonicSurface(2, 2, 0.3), 150)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     energy, recorder = RegularizedEnergy(metric, vertices), smooth_bodies.recorder()
-    found = descended(energy, vertices, metric.lengths, 1.0, recorder, lambda _: recorder.factorizations == 2)
+    found = minimize_energy(
+        energy, vertices, metric.lengths, 1.0, recorder, lambda _: recorder.factorizations == 2
+    )
     assert recorder.factorizations == 2
     assert energy.value(found, metric.lengths, 1.0) < energy.value(vertices, metric.lengths, 1.0)

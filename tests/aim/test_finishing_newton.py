@@ -6,7 +6,7 @@ import pytest
 import smooth_bodies
 import zoo
 from isoembed.aim.anneal import anneal
-from isoembed.aim.finishing_newton import completed
+from isoembed.aim.finishing_newton import finish
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
@@ -32,7 +32,7 @@ def test_flat_vertices_come_out_of_their_faces(height):
     system = LengthSystem(metric.triangulation)
     recorder = smooth_bodies.recorder()
     assert anneal(system, flat, metric.lengths, recorder).residual > 1e-8  # J is singular there
-    found = completed(system, flat, metric.lengths, recorder, lambda _: False)
+    found = finish(system, flat, metric.lengths, recorder, lambda _: False)
     errors = length_residuals(metric.triangulation, found, metric.lengths)
     assert np.abs(errors).max() < 1e-11 * metric.mean_length
     assert np.abs(found[-3:] - flat[-3:]).max() > height / 3
@@ -42,6 +42,6 @@ def test_nothing_is_tried_when_no_more_may_be_spent():
     vertices, faces = with_a_vertex_on_some_faces(0.03)
     metric, (flat, _) = PolyhedralMetric.from_mesh(vertices, faces), with_a_vertex_on_some_faces(0.0)
     recorder = smooth_bodies.recorder()
-    found = completed(LengthSystem(metric.triangulation), flat, metric.lengths, recorder, lambda _: True)
+    found = finish(LengthSystem(metric.triangulation), flat, metric.lengths, recorder, lambda _: True)
     assert found is flat
     assert recorder.factorizations == 0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import smooth_bodies
-from isoembed.aim.energy_descent import descended
+from isoembed.aim.energy_descent import minimize_energy
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.schur_complement import Condensation
 from isoembed.gallery import HarmonicSurface, triangulate
@@ -26,7 +26,7 @@ def minimum():
     lengths = metric.lengths * (1 + 1e-3 * errors)
     energy, x = RegularizedEnergy(metric, vertices), vertices / metric.unit
     for _ in range(4):
-        x = descended(energy, x, lengths, MU, smooth_bodies.recorder(), lambda _: False)
+        x = minimize_energy(energy, x, lengths, MU, smooth_bodies.recorder(), lambda _: False)
     return energy, lengths, x
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import smooth_bodies
 from isoembed.aim import vertex_reflections as module
-from isoembed.aim.energy_descent import descended
+from isoembed.aim.energy_descent import minimize_energy
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.schur_complement import Condensation
 from isoembed.aim.vertex_reflections import PROMISE, SHALLOW, SIDE_RINGS, ReflectionTrials, reflections
@@ -27,7 +27,7 @@ def surface():
     )
     energy = RegularizedEnergy(metric, vertices)
     for _ in range(4):
-        x = descended(energy, x, lengths, MU, smooth_bodies.recorder(), lambda _: False)
+        x = minimize_energy(energy, x, lengths, MU, smooth_bodies.recorder(), lambda _: False)
     return Condensation(energy, x, lengths, MU, lambda _: None)
 
 

@@ -19,7 +19,7 @@ from isoembed.alexandrov.homotopy import follow_path
 from isoembed.alexandrov.lengths import worst_length
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.metric.curvature import Triangles
+from isoembed.metric.triangles import Triangles
 from isoembed.progress.stages import Log
 from isoembed.space import Space
 from isoembed.space.models import from_model

@@ -55,7 +55,7 @@ def test_refusals(surface):
     with pytest.raises(isoembed.InvalidParameter, match="the lengths have the shape"):
         Realization(surface)(np.ones(3))
     wrong = isoembed.Embedding(surface.metric, 2 * surface.vertices, method="given", tolerance=1e-10)
-    with pytest.raises(isoembed.InvalidParameter, match="the surface is none to begin from"):
+    with pytest.raises(isoembed.InvalidParameter, match="cannot start from this surface"):
         Realization(wrong)
     metric = isoembed.PolyhedralMetric(surface.faces, surface.metric.lengths, curvature=-0.1)
     with pytest.raises(isoembed.InvalidParameter, match="not in R"):

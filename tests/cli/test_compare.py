@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import discs
 import isoembed
 import zoo
 from isoembed.embedding.comparison import stated
@@ -91,3 +92,20 @@ def test_flat_surfaces_have_no_volume_to_compare_with(call):
     status, out, _ = call("compare", "flat.npz", "flat.npz")
     assert status == 3
     assert "\nvolume      0\n" in out
+
+
+def test_caps(call):
+    points, faces = discs.hexagonal(3)
+    x = discs.round_cap(points, 1.0)
+    write_metric("cap.npz", isoembed.PolyhedralMetric.from_mesh(x, faces))
+    for name, condition in (("free", "free"), ("flat", "plane")):
+        assert call("embed", "cap.npz", "--boundary", condition, "-o", f"{name}.npz")[0] == 0
+    status, out, _ = call("compare", "free.npz", "flat.npz", "cap.npz")
+    assert status == 3
+    assert "because proofs about two surfaces need closed surfaces of genus 0" in out
+    assert "int H dA" in out and "volume" not in out
+    report = strict(call("compare", "free.npz", "flat.npz", "--json")[1])
+    assert report["difference"]["volume"] is None
+    free, flat = (read_surface(f"{name}.npz") for name in ("free", "flat"))
+    found = isoembed.compare(free, flat)
+    assert report["distance"] == pytest.approx(found.distance) != 0

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+import discs
 import isoembed
 import zoo
 from isoembed.gallery import CassiniPeanut, triangulate
-from isoembed.io import read_surface
+from isoembed.io import read_surface, write_metric
 from strict_json import strict
 
 
@@ -77,3 +78,44 @@ def test_flat_vertex(call):
     np.savez("flat.npz", vertices=np.vstack([x, x[faces[0]].mean(axis=0)]), faces=split)
     status, out, err = call("deviation", "flat.npz", "--length-error", "1e-4")
     assert (status, out) == (2, "") and "is not infinitesimally rigid" in err
+
+
+def test_what_holds_a_boundary(call):
+    points, faces = discs.hexagonal(3)
+    x = discs.round_cap(points, 1.0)
+    metric = isoembed.PolyhedralMetric.from_mesh(x, faces)
+    [loop] = metric.triangulation.boundaries
+    write_metric("cap.npz", metric)
+    np.save("curve.npy", x[loop])
+    np.save("heights.npy", x[loop, 2])
+    for name in ("free", "plane", "curve.npy", "heights.npy"):
+        assert call("embed", "cap.npz", "--boundary", name, "-o", "c.npz", "--quiet")[0] == 0
+        status, out, _ = call("deviation", "c.npz", "--length-error", "1e-4", "--boundary", name, "--json")
+        given = np.load(name) if name.endswith("npy") else name
+        expected = isoembed.Sensitivity(isoembed.embed(metric, boundary=given)).deviation(1e-4).report
+        found = strict(out)
+        assert status == 0 and found["volume"] is None
+        assert found["vertices_rms"] == pytest.approx(expected["vertices_rms"], rel=1e-6)
+        assert found["integrated_mean_curvature"] == pytest.approx(expected["integrated_mean_curvature"])
+    out = call("deviation", "c.npz", "--length-error", "1e-4", "--boundary", "plane")[1]
+    assert "int H dA" in out and "volume" not in out
+
+
+def test_conditions_that_do_not_suit(call, peanut):
+    points, faces = discs.hexagonal(3)
+    x = discs.round_cap(points, 1.0)
+    np.savez("c.npz", vertices=x, faces=faces)
+    np.save("two.npy", np.zeros(2))
+    np.save("heights.npy", np.arange(18.0))
+    for arguments, words in (
+        (("c.npz",), "c.npz has a boundary: --boundary says what holds it there"),
+        (("s.npz", "--boundary", "free"), "s.npz is closed"),
+        (("c.npz", "--boundary", "two.npy"), "two.npy has the shape (2,), not (18,) or (18, 3)"),
+        (
+            ("c.npz", "--boundary", "heights.npy"),
+            "the boundary is not at the heights of 'heights': its vertex",
+        ),
+        (("c.npz", "--boundary", "free"), "the forces of bending are balanced to"),
+    ):
+        status, _, err = call("deviation", *arguments, "--length-error", "1e-4")
+        assert status == 2 and words in err and err.count("\n") == 1

@@ -143,7 +143,7 @@ REFUSED = [
     (["h.gp", "--geometry", "kerr-schild", "--mass", -1], "the mass"),
     (["h.gp", "--geometry", "kerr-schild", "--mass", "nan"], "the mass"),
     (["h.gp", "--geometry", "kerr-schild", "--spin", 0, 0], "--spin: expected 3 arguments"),
-    (["h.gp", *KERR_SCHILD, "--axis", 0, 0, 0], "--axis 0 0 0 is no axis"),
+    (["h.gp", *KERR_SCHILD, "--axis", 0, 0, 0], "--axis 0 0 0 is not an axis"),
     (["grid.npz", "--axis", 0, 0, 1], "grid.npz holds no coordinates that an --axis could be given in"),
     (["h.gp", *KERR_SCHILD[:2], "--vertices", 11], "--vertices must be at least 12, not 11"),
     (["bad.gp", *KERR_SCHILD], "bad.gp"),
@@ -288,4 +288,4 @@ def test_refusals_of_files_with_several_name_the_option(run):
     assert "AhC_Ylm.dat holds the coordinates of 512 points of a horizon, but no metric" in err
     status, _, err = run("h.t0.ah1.gp", "--time", "1.5", *KERR_SCHILD)
     assert status == 2
-    assert "--time and --surface are for SpECTRE's files, and h.t0.ah1.gp is none" in err
+    assert "--time and --surface are for SpECTRE's files, and h.t0.ah1.gp is not one" in err

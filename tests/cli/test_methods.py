@@ -90,7 +90,7 @@ def test_a_method_of_another_package_does_what_ours_do(run):
         report = json.load(file)
     assert (report["method"], report["message"]) == ("turned", "x 2.5")
     with open("p.html") as file:
-        assert "The method leaped to this surface" in file.read()  # it keeps the triangles, and shows no path
+        assert "This method reached the surface in one step" in file.read()
 
 
 @pytest.mark.parametrize(

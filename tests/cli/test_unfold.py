@@ -105,7 +105,7 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             "--paper is for nets on pages (.svg .pdf .dxf .html)",
         ),
         (["cube.ply", "-o", "a.json", "--numbers"], "--numbers is for nets on pages (.svg .pdf .dxf .html)"),
-        (["cube.ply", "-o", "a.svg", "--scale", "3", "--size", "3"], "give one of them"),
+        (["cube.ply", "-o", "a.svg", "--scale", "3", "--size", "3"], "not both"),
         (["cube.ply", "-o", "a.svg", "--paper", "A9"], "paper is 'A9', not one of A0, A1,"),
         (
             ["cube.ply", "-o", "a.svg", "--scale", "300"],
@@ -124,7 +124,7 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
         ),
         (["cube.ply", "-o", "a.svg", "--size", "25cm"], "argument --size: '25cm' is not a number (see"),
         (["cube.ply", "-o", "a.svg", "--kerf", "0,15"], "'0,15' is not a number: write a point for"),
-        (["cube.ply", "-o", "a.svg", "--cut", "0-0"], "cut[0] (0, 0) is no edge between two faces"),
+        (["cube.ply", "-o", "a.svg", "--cut", "0-0"], "cut[0] (0, 0) is not an edge between two faces"),
         (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0.0, not a positive finite number"),
         (["nothing.ply", "-o", "a.svg"], "there is no file nothing.ply"),
         (["metric.npz", "-o", "a.svg"], "metric.npz is a metric without vertices"),

@@ -9,6 +9,7 @@ from urllib.parse import urlparse
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import zoo
 from isoembed.cli import main
@@ -113,12 +114,30 @@ def test_without_an_output_the_browser_opens(opened, folder, monkeypatch, capsys
     assert ("no browser could be opened" in said) != opened
 
 
+def test_a_series_is_a_page_with_a_slider_or_a_film(folder):
+    vertices, faces = zoo.cube()
+    for k in (1, 2, 3):
+        write(f"{k}.ply", vertices=vertices * [1.0, 1.0, k], faces=faces)
+    assert main(["view", "1.ply", "2.ply", "3.ply", "-o", "a.html"]) == 0
+    page = (folder / "a.html").read_text()
+    assert '"stage": "1"' in page and '"stage": "2"' in page and "<h1>3.ply</h1>" in page
+    assert main(["view", "1.ply", "2.ply", "-o", "a.gif"]) == 0
+    with Image.open("a.gif") as film:
+        assert film.n_frames == 5 + 30  # half a second from one to the other, and a turn
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["metric.npz"], "metric.npz is a metric without vertices: embed it first, with 'isoembed embed"),
         (["nothing.ply"], "there is no file nothing.ply"),
-        (["cube.ply", "-o", "a.gif"], "a.gif has the ending '.gif', not one of .html .png .svg .pdf"),
+        (
+            ["cube.ply", "-o", "a.txt"],
+            "a.txt has the ending '.txt', not one of .html .png .svg .pdf .gif .mp4",
+        ),
+        (["cube.ply", "cube.ply", "-o", "a.png"], "a picture shows a single surface"),
+        (["cube.ply", "torus.off", "-o", "a.gif"], "torus.off has 20 vertices, cube.ply has 8"),
+        (["cube.ply", "-o", "a.gif", "--color", "residual"], "--color is for pictures"),
         (["cube.ply", "-o", "no/a.html"], "there is no folder"),
         (["cube.ply", "--color", "residual"], "--color is for pictures"),
         (["cube.ply", "-o", "a.html", "--color", "residual"], "--color is for pictures"),

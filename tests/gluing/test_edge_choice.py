@@ -141,12 +141,12 @@ def test_two_squares_that_fit_exactly():
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"cut": [(0, 6)]}, r"cut\[0\] \(0, 6\) is no edge between two faces"),
+        ({"cut": [(0, 6)]}, r"cut\[0\] \(0, 6\) is not an edge between two faces"),
         (
             {"cut": [(0, 1), (0, 2)]},
-            r"cut\[1\] \(0, 2\) is no edge between .* at an angle; those of vertex 0 lead to \d",
+            r"cut\[1\] \(0, 2\) is not an edge between .* at an angle; those of vertex 0 lead to \d",
         ),
-        ({"keep": [(0, 99)]}, r"keep\[0\] \(0, 99\) is no edge"),
+        ({"keep": [(0, 99)]}, r"keep\[0\] \(0, 99\) is not an edge"),
         ({"keep": [3]}, r"keep\[0\] is 3, not a pair of vertex numbers"),
         ({"keep": [(0, 1.5)]}, r"keep\[0\] is \(0, 1\.5\), not a pair of vertex numbers"),
         ({"cut": [(0, 1)], "keep": [(1, 2), (1, 0)]}, r"keep\[1\] \(1, 0\) is in cut, too"),
@@ -160,7 +160,7 @@ def test_two_squares_that_fit_exactly():
         ),
         (
             {"keep": [(0, 1), (1, 2), (2, 3)], "objective": "strips"},
-            r"the edge \(\d, \d\) cannot be kept: .* are no strip",
+            r"the edge \(\d, \d\) cannot be kept: .* are not a strip",
         ),
         ({"within": (1.0, 0.0)}, r"within is \(1\.0, 0\.0\), not the width and height of a rectangle"),
         ({"within": 2.0}, r"within is 2\.0, not the width and height of a rectangle"),

@@ -165,5 +165,5 @@ def test_a_boundary_is_no_edge_to_cut_or_keep():
     vertices = np.array([[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1]])
     assert len(unfold((vertices, PYRAMID), cut=[(0, 4)]).sides) == 1
     for chosen in ({"cut": [(0, 1)]}, {"keep": [(0, 1)]}):
-        with pytest.raises(InvalidParameter, match=r"\[0\] \(0, 1\) is no edge between two faces"):
+        with pytest.raises(InvalidParameter, match=r"\[0\] \(0, 1\) is not an edge between two faces"):
             unfold((vertices, PYRAMID), **chosen)

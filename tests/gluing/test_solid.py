@@ -103,9 +103,9 @@ def test_without_folds_a_net_that_is_not_convex_is_refused(tmp_path):
     ("changes", "sentence"),
     [
         ({"folds": 3}, "the folds of .* are not 1 lists"),
-        ({"folds": [[[0, 1, 90.0]]]}, "is no fold of polygon 0"),
-        ({"folds": [[[0, 99, 90.0]]]}, "is no fold of polygon 0"),
-        ({"folds": [[[0, 3, 190.0]]]}, "is no fold of polygon 0"),
+        ({"folds": [[[0, 1, 90.0]]]}, "is not a fold of polygon 0"),
+        ({"folds": [[[0, 99, 90.0]]]}, "is not a fold of polygon 0"),
+        ({"folds": [[[0, 3, 190.0]]]}, "is not a fold of polygon 0"),
         ({"sides": [[[0, 99], [0, 1]]]}, "glues side 99 of polygon 0"),
         ({"sides": [[[0, 0, 1], [0, 1]]]}, r"with folds, sides are \[polygon, side\]"),
         ({"sides": [3]}, "are not a list of pairs"),

@@ -13,9 +13,10 @@ from isoembed.intrinsic import delaunay_loops
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.delaunay_loops import tilt, tilts
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.metric.curvature import Triangles, deficits
+from isoembed.metric.curvature import deficits
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.glued import GluedMetric
+from isoembed.metric.triangles import Triangles
 from isoembed.space import Space
 from isoembed.space.trigonometry import angle_between, apex, twice_area
 from scrambling import scramble

@@ -85,7 +85,7 @@ def test_more_than_half_a_sphere_is_no_cap(tmp_path):
     path = written(tmp_path, typed(strut_table(surface(*dome(3, -0.21))), 5))
     with pytest.raises(InvalidMetric, match=r"exterior angle of the boundary at vertex \d+ is -0\.037"):
         embed(path, boundary="plane")
-    with pytest.raises(InvalidParameter, match="are taken with boundary='plane' only"):
+    with pytest.raises(InvalidParameter, match="requires boundary='plane'"):
         embed(path, boundary="free")
 
 
@@ -139,8 +139,8 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
 @pytest.mark.parametrize(
     ("text", "error", "words"),
     [
-        ("", FileError, "is no strut table: it has no rows below a line with 'from', 'to'"),
-        ("a,b\n1,2\n", FileError, "is no strut table"),
+        ("", FileError, "is not a strut table: it has no rows below a line with 'from', 'to'"),
+        ("a,b\n1,2\n", FileError, "is not a strut table"),
         ("from,to,length\n0,1," + 200_000 * "1" + "\n", FileError, "line 2: field larger than field limit"),
         ("from,to,length\n0,1,x\n", FileError, "line 2: the length is 'x', not a positive finite number"),
         ("from,to,length\n0,1,-1\n", FileError, "line 2: the length is '-1', not a positive finite number"),

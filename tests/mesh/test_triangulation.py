@@ -160,7 +160,7 @@ REFUSALS = {
     "Klein bottle": (zoo.klein_bottle(), "the surface cannot be oriented (it is one-sided)"),
     "two components": (
         np.vstack([T, zoo.TETRAHEDRON + 4]),
-        "the surface has 2 components: vertex 4 is not connected to vertex 0",
+        "the surface has 2 components, to be embedded one at a time: vertex 4 is not connected to vertex 0",
     ),
     "pinched": (
         np.vstack([T, np.array([4, 5, 6, 2])[zoo.TETRAHEDRON]]),

@@ -6,8 +6,8 @@ import pytest
 import mapped_shapes
 import zoo
 from isoembed.meshing.sphere_layout import _Distortion, least_distorted, sphere_layout
-from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.triangles import Triangles
 
 
 def distortion(metric):

@@ -251,7 +251,7 @@ def test_residuals_within_rounding_are_left_out(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("method", "said"), [("aim", "'paper' has some"), ("alexandrov", "no surface before")]
+    ("method", "said"), [("aim", "'paper' has them"), ("alexandrov", "no intermediate surfaces")]
 )
 def test_an_answer_without_a_way_to_it(method, said, tmp_path):
     film = Film()

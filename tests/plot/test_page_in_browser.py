@@ -16,6 +16,7 @@ from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.gluing.classics import LATIN_CROSS
 from isoembed.plot import Frame
 from isoembed.plot.coloring import intrinsic_curvature
+from isoembed.plot.notebook import notebook_html
 from isoembed.plot.page import write_page
 from regular_in_space import regular_solid
 
@@ -235,7 +236,7 @@ def test_an_answer_without_a_way_to_it(browser, tmp_path):
     surface = embed(PolyhedralMetric.from_mesh(*zoo.icosphere(1)))
     write_page(tmp_path / "alone.html", surface, frames=[Frame("answer", 0.0, 0.0, surface.vertices)])
     tab = Tab(browser, tmp_path / "alone.html").open()
-    assert "leaped to this surface" in tab.text("#alone")
+    assert "in one step" in tab.text("#alone")
     assert not tab.page.locator("#film").is_visible()
     tab.context.close()
 
@@ -273,6 +274,22 @@ def test_on_a_phone(browser, file, tmp_path):
     tab.page.locator("#closer").tap()
     assert differing(first, tab.pixels()) > 0.02
     assert tab.complaints == []
+    tab.context.close()
+
+
+@pytest.mark.parametrize("width", [660, 820, 1000])
+def test_in_the_cell_of_a_notebook(browser, tmp_path, width):
+    """The report is beside the surface, and the page needs no scroll bars but that of the report."""
+    solid = embed(PolyhedralMetric.from_mesh(*zoo.icosphere(2)))
+    cell = tmp_path / "cell.html"
+    cell.write_text(notebook_html(solid), encoding="utf-8")
+    tab = Tab(browser, cell, viewport={"width": width + 16, "height": 600}).open()
+    page = tab.page.frame_locator("iframe")
+    aside = page.locator("aside")
+    assert aside.bounding_box()["y"] == page.locator("#surface").bounding_box()["y"]
+    assert page.locator("html").evaluate("html => html.scrollHeight - innerHeight") <= 0
+    assert aside.evaluate("box => box.scrollWidth - box.clientWidth") <= 0
+    assert page.locator("#view").bounding_box()["height"] >= 200
     tab.context.close()
 
 

@@ -9,10 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
+from definite import prove_definite
 from isoembed.linalg import SingularMatrix, dissect
 from isoembed.linalg.superlu import symmetric_lu
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.proof.definite import Pivots, prove_definite
+from isoembed.proof.definite import Pivots
 
 
 def exactly_definite(matrix):

@@ -169,7 +169,7 @@ def test_a_vertex_in_the_middle_of_an_edge():
 
 def test_a_ring_of_faces_that_may_be_in_one_plane():
     message = refusal(*prism(60, 0.2, np.pi / 60), 1e-3)
-    assert message.endswith("are no polygon together")
+    assert message.endswith("do not form a polygon")
 
 
 def test_a_polygon_that_may_not_be_convex():

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from definite import prove_definite
 from isoembed.linalg import SingularMatrix
 from isoembed.proof import row_rank
-from isoembed.proof.definite import prove_definite
 from isoembed.proof.row_rank import prove_row_rank
 
 

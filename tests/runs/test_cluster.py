@@ -75,7 +75,7 @@ def test_a_worker_that_is_killed_changes_nothing(tmp_path, scheduler):
 
 @pytest.mark.parametrize("address", ["foo", "", "http://x:1", "tcp://x"])
 def test_what_is_no_address(address):
-    with pytest.raises(InvalidParameter, match="is no address of a scheduler"), dask_workers(address):
+    with pytest.raises(InvalidParameter, match="is not a scheduler address"), dask_workers(address):
         pass
 
 

@@ -114,12 +114,12 @@ def test_shards_are_parts_of_the_whole(calls, store):
 
 @pytest.mark.parametrize(("number", "of"), [(0, 3), (4, 3), (1, 0)])
 def test_no_such_shard(number, of):
-    with pytest.raises(InvalidParameter, match=f"^part {number} of {of} is none"):
+    with pytest.raises(InvalidParameter, match=f"^shard number must be from 1 to {of}, not {number}"):
         Shard(number, of)
 
 
 def test_no_such_chunk():
-    with pytest.raises(InvalidParameter, match=r"^a chunk of 0 tasks is none$"):
+    with pytest.raises(InvalidParameter, match=r"^chunk must be at least 1, not 0$"):
         next(run([], chunk=0))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import discs
-from isoembed import PolyhedralMetric
+from isoembed import PolyhedralMetric, embed
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.charts import Charts
 
@@ -44,6 +44,30 @@ def test_a_round_cap_is_second_order():
         energy = BendingEnergy(PolyhedralMetric.from_mesh(x, faces))
         errors.append(abs(energy.bending(x) - exact))
     assert errors[1] < 0.3 * errors[0] < 0.01
+
+
+def test_the_form_is_a_smooth_function_of_the_lengths():
+    """Of equal distances to the neighbors, another one is the least when a length changes."""
+    points, faces = discs.hexagonal(4)
+    x = discs.round_cap(points, 1.0)
+    metric = PolyhedralMetric.from_mesh(np.column_stack([points, 0 * points[:, 0]]), faces)
+    edge = np.zeros(len(metric.lengths))
+    edge[np.flatnonzero((metric.edges == 0).any(axis=1))[0]] = 1e-5
+
+    def value(steps):
+        return BendingEnergy(metric.with_lengths(metric.lengths + steps * edge)).value(x)
+
+    before, at, after = value(-1), value(0), value(1)
+    assert abs(after - 2 * at + before) < 1e-3 * abs(after - before)
+
+
+def test_the_boundary_does_not_bend_less_than_its_curvature_takes():
+    """|II|^2 >= 2 |K|: of a free hyperbolic disc up to the error of the mesh."""
+    points, faces = discs.hexagonal(8)
+    edges = PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0), faces).edges
+    metric = PolyhedralMetric(faces, discs.hyperbolic_lengths(points, 0.5, edges), edges)
+    found = embed(metric, boundary="free")
+    assert 0.995 * 1.604 < found.second_form_energy < 1.617  # Gemmer and Venkataramani's bounds
 
 
 @pytest.mark.parametrize(

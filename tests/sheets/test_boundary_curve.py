@@ -10,14 +10,10 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.alignment import distance
 
 
-def bumpy(seed):
-    """A random graph with curvature of both signs: vertices and metric."""
-    rng = np.random.default_rng(seed)
-    points, faces = discs.irregular(int(rng.integers(60, 250)), seed)
-    x, y = points.T
-    a, b, c, d = rng.uniform([1.5, 1.2, 0.15, -0.2], [2.5, 2.2, 0.3, 0.2])
-    vertices = np.column_stack([points, c * np.sin(a * x + 0.3) * np.cos(b * y) + d * x * y])
-    return vertices, PolyhedralMetric.from_mesh(vertices, faces)
+def disc(name, seed):
+    """A random disc: vertices and metric."""
+    x, faces = discs.random_disc(name, seed)
+    return x, PolyhedralMetric.from_mesh(x, faces)
 
 
 def found(metric, x):
@@ -28,34 +24,51 @@ def found(metric, x):
 @pytest.mark.parametrize("seed", [11, 14, 23, 27])
 def test_random_discs_are_found(seed):
     """With bending until the end, nearly flat vertices of these are on the wrong side of their neighbors."""
-    x, metric = bumpy(seed)
+    x, metric = disc("bumpy", seed)
     surface = found(metric, x)
     assert surface.residual < 1e-13
     assert distance(surface.vertices, x) < 1e-11
 
 
 def test_a_disc_whose_bump_is_a_dent_from_the_harmonic_start():
-    x, metric = bumpy(1)
+    x, metric = disc("bumpy", 1)
     surface = found(metric, x)
     assert distance(surface.vertices, x) < 1e-11
     assert surface.stages[-1].factorizations > 150  # one start takes 60
 
 
-def test_a_vertex_with_three_neighbors_is_on_the_smoother_side():
+def test_bumps_that_thick_sheets_flatten():
+    x, metric = disc("bumpy", 200)
+    assert distance(found(metric, x).vertices, x) < 1e-11
+
+
+def test_a_shallow_vertex_is_reflected_far_from_where_lengths_are_missed():
+    x, metric = disc("half", 288)
+    surface = found(metric, x)
+    assert distance(surface.vertices, x) < 1e-11
+    assert surface.stages[-1].factorizations > 100  # without reflections
+
+
+@pytest.mark.parametrize("seed", [144, 290])
+def test_a_vertex_with_three_neighbors_is_on_the_smoother_side(seed):
     """Its mirror image has the same lengths: no residual tells them apart."""
-    x, metric = bumpy(290)
+    x, metric = disc("bumpy", seed)
     [v] = np.flatnonzero(~metric.triangulation.boundary_vertices & (metric.triangulation.degrees == 3))
     a, b, c = x[metric.triangulation.adjacency[[v]].indices]
     normal = np.cross(b - a, c - a)
     mirrored = x.copy()
     mirrored[v] -= 2 * (x[v] - a) @ normal / (normal @ normal) * normal
     np.testing.assert_allclose(PolyhedralMetric.from_mesh(mirrored, metric.faces).lengths, metric.lengths)
-    assert distance(mirrored, x) > 1e-4
-    assert distance(found(metric, x).vertices, x) < 1e-11
+    assert distance(mirrored, x) > 1e-5
+    surface = found(metric, x)
+    assert distance(surface.vertices, x) < 1e-11
+    apart = np.linalg.norm(mirrored[v] - x[v]) / metric.mean_length
+    assert f"; vertex {v}, which has three neighbors, has the lengths on the other side" in surface.message
+    assert f"{apart:.1g} mean edge lengths away" in surface.message
 
 
 def test_starts_have_the_boundary_and_differ():
-    x, metric = bumpy(27)
+    x, metric = disc("bumpy", 27)
     inside = ~metric.triangulation.boundary_vertices
     boundary = np.where(inside[:, None], 0.0, x)
     all_starts = [start for start, _ in starts(LengthConstraints(metric), boundary, inside)]

@@ -15,7 +15,8 @@ from isoembed.meshing.intrinsic_relaxation import angles_from_lengths, end_lengt
 from isoembed.meshing.loops import relaxed
 from isoembed.meshing.sphere import fibonacci_lattice, gauss_rule
 from isoembed.meshing.spreading import Cells
-from isoembed.metric.curvature import Triangles, deficits
+from isoembed.metric.curvature import deficits
+from isoembed.metric.triangles import Triangles
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import geodesic_lengths
 from isoembed.smooth.triangulation import triangulate_metric

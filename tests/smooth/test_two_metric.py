@@ -108,7 +108,11 @@ def test_the_area_is_that_of_the_ellipsoid():
             InvalidMetric,
             "returns a tuple of length 2, not the three q_tt",
         ),
-        (lambda t, p: (1, 0, np.ones(5)), InvalidMetric, r"q_pp has the shape \(5,\) for angles of shape \("),
+        (
+            lambda t, p: (1, 0, np.ones(5)),
+            InvalidMetric,
+            r"q_pp has the shape \(5,\) for theta and phi of shape \(",
+        ),
         (lambda t, p: 1.0, InvalidMetric, "returns a float, not the three q_tt, q_tp and q_pp"),
         (lambda t, p: (1, 0, math.sin(t) ** 2), InvalidParameter, "TypeError: .* np.sin instead of math.sin"),
         (lambda t, p: (1, 0, 1j * np.sin(t)), InvalidParameter, "has complex values, not real numbers"),

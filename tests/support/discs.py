@@ -3,6 +3,9 @@
 import numpy as np
 from scipy.spatial import Delaunay
 
+from isoembed import InvalidMetric, PolyhedralMetric
+from isoembed.gallery import SURFACES, triangulate
+
 
 def hexagonal(n):
     """Points (V, 2) and triangles of the unit disc: n rings of 6, 12, ... points about the center."""
@@ -97,3 +100,32 @@ def torus(n, m, bump=0.0):
             a, b, c, d = i * m + j, i * m + (j + 1) % m, (i + 1) % n * m + j, (i + 1) % n * m + (j + 1) % m
             faces += [(a, d, b), (a, c, d)] if i % 2 else [(a, c, b), (b, c, d)]
     return vertices, np.array(faces)
+
+
+def random_disc(name, seed):
+    """Vertices and triangles of a bumpy graph with K of both signs, a round cap or half a gallery body."""
+    rng = np.random.default_rng(seed)
+    if name == "half":
+        return _half(seed, rng)
+    points, faces = irregular(int(rng.integers(60, 250)), seed)
+    if name == "cap":
+        return round_cap(points, rng.uniform(0.3, 1.5)), faces
+    x, y = points.T
+    a, b, c, d = rng.uniform([1.5, 1.2, 0.15, -0.2], [2.5, 2.2, 0.3, 0.2])
+    return np.column_stack([points, c * np.sin(a * x + 0.3) * np.cos(b * y) + d * x * y]), faces
+
+
+def _half(seed, rng):
+    """The triangles of a gallery body on one side of a random plane through its center that are a disc."""
+    body = list(SURFACES.values())[seed % len(SURFACES)]()
+    vertices, faces = triangulate(body, int(rng.integers(120, 500)), irregular=seed)
+    while True:
+        normal = rng.normal(size=3)
+        kept = faces[((vertices - vertices.mean(axis=0)) @ normal > 0)[faces].all(axis=1)]
+        used, renumbered = np.unique(kept, return_inverse=True)
+        try:
+            t = PolyhedralMetric.from_mesh(vertices[used], renumbered.reshape(-1, 3)).triangulation
+        except InvalidMetric:  # in parts, or two of its triangles have one vertex in common
+            continue
+        if len(t.boundaries) == 1 and t.genus == 0:
+            return vertices[used], t.faces

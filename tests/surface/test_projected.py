@@ -5,7 +5,6 @@ import pytest
 
 import zoo
 from isoembed import Euclidean, Hyperbolic, Space, Spherical
-from isoembed.linalg import OutOfMemory, memory
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import LengthSystem, VertexSystem, edge_rows, length_residuals
@@ -103,20 +102,6 @@ def test_isometries_change_no_length(space):
     rows, (a, b) = edge_rows(t, x, lengths, space), t.edges.T
     assert np.abs(np.einsum("ei,kei->ke", rows, z[:, a] - z[:, b])).max() < 1e-14
     assert np.abs(surface.velocities(z[0]) - fields[0]).max() < 1e-15
-
-
-def test_where_factors_do_not_fit_the_step_is_made_without(monkeypatch):
-    space = Hyperbolic(1.0)
-    t, x, lengths = body(space, n=300)
-    r = np.random.default_rng(5).standard_normal(len(lengths)) * lengths
-    expected = LengthSystem(t, space=space).step(x, lengths, r, 1e-2)
-    monkeypatch.setattr(memory, "UNASKED", 0)
-    needs = LengthSystem(t)._solver.needs
-    monkeypatch.setattr(memory, "available_memory", lambda: needs // 2)
-    refused = LengthSystem(t, space=space)
-    with pytest.raises(OutOfMemory):
-        refused._solver  # noqa: B018
-    assert refused.step(x, lengths, r, 1e-2) == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
 def test_curvature_to_zero_is_linear():

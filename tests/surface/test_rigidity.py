@@ -11,13 +11,13 @@ import zoo
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.rigidity import (
+    DIAGONAL_SHIFT,
     MEAN_DIAGONAL,
     LengthSystem,
     VertexSystem,
     edge_rows,
     length_residuals,
 )
-from isoembed.surface.rigidity_matrix import DIAGONAL_SHIFT
 
 
 def dense_jacobian(triangulation, vertices, lengths):

@@ -1,6 +1,6 @@
 """Adiabatic isometric mapping: uniformize, embed where it is easy, pull back to the given metric.
 
-The steps of the paper's section 2, and what the default method does in the place of each:
+The steps of the paper's section 2, and what the default method does in place of each:
 
 - 2.1, `uniformize`: `convexification`, only as far as convexity;
 - 2.2, `embedding_tree`, `anneal`, `convexity`: `isoembed.alexandrov`, the polyhedron of a convex metric;

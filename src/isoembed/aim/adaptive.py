@@ -2,10 +2,10 @@
 
 The paper's three steps, each of them replaced by one that does not fail:
 
-1. uniformize, but only as far as convexity: `isoembed.aim.convexification`, in the place of
+1. uniformize, but only as far as convexity: `isoembed.aim.convexification`, in place of
    `isoembed.aim.uniformize`;
 2. embed where it is easy, which for a convex metric is everywhere: the exact polyhedron of Alexandrov's
-   theorem, `isoembed.alexandrov`, in the place of `isoembed.aim.embedding_tree`;
+   theorem, `isoembed.alexandrov`, in place of `isoembed.aim.embedding_tree`;
 3. pull back: by Newton's method at once, on the radii or the lengths; else dents are made at once, and all
    else step by step, as smooth as can be; many vertices by levels.  `isoembed.aim.adiabatic_pullback` is the
    paper's.
@@ -39,11 +39,11 @@ class Aim(Method):
         Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
         is found that has them.
     effort : float
-        What a failure may cost, in factorizations, by those of all that was done before; results do not
-        depend on the speed of the machine.  Where the pull-back misses the lengths, a search for patches on
-        the wrong side and the best fit follow, which together take ``1 + effort`` times as many, 11 times at
-        most; a best fit that is asked for takes what it needs.  0 is no search.
-        Above 1, vertices on the wrong side are sought after that, for ``effort`` times as many.
+        Cost limit of a failure, relative to the cost of all that was done before.  Cost is counted in
+        factorizations, so that results do not depend on the machine.  Where the pull-back misses the
+        lengths, a search for patches on the wrong side and the best fit follow, which together cost
+        ``1 + effort`` times as much, 11 times at most; with `best_fit` the fit takes what it needs.  0 is no
+        search.  Above 1, vertices on the wrong side are sought after that, for ``effort`` times the cost.
     which : {"convex", "smoothest"} or array_like, shape (V, 3), optional
         Another of the realizations that are found: the convex one; the smoothest; or the nearest to a surface
         with these vertices, of any size, from which Newton's method is started, too.  By default the answer

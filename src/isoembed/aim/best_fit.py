@@ -32,7 +32,7 @@ from isoembed.progress.work import Budget
 WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
 MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
 REDUNDANT = 0.1  # share of a wrong length that its residual shows: if less, no other length contradicts it
-DOUBT = 2.0  # errors: a fit that misses the other lengths by more is no witness against one
+DOUBT = 2.0  # errors: a fit that misses the other lengths by more is not a witness against one
 PROBES = 4  # random vectors that estimate degrees of freedom, to a percent
 
 
@@ -60,7 +60,7 @@ class BestFit:
 
     @property
     def degrees_of_freedom(self) -> float:
-        """Of the residuals: the number of edges less those that the fit uses up, and at least 1."""
+        """Degrees of freedom of the residuals, at least 1: the edges less those that the fit uses up."""
         return (self.noise / self.score) ** 2 if self.score < np.inf else 1.0
 
 

@@ -173,7 +173,7 @@ def _no_convex(embedding: Embedding) -> NotEmbedded:
     metric = embedding.metric
     deficits = vertex_deficits(metric)
     v = int(np.argmin(deficits))
-    if deficits[v] < -deficit_rounding(metric.faces, metric.face_lengths, metric.curvature)[v]:
+    if deficits[v] < -deficit_rounding(metric)[v]:
         return NotEmbedded(
             f"no convex surface has these lengths: the deficit of vertex {v} is {deficits[v]:.2g}, which is "
             "negative",

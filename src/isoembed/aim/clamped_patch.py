@@ -62,7 +62,7 @@ class ClampedPatch:
         mu: float,
         spend: Callable[[float], None],
     ) -> ClampedPatch:
-        """That of these vertices."""
+        """Clamp all vertices but these."""
         triangulation, R = energy.triangulation, energy.fit_residuals
         n = len(vertices)
         changing = np.unique(triangulation.incidence[vertices].indices)
@@ -79,7 +79,7 @@ class ClampedPatch:
         return self._value(self._terms(x))
 
     def offset(self, x: Floats, disk: Indices) -> Floats:
-        """What is to be added to vertices of the patch for R x to be least, shape (k, 3)."""
+        """Displacements of vertices of the patch that minimize |R x|, shape (k, 3)."""
         of = np.searchsorted(self.vertices, disk)
         columns = self.columns[:, of]
         return -np.linalg.lstsq(columns, self.rows @ x, rcond=None)[0]

@@ -61,7 +61,7 @@ class Convexification:
     @cached_property
     def is_convex(self) -> bool:
         """Whether no deficit of the given metric is negative beyond rounding."""
-        rounding = deficit_rounding(self.given.faces, self.given.face_lengths, self.given.curvature)
+        rounding = deficit_rounding(self.given)
         return bool((self.given.deficits >= -rounding).all())
 
     @property
@@ -98,7 +98,7 @@ class Convexification:
 
     @cached_property
     def _smaller(self) -> Convexification | None:
-        """That of the metric at half its size, where space has positive curvature that matters.
+        """Convexification of the metric at half its size, where space has positive curvature that matters.
 
         With much of a sphere's area the derivative of the deficits may become singular on the way to the
         convex metric; and the smaller the metric, the less curvature it needs.

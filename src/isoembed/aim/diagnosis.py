@@ -90,7 +90,7 @@ def _negative(metric: PolyhedralMetric, negative: Mask, regions: int) -> str:
 
 
 def _errors(fit: FittedSurface | None) -> str:
-    """What the best fit tells of the lengths."""
+    """Sentence on the errors of the lengths, as the best fit shows them."""
     if fit is None:
         return "No smooth surface near to them was found: check that each length is with its edge"
     if fit.noise > UNLIKE:
@@ -115,7 +115,7 @@ def _errors(fit: FittedSurface | None) -> str:
 
 
 def _longer_search(metric: PolyhedralMetric, effort: float) -> list[str]:
-    """What helps where the lengths are right, if there is a search."""
+    """Advice for exact lengths: a longer search, if there is one."""
     if not (metric.space.is_euclidean and negative_deficits(metric).any()):
         return []
     more = f"{10 * max(effort, 1.0):g}"

@@ -18,7 +18,7 @@ from isoembed.nonlinear.stopping import settled
 from isoembed.progress.stages import StageRecorder
 
 
-def descended(
+def minimize_energy(
     energy: RegularizedEnergy,
     vertices: Floats,
     lengths: Floats,

@@ -36,7 +36,7 @@ from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSys
 MOTIONS = (2, 3, 4, 5, 6, 8)  # numbers of softest motions, in turn
 
 
-def completed(
+def finish(
     system: LengthSystem,
     vertices: Floats,
     lengths: Floats,
@@ -103,7 +103,7 @@ class _SoftMotions:
 
     @classmethod
     def of(cls, system: LengthSystem, vertices: Floats, lengths: Floats, most: int) -> _SoftMotions:
-        """So many at most; raises SingularMatrix.
+        """Softest motions, at most `count`; raises SingularMatrix.
 
         Where J is singular the motions cannot be had from the stresses: both are eigenvectors.
         """
@@ -127,7 +127,7 @@ class _SoftMotions:
         return cls(LengthExpansion(system, vertices, lengths), linear, motions, stresses)
 
     def equations(self, count: int) -> _SoftEquations:
-        """Those of so many."""
+        """Cubic equations for the `count` softest motions."""
         expansion, motions, stresses = self.expansion, self.motions[:count], self.stresses[:count]
         k = len(motions)
         bends = np.array([expansion.bends(each, motions) for each in motions])

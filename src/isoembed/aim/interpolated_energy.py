@@ -95,7 +95,7 @@ class InterpolatedEnergy(RegularizedEnergy):
         recorder: StageRecorder,
         stiffness: float = 1.0,
     ) -> tuple[Floats, bool]:
-        """As of other energies; where factors of another surface lead uphill, once more with new ones."""
+        """Newton step; if the factors of another surface lead uphill, it is repeated with new ones."""
         before = self.factor
         trial, downhill = super().step(vertices, lengths, mu, w, recorder, stiffness)
         if downhill or before is None or self.factor is not before or self._factored is vertices:

@@ -4,7 +4,7 @@ With d the motions of the vertices, the `length_residuals` are
 
     ``r + J d + 1/2 Q(d, d)``,  ``Q(v, w) = (v_a - v_b) . (w_a - w_b) / l_ab``,
 
-and exactly so in Euclidean space.  In hyperbolic and spherical space sn(l) is in the place of l, and Q has
+and exactly so in Euclidean space.  In hyperbolic and spherical space sn(l) replaces l, and Q has
 one more term.
 """
 
@@ -91,7 +91,7 @@ class LengthExpansion:
         return np.asarray(products / space.sn(self.lengths))
 
     def _bends_of_heights(self, first: Floats, second: Floats) -> Floats:
-        """What hyperboloid or sphere add: half the second derivatives of w, squared, over k."""
+        """Contribution of the hyperboloid or sphere: half the second derivatives of w, squared, over k."""
         k, w, x = self.system.space.curvature, self._surface.heights, self.vertices
         a, b = self.system.triangulation.edges.T
         # w changes by -k times the slopes.

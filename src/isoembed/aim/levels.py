@@ -132,7 +132,7 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
 
 
 def _counts(n: int) -> list[int]:
-    """How many of n vertices are chosen for the levels after the guided path, the last level's last."""
+    """Numbers of vertices, of n, that are chosen for the levels after the guided path, in order."""
     first = _first(n)
     growth = FINEST * n ** (5 / 8) / first
     steps = max(ceil(log(growth) / log(GROWTH)), 1)
@@ -140,7 +140,7 @@ def _counts(n: int) -> list[int]:
 
 
 def _first(n: int) -> int:
-    """How many of n vertices are chosen for the guided path."""
+    """Number of vertices, of n, that are chosen for the guided path."""
     return GUIDED if n < 100_000 else 1_700
 
 

@@ -23,9 +23,9 @@ from scipy.sparse import csr_array, eye_array
 from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.clamped_patch import ClampedPatch
-from isoembed.aim.energy_descent import descended
-from isoembed.aim.finishing_newton import completed
-from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, let_go
+from isoembed.aim.energy_descent import minimize_energy
+from isoembed.aim.finishing_newton import finish
+from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, release_penalty
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.search_state import SearchState
 from isoembed.arrays import Floats, Indices, Mask
@@ -45,9 +45,9 @@ CONVERGED = 1e-6  # relative decrease of |r|^2 that is rounding
 
 
 class Searched(NamedTuple):
-    """Where a search ended, and what missed the lengths least where one of its stages ended, each (V, 3).
+    """End of a search, and of the ends of its stages the one nearest to the lengths, each (V, 3).
 
-    The search goes on from what lowers its energy, and that need not miss less.
+    The search continues from surfaces of lower energy, which need not be nearer to the lengths.
     """
 
     end: Floats
@@ -99,7 +99,7 @@ def local_search(
     if search.is_coarse:
         x = search.mirrored(x)
     elif search.realization is None:
-        x, _ = let_go(energy, x, lengths, mu, recorder, is_done=lambda: budget.exhausted)
+        x, _ = release_penalty(energy, x, lengths, mu, recorder, is_done=lambda: budget.exhausted)
     recorder.factorizations += round(budget.shares)
     end = x if search.realization is None else search.realization
     search.keep(end)
@@ -149,7 +149,7 @@ class _LocalSearch(SearchState):
         self.near = near
 
     def patch(self, vertices: Indices, mu: float) -> ClampedPatch:
-        """That of these vertices, what it costs being added up."""
+        """Patch of these vertices; its cost is charged to the budget."""
 
         def spend(share: float) -> None:
             self.budget.spend(self.patch_cost * share)
@@ -178,16 +178,16 @@ class _LocalSearch(SearchState):
             if self.is_done(end):
                 return True
             if self.largest_residual(end) <= NEWTON_BASIN:
-                end = completed(self.system, end, self.lengths, self.recorder, lambda _: self.exhausted)
+                end = finish(self.system, end, self.lengths, self.recorder, lambda _: self.exhausted)
                 if self.is_done(end):
                     return True
         return False
 
     def released(self, energy: RegularizedEnergy, x: Floats, mu: float) -> Floats:
-        """Where a surface ends as mu vanishes, with a measure of smoothness."""
+        """Surface in the limit of vanishing mu, for one measure of smoothness."""
 
         def minimized(x: Floats, mu: float) -> Floats:
-            x = descended(energy, x, self.lengths, mu, self.recorder, lambda _: self.exhausted)
+            x = minimize_energy(energy, x, self.lengths, mu, self.recorder, lambda _: self.exhausted)
             self.show(x)
             return x
 
@@ -200,7 +200,9 @@ class _LocalSearch(SearchState):
         x = self.settled(x, mu)
         stale = np.ones(len(x), dtype=bool)
         while not self.is_done(x):
-            freed, _ = let_go(self.energy, x, self.lengths, mu, self.recorder, is_done=lambda: self.exhausted)
+            freed, _ = release_penalty(
+                self.energy, x, self.lengths, mu, self.recorder, is_done=lambda: self.exhausted
+            )
             if self.is_done(freed):
                 return freed
             turned = self.sweep(x, mu, stale)
@@ -212,7 +214,7 @@ class _LocalSearch(SearchState):
         return x
 
     def reach(self, x: Floats) -> float:
-        """How far apart surfaces are that stand on different sides, by the residual that is between them."""
+        """Estimated distance of the surfaces on two sides of a barrier, from the residual on it."""
         return self.energy.unit * float(np.sqrt(self.largest_residual(x)))
 
     def settled(self, x: Floats, mu: float) -> Floats:

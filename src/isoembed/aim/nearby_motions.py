@@ -46,7 +46,7 @@ class Motions:
 
     @classmethod
     def of(cls, expansion: LengthExpansion, directions: Floats) -> Motions:
-        """Along directions, (m, V, 3); where none is predicted, they are infinitely long, or not numbers.
+        """Motions along directions, (m, V, 3); those that are not predicted are infinite or not numbers.
 
         Of ``s J v + s^2 / 2 Q(v, v)``, the component along J v is zero.
         """
@@ -62,7 +62,7 @@ class Motions:
         return Motions(self.motions[which], self.reach[which], self.defect[which])
 
     def joined(self, others: Motions) -> Motions:
-        """These and others."""
+        """Concatenate two sets of motions."""
         return Motions(
             np.concatenate([self.motions, others.motions]),
             np.concatenate([self.reach, others.reach]),
@@ -70,12 +70,12 @@ class Motions:
         )
 
     def within(self, distance: float) -> Motions:
-        """Those that reach no farther, and to where the lengths are nearly right."""
-        # A larger relative defect of lengths is no motion.
+        """Motions that reach no farther than a distance, and end where the lengths are nearly right."""
+        # A larger relative defect of lengths is not a motion.
         return self[np.flatnonzero((self.reach <= distance) & (self.defect <= 0.5))]
 
     def different(self) -> Motions:
-        """Of those that are alike, the one with the least defect; the nearest come first."""
+        """Motions without near duplicates, of which that of least defect is kept; the nearest come first."""
         flat = self.motions.reshape(len(self.motions), self.motions[0].size if len(self.motions) else 0)
         flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
         kept: list[int] = []
@@ -85,7 +85,7 @@ class Motions:
         return self[[kept[i] for i in np.argsort(self.reach[kept], kind="stable")]]
 
     def chosen(self, charts: QuinticResiduals, vertices: Floats) -> Motions:
-        """Of motions of these vertices, sorted, the nearest, then of the others those that smooth most."""
+        """Nearest of these sorted motions, then those of the others that smooth the surface most."""
         farther = range(MOST_MOTIONS, len(self.motions))
         expected = {i: charts.roughness(vertices + self.motions[i]) for i in farther}
         smooth = sorted(farther, key=lambda i: expected[i])[:SMOOTHER_MOTIONS]

@@ -27,7 +27,7 @@ APART = 0.1  # share of the distance expected: nearer, Newton's method fell back
 
 
 def sought(motions: int, near: float) -> str:
-    """What to say of a search along so many of the softest motions, within so many mean edge lengths."""
+    """Clause on a search along the softest motions, within a distance in mean edge lengths."""
     return (
         f"others were sought along the {motions} softest motions, within {near:g} mean edge lengths, which "
         "need not find all: isoembed realizations searches further"
@@ -140,7 +140,7 @@ def _realized(
     recorder: StageRecorder,
     residual_tolerance: float,
 ) -> Floats | None:
-    """Where Newton's method leads from the end of a motion, if to another realization."""
+    """Realization that Newton's method finds from the end of a motion; None if it is not another one."""
     found = anneal(system, vertices + motion, lengths, recorder, max_iterations=4)  # Newton steps
     moved = np.abs(found.vertices - vertices).max()
     apart = moved > APART * np.abs(motion).max()

@@ -1,4 +1,4 @@
-"""Newton's method on the radii with edge flips, from the polytope of a nearby convex metric.
+"""Start from the polytope of a nearby convex metric, then Newton's method on the radii without flips.
 
 The polyhedron is that of the metric itself, on triangles of its own, or of a convex metric near it.  The path
 to it follows `isoembed.alexandrov`, with flips; from there one leap, or a few, lead back to the given
@@ -48,7 +48,7 @@ def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, 
         Otherwise the vertices of the polyhedron, shape (V, 3).  None where the convex metric is flat at a
         vertex, whose radius nothing determines, or all of it is.
     """
-    if (convex.deficits <= deficit_rounding(convex.faces, convex.face_lengths, convex.curvature)).any():
+    if (convex.deficits <= deficit_rounding(convex)).any():
         return None
     deficits, kept = convex.deficits, log.checkpoints.resume()
     # Deficits: with less curvature the height of a vertex is decided.
@@ -127,7 +127,7 @@ def newton_from_polytope(
 def _followed(
     tables: HalfEdges, start: Floats, analyses: Analyses, recorder: StageRecorder
 ) -> tuple[Solution, float] | None:
-    """From radii in one step, or from vertices in several; and the branch deviation."""
+    """Solution by Newton's method, from radii in one step or vertices in several; and branch deviation."""
     space, ends = Space(tables.curvature), (tables.corners, tables.corners[tables.twins])
     if start.ndim == 1:
         steps, ratio, directions = 1, np.ones(tables.lengths.size), None

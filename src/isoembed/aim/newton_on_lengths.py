@@ -16,7 +16,7 @@ from isoembed.surface.rigidity import LengthSystem
 
 @dataclass(frozen=True, eq=False)
 class BranchSolution:
-    """Where Newton's method on the lengths, or on the radii (`isoembed.aim.newton_from_polytope`), ends.
+    """Result of Newton's method on the lengths, or on the radii (`isoembed.aim.newton_from_polytope`).
 
     Attributes
     ----------

@@ -3,7 +3,7 @@
 The pyramids over the *given* triangles, of the given lengths, with a common apex, fit together in space when
 their curvatures vanish, whether the edges be convex or not (Bobenko and Izmestiev, Annales de l'Institut
 Fourier 58, 2008, who need convexity for existence only).  So the radii are all that has to be found: one
-unknown a vertex, and a matrix with the pattern of the triangulation, in the place of three unknowns and the
+unknown a vertex, and a matrix with the pattern of the triangulation, in place of three unknowns and the
 edges.  They are led there from equal radii at once, or else from those of a polyhedron nearby
 (`isoembed.aim.newton_from_polytope`).  The positions follow at the end.
 """
@@ -49,7 +49,7 @@ def newton_on_radii(
         more than the one negative eigenvalue of convex bodies: there something may be turned inside out.
     """
     tables, deficits = given.half_edges(directed=False), given.deficits
-    rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
+    rounding = deficit_rounding(given)
     flat = np.mean(np.abs(deficits) <= rounding)  # where nothing determines a radius
     if not deficits.max() > 0 or flat > 0.1:  # more flat vertices and the path is not tried
         return None

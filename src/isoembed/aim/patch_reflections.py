@@ -22,7 +22,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from isoembed.aim.anneal import anneal
-from isoembed.aim.regularized_continuation import let_go
+from isoembed.aim.regularized_continuation import release_penalty
 from isoembed.aim.regularized_energy import LEAST_COTANGENT, RegularizedEnergy
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.linalg import Factor, factor_general
@@ -61,7 +61,7 @@ class HarmonicPatch:
 
     @classmethod
     def of(cls, laplacian: csr_array, patch: Mask) -> HarmonicPatch:
-        """Of the vertices of a mask, (V,), by the Laplacian of the metric."""
+        """Patch of the vertices of a mask, (V,), with the Laplacian of the metric."""
         inside, rows = np.flatnonzero(patch), laplacian[patch]
         coupling = csr_array(rows.multiply(~patch))
         return cls(inside, factor_general(csc_array(rows[:, inside])), coupling)
@@ -206,11 +206,11 @@ class _Search:
             yield best
 
     def finished(self, choice: Choice) -> Floats:
-        """Where a choice ends when mu vanishes, by Newton's method in the end."""
+        """Surface of a choice in the limit of vanishing mu, completed by Newton's method."""
         self.done.add(choice)
         x, _ = self.begun(choice)
         mu = WEIGHTS[-1] * FADE * self.energy.unit**2
-        near, _ = let_go(self.energy.finer(x), x, self.metric.lengths, mu, self.recorder, fade=FADE)
+        near, _ = release_penalty(self.energy.finer(x), x, self.metric.lengths, mu, self.recorder, fade=FADE)
         found = anneal(self.system, near, self.metric.lengths, self.recorder).vertices
         self.recorder.show(vertices=found)
         return found

@@ -25,7 +25,7 @@ SPENT = "spent"  # factorizations before a strategy
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What is known between two strategies.  All arrays but the body have the given order of the vertices.
+    """Intermediate results between two strategies; all arrays but `body` have the given order of vertices.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class State:
     start : ndarray, shape (V, 3), or None
         The convex surface from which the pull-back starts.
     smooth : ndarray, shape (V, 3), or None
-        Where the guided path ended, before the penalty vanished.
+        End of the guided path, before the penalty vanished.
     searched : bool
         Whether other realizations were sought near a candidate.
     cost : int
@@ -74,7 +74,7 @@ class State:
         return min(self.candidates, key=lambda surface: surface.residual)
 
     def arrays(self) -> dict[str, ArrayLike]:
-        """What defines it, but for the answer, for a checkpoint."""
+        """Arrays for a checkpoint: all fields except `answer`."""
         kept: dict[str, ArrayLike] = {name: getattr(self, name) for name in ("trusted", "searched", "cost")}
         for name in ("body", "start", "smooth"):
             if getattr(self, name) is not None:
@@ -128,7 +128,7 @@ class Strategy(ABC):
 
     @abstractmethod
     def run(self, state: State, pipeline: Pipeline) -> State:
-        """What is known after it."""
+        """Run the strategy and return the new state."""
 
 
 class Pipeline:
@@ -141,7 +141,7 @@ class Pipeline:
     method : Aim
     tolerance : float
     log : Log
-        Only listens.
+        Listener, checkpoints and work of the run.
 
     Attributes
     ----------
@@ -178,12 +178,12 @@ class Pipeline:
     # Budgets: factorizations that a failure may cost, by those of the pull-back
 
     def patch_budget(self, state: State) -> float:
-        """What is left to patches and the best fit."""
+        """Budget left for patches and the best fit, in factorizations."""
         effort = min(self.method.effort, 10.0)  # more does not make them better
         return (2 + effort) * state.cost - self.work.factorizations
 
     def reflection_budget(self, state: State) -> float:
-        """What vertex reflections may take."""
+        """Budget of the vertex reflections, in factorizations."""
         return self.method.effort * state.cost
 
     # Checkpoints

@@ -1,4 +1,4 @@
-"""Problem shared by all strategies: metric, convexification, and acceptance of a surface as a realization."""
+"""Problem shared by all strategies: metric, convexification; placement and acceptance of a surface."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Problem:
 
     Attributes
     ----------
-    good : float
+    acceptance_tolerance : float
         Largest residual of an accepted surface.
     numbers : ndarray of int, shape (V,)
         The vertices in the order of the `convexification`, in which what is near is near in memory.
@@ -44,7 +44,7 @@ class Problem:
 
     def __init__(self, metric: PolyhedralMetric, tolerance: float, name: str) -> None:
         self.metric, self.tolerance, self.name = metric, tolerance, name
-        self.good = max(tolerance, REALIZED)  # below that, the tolerance is beyond rounding
+        self.acceptance_tolerance = max(tolerance, REALIZED)  # below that, the tolerance is beyond rounding
         tables = GluedMetric.of(metric).half_edges(directed=False)
         self.numbers = tables.order_in_memory()
         self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
@@ -106,12 +106,12 @@ class Problem:
         return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
 
     def accepts(self, surface: Embedding) -> bool:
-        """Whether no other surface needs to be sought, as this one has the lengths."""
-        return surface.residual <= self.good
+        """Whether the residual is within the acceptance tolerance."""
+        return surface.residual <= self.acceptance_tolerance
 
     def is_exact(self, surface: Embedding) -> bool:
-        """Whether a surface is a realization, whatever the tolerance, as far as rounding allows."""
-        return surface.residual <= min(self.good, PLACED)
+        """Whether the residual is at the level of rounding, even if the tolerance is looser."""
+        return surface.residual <= min(self.acceptance_tolerance, PLACED)
 
     # Order and orientation
 

@@ -103,7 +103,7 @@ class _Paths:
         self.starts = corners / (corners @ self.patch)[:, None]
 
     def followed(self, corrected: float) -> tuple[Complex, Floats]:
-        """Where the paths end, (2^k, k + 1), and at which t: at 1, or before it at a multiple root."""
+        """Ends of the paths, (2^k, k + 1), and their t: 1, or less at a multiple root."""
         z, n = self.starts.copy(), len(self.starts)
         t, h, alive = np.zeros(n), np.full(n, 0.05), np.ones(n, dtype=np.bool_)  # the first step
         while (moving := np.flatnonzero(alive & (t < 1))).size:

@@ -20,7 +20,7 @@ from isoembed.aim.accuracy import REALIZED, SAME
 from isoembed.aim.anneal import Annealed, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
-from isoembed.aim.regularized_continuation import let_go
+from isoembed.aim.regularized_continuation import release_penalty
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.start_points import StartPoint, start_points
 from isoembed.arrays import Floats
@@ -85,7 +85,7 @@ class RealizationSearch:
     _attempts: dict[float, Floats] = field(default_factory=dict)  # by the residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
-        """Search from so many realizations, or, as long as nothing is found, attempts beside the given one.
+        """Search from a number of realizations or, until one is found, from attempts beside the given one.
 
         These are in turn the smoothest of all, and the smoothest of those that the fewest moves from
         realization to realization lead to: the given one is the first of them.  Where it is the only one, it
@@ -134,7 +134,7 @@ class RealizationSearch:
         return self.metric.mean_length
 
     def _smoothed(self) -> Iterator[None]:
-        """From the smoothest realization, go to smoother ones as far as start points do."""
+        """Move from the smoothest realization to smoother ones, as long as start points lead to one."""
         for _ in range(4 if self.found else 0):  # moves to smoother realizations after each search
             i = self._roughness.index(self._least_roughness)
             if self.searched[i] or not self._descends(
@@ -166,7 +166,7 @@ class RealizationSearch:
             if self._least_roughness < roughness:
                 break
             energy, mu = self._energy.finer(vertices), weight * self._unit**2
-            relaxed, _ = let_go(energy, vertices, self.metric.lengths, mu, self.recorder)
+            relaxed, _ = release_penalty(energy, vertices, self.metric.lengths, mu, self.recorder)
             self.polish(relaxed, moves)
         return self._least_roughness < roughness
 
@@ -187,7 +187,7 @@ class RealizationSearch:
             yield
 
     def _attempt(self, vertices: Floats) -> Iterator[None]:
-        """From a surface that misses the lengths, go to smoother ones; failing that, follow all start points.
+        """Move from a surface that misses the lengths to smoother ones, or else follow all start points.
 
         An attempt ends where J is nearly singular, so at first the softest motions are set apart.
         """
@@ -209,7 +209,7 @@ class RealizationSearch:
         return self._starts[i]
 
     def _starts_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[StartPoint]:
-        """Start points about vertices, with so many of the softest motions set apart, or always taken."""
+        """Start points about vertices, with a number of the softest motions set apart, or always taken."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         self.recorder.factorizations += 2
         try:

@@ -54,12 +54,12 @@ class Realizations:
 
     @cached_property
     def distances(self) -> Floats:
-        """How far each is from the surface, in mean edge lengths, shape (n,)."""
+        """Distances of the realizations from the surface, in mean edge lengths, shape (n,)."""
         return frozen(np.array([self.about.distance(each) for each in self.surfaces]))
 
     @cached_property
     def apart(self) -> Floats:
-        """How far they are from each other, in mean edge lengths, shape (n, n)."""
+        """Distances between the realizations, in mean edge lengths, shape (n, n)."""
         found = np.zeros((len(self.surfaces), len(self.surfaces)))
         for i, surface in enumerate(self.surfaces):
             for j in range(i):
@@ -68,7 +68,7 @@ class Realizations:
 
     @property
     def message(self) -> str:
-        """What was found and searched, and what was not."""
+        """Summary of the search: the realizations found, and how far they were searched from."""
         found, searched = len(self.surfaces), int(self.searched.sum())
         region = f"within {self.distance:g} mean edge lengths of the surface"
         if not found:
@@ -96,7 +96,7 @@ class Realizations:
 
     @property
     def report(self) -> dict[str, Any]:
-        """What was found, as a JSON object; certificates are made for it."""
+        """Report as a JSON object; the certificates are computed for it."""
         found = {
             "message": self.message,
             **self.evidence.report,

@@ -14,7 +14,7 @@ import numpy as np
 
 from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
 from isoembed.aim.anneal import anneal
-from isoembed.aim.energy_descent import descended
+from isoembed.aim.energy_descent import minimize_energy
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.schur_complement import Condensation
 from isoembed.aim.search_state import SearchState
@@ -95,7 +95,7 @@ class _ReflectionSearch(SearchState):
         return 2.0 * float(r @ r / rough)  # mu |R x|^2 over |r|^2 in balance
 
     def keep(self, x: Floats) -> float:
-        """As of all searches; and keep where Newton's method leads from there."""
+        """Keep a surface, as every search does, and the one that Newton's method finds from it."""
         missed = super().keep(x)
         if missed <= min(NEWTON_BASIN, 0.5 * self._asked):  # share of the residual that is worth another try
             self._asked = missed
@@ -103,13 +103,13 @@ class _ReflectionSearch(SearchState):
         return missed
 
     def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
-        """The minimum of the energy, with so many factorizations at most."""
+        """The minimum of the energy, with a limited number of factorizations."""
         descent = Budget(self.recorder.work, most)
 
         def is_enough(_: Floats) -> bool:
             return descent.exhausted or self.exhausted
 
-        x = descended(self.energy, x, self.lengths, mu, self.recorder, is_enough)
+        x = minimize_energy(self.energy, x, self.lengths, mu, self.recorder, is_enough)
         self.keep(x)
         self.show(x)
         return x
@@ -177,7 +177,7 @@ class _ReflectionSearch(SearchState):
 
 
 def _tries(changes: ReflectionTrials, kinds: int | None) -> Iterator[list[list[ReflectionTrial]]]:
-    """What to try, kind by kind: each time some changes together."""
+    """Trials, kind by kind: lists of changes that are tried together."""
     for found in changes.singles(len(PATCHES) if kinds is None else kinds):
         yield _one_by_one(found)
     if kinds is None:

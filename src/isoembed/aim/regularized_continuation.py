@@ -26,9 +26,9 @@ SHORTEST = 1e-9  # lengths: the least length at t = 1, where vertices may coinci
 
 
 class Continued(NamedTuple):
-    """Where the path of metrics ended, smooth, and where letting go of R led from there, each (V, 3).
+    """End of the path of metrics, smooth, and the surface after R was released from there, each (V, 3).
 
-    By levels (`isoembed.aim.levels`) R is let go along the way, and both are where these end.
+    With levels (`isoembed.aim.levels`) R is released along the way, and both are the end of the last.
     """
 
     smooth: Floats
@@ -78,9 +78,11 @@ def regularized_continuation(
 
     x, mu = guided(energy, start, lengths, recorder, kept, keep)
     given, close = lengths(0.0), NEWTON_BASIN * energy.unit
-    found, residual = let_go(energy.finer(x), x, given, mu, recorder)
+    found, residual = release_penalty(energy.finer(x), x, given, mu, recorder)
     if residual > close:  # edges too long for quintics to know the surface
-        found = min((found, residual), let_go(energy, x, given, mu, recorder), key=lambda pair: pair[1])[0]
+        found = min(
+            (found, residual), release_penalty(energy, x, given, mu, recorder), key=lambda pair: pair[1]
+        )[0]
     return Continued(x, found)
 
 
@@ -132,7 +134,7 @@ def guided(
     return energy.relaxed(x, given, mu, 0.0, recorder), mu
 
 
-def let_go(
+def release_penalty(
     energy: RegularizedEnergy,
     x: Floats,
     lengths: Floats,

@@ -81,17 +81,17 @@ class RegularizedEnergy:
         return VertexSystem(self.triangulation, csr_array(self._RT @ self._R))
 
     def finer(self, vertices: Floats) -> RegularizedEnergy:
-        """The same with quintic fits, applied twice, in the charts of these vertices in the place of R."""
+        """Energy with quintic fits, applied twice, in the charts of these vertices instead of R."""
         return self._fitted_twice(vertices, 5)
 
     def weighted(self, weights: Floats) -> RegularizedEnergy:
-        """The same with each error of a length times a weight, (E,), in the residuals."""
+        """Energy with each error of a length times a weight, (E,), in the residuals."""
         other = copy(self)
         other._edge_weights = weights
         return other
 
     def coarser(self, vertices: Floats) -> RegularizedEnergy:
-        """The same with cubic fits, applied twice, in the charts of these vertices."""
+        """Energy with cubic fits, applied twice, in the charts of these vertices."""
         return self._fitted_twice(vertices, 3)
 
     def _fitted_twice(self, vertices: Floats, degree: int) -> RegularizedEnergy:
@@ -152,7 +152,7 @@ class RegularizedEnergy:
     ) -> Callable[[Floats], Floats]:
         """Prepare to solve ``(J^T J + S + mu (R^T R + w K^T K)) d = g`` for d, (V, 3).
 
-        The matrix with K in the place of R, sparser by far, is factored, and preconditions: a handful of
+        The matrix with K in place of R, sparser by far, is factored, and preconditions: a handful of
         iterations of conjugate gradients is enough.  S is the Laplacian whose weights are the tensions of
         the edges, (E,): ``r / l`` for the matrix of Newton's method, 0 for that of Gauss and Newton.
 

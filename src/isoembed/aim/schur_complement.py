@@ -82,7 +82,7 @@ class Condensation:
         return self._factor.solve(flat, sweeps=0).reshape(forces.shape)
 
     def patch(self, vertices: Indices) -> CondensedPatch:
-        """That of some vertices, ascending; raises SingularMatrix."""
+        """Energy of a patch, vertices ascending, with all others eliminated; raises SingularMatrix."""
         n, of = len(self.vertices), (3 * vertices[:, None] + np.arange(3)).ravel()
         block = np.empty((of.size, of.size))  # of the inverse
         for first in range(0, of.size, COLUMNS):
@@ -126,7 +126,7 @@ class CondensedPatch:
 
     @cached_property
     def _slots(self) -> Indices:
-        """Where the 3 x 3 blocks of the edges are in the matrix: 36 entries an edge."""
+        """Positions of the 3 x 3 blocks of the edges in the matrix: 36 entries an edge."""
         (a, b), size = self.ends.T, 3 * len(self.vertices)
         i, j = np.arange(3)[:, None], np.arange(3)
 
@@ -137,7 +137,7 @@ class CondensedPatch:
 
     @cached_property
     def _outside(self) -> tuple[Floats, Floats]:
-        """What the edges inside do not give: the matrix, and the forces at rest, (n, 3)."""
+        """Contributions from other than the edges inside: the matrix, and the forces at rest, (n, 3)."""
         surface, inside = self.surface, self.inside
         rows = surface.rows[inside]
         matrix = self.stiffness - self._assembled(rows, surface.tensions[inside])
@@ -169,7 +169,7 @@ class CondensedPatch:
         return (np.einsum("ei,ei->e", d, d) - lengths**2) / (2 * lengths), d / lengths[:, None]
 
     def change(self, motion: Floats) -> float:
-        """By how much the energy grows with a motion, (n, 3), of the vertices."""
+        """Change of the energy with a motion, (n, 3), of the vertices."""
         matrix, forces = self._outside
         r, before, d = self._errors(motion)[0], self.surface.residuals[self.inside], motion.ravel()
         return float((r - before) @ (r + before) + d @ (matrix @ d) + 2 * np.sum(forces * motion))
@@ -209,7 +209,7 @@ class CondensedPatch:
         return found.point, found.value
 
     def followed(self, motion: Floats) -> Floats:
-        """How all vertices move, (V, 3), if these move so, (n, 3)."""
+        """Motion of all vertices, (V, 3), that follows a motion of these, (n, 3)."""
         surface = self.surface
         forces = np.zeros_like(surface.vertices)
         forces[self.vertices] = (self.stiffness @ motion.ravel()).reshape(-1, 3)

@@ -10,7 +10,7 @@ from isoembed.surface.rigidity import LengthSystem
 
 
 class SearchState:
-    """What searches share.
+    """Base class of searches: budget, recorder and nearest surface so far.
 
     Parameters
     ----------
@@ -19,16 +19,16 @@ class SearchState:
     system : LengthSystem
         Of its triangulation.
     vertices : ndarray, shape (V, 3)
-        Where it begins.
+        Start of the search.
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Listens.
+        Recorder of the work.
     budget : Budget
 
     Attributes
     ----------
     nearest : ndarray, shape (V, 3)
-        What has missed the lengths least of all that was kept.
+        Of the surfaces kept, the one nearest to the lengths.
     missed : float
         Its largest error, in mean edge lengths.
     """
@@ -48,7 +48,7 @@ class SearchState:
 
     @property
     def exhausted(self) -> bool:
-        """Whether the budget is."""
+        """Whether the budget is exhausted."""
         return self.budget.exhausted
 
     def largest_residual(self, x: Floats) -> float:

@@ -20,7 +20,7 @@ from isoembed.surface.smoothness import QuinticResiduals
 
 
 class StartPoint(NamedTuple):
-    """Where to start Newton's method, and how rough the realization is expected to be."""
+    """Start of Newton's method, and the expected roughness of the realization."""
 
     roughness: float
     vertices: Floats
@@ -123,5 +123,5 @@ def _is_plausible(expansion: LengthExpansion, motion: Floats) -> bool:
 
 
 def _missed(expansion: LengthExpansion, motion: Floats) -> float:
-    """How much the lengths at the end of a motion are off."""
+    """Residual of the lengths at the end of a motion, in norm."""
     return float(np.linalg.norm(expansion.residuals_at(motion)))

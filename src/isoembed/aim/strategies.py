@@ -45,7 +45,7 @@ PULL_BACK = {"pull back": 2.0, **GUIDED, "mirrored patches": 50.0, **LOCAL}
 
 
 class FitWithinErrors(Strategy):
-    """For lengths with errors: a smooth surface that agrees with them, which as a rule is the answer.
+    """Smooth surface that agrees with lengths within their errors, which as a rule is the answer.
 
     Needs nothing.  The surface with exactly these lengths is sought as well where no smooth one agrees, or
     where the errors are small.
@@ -63,14 +63,14 @@ class FitWithinErrors(Strategy):
         start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
         with pipeline.log.stage("fit within errors") as recorder:
             state = replace(state, measured=fit_within_errors(metric, errors, start, recorder))
-        found = measured_surface(state, pipeline)
+        found = measured_candidate(state, pipeline)
         if not found.converged or has_small_errors(metric):
             return state
         return replace(state, answer=found, is_final=True)
 
 
 class NewtonOnRadii(Strategy):
-    """For nearly convex metrics: Newton's method on the radii, on the given triangles alone.
+    """Newton's method on the radii for nearly convex metrics, on the given triangles alone.
 
     Needs nothing; finds a candidate that is trusted.
     """
@@ -92,7 +92,7 @@ class NewtonOnRadii(Strategy):
 
 
 class NearestPolytope(Strategy):
-    """For nearly convex metrics: the generalized polytope of a convex metric nearby, with flips.
+    """Generalized polytope of a convex metric near a nearly convex one, with flips.
 
     Needs nothing; finds the body from which Newton's method on the radii starts, or even the polyhedron.
     """
@@ -250,7 +250,7 @@ class GuidedPath(Strategy):
         return replace(state, cost=pipeline.work.factorizations)
 
     def _followed(self, start: Floats, pipeline: Pipeline, kept: Arrays | None) -> Continued:
-        """Where the path ends, near enough to the lengths for Newton's method."""
+        """End of the path, near enough to the lengths for Newton's method."""
         from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
         from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
         from isoembed.linalg import SingularMatrix
@@ -268,7 +268,7 @@ class GuidedPath(Strategy):
 
 
 class LocalSearch(Strategy):
-    """After a pull-back that missed the lengths: patches on the wrong side are turned over.
+    """Reflection of patches on the wrong side, after a pull-back that missed the lengths.
 
     Needs the start and candidates; finds two more.  Coarse surfaces are searched from the nearest candidate,
     others from the smooth end of the path: its pits are where they should be, which is more than that lengths
@@ -300,7 +300,7 @@ class LocalSearch(Strategy):
 
 
 class BestFitting(Strategy):
-    """Where the lengths are still missed: the best fit to them, which is one more start, too.
+    """Best fit to the lengths where they are still missed, which is one more start, too.
 
     Needs the start; finds two candidates and the fit.
     """
@@ -325,7 +325,7 @@ class BestFitting(Strategy):
 
 
 class VertexReflections(Strategy):
-    """With more effort: reflections of vertices on the wrong side of the nearest candidate.
+    """Reflections of vertices on the wrong side of the nearest candidate, with more effort.
 
     Needs the start and candidates; finds one more.
     """
@@ -390,7 +390,7 @@ class Choice(Strategy):
 
 
 class Neighbors(Strategy):
-    """Other realizations near one that was found at once.
+    """Search for other realizations near one that was found at once.
 
     A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors apart,
     and the search would cost more than all else.
@@ -413,7 +413,7 @@ class Neighbors(Strategy):
 
 
 class FitWithinDigits(Strategy):
-    """For rounded lengths: a smooth surface that agrees with them, in the place of a rough one or of none."""
+    """Smooth surface that agrees with rounded lengths, instead of a rough one or of none."""
 
     key, is_decision = "fit within digits", True
 
@@ -446,7 +446,7 @@ class AskedFor(Strategy):
 
 
 class SmootherWithinErrors(Strategy):
-    """For lengths with errors: the smooth fit, with the vertices of the exact surface if that is better.
+    """Smooth fit to lengths with errors, with the vertices of the exact surface if that is better.
 
     That is where it is smoother, or where the errors are too small for a fit.  A rougher one would follow
     blunders.
@@ -458,7 +458,7 @@ class SmootherWithinErrors(Strategy):
         return state.measured is not None
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        found, exact = measured_surface(state, pipeline), answered(state)
+        found, exact = measured_candidate(state, pipeline), answered(state)
         if not exact.converged:
             return replace(state, answer=found)
         smoother = exact.surface.fine_roughness < found.surface.fine_roughness
@@ -517,7 +517,7 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
 
 
 def fresh(problem: Problem) -> Problem:
-    """The same problem, of whose convexification nothing was asked."""
+    """Copy of the problem with an unused convexification."""
     return Problem(problem.metric, problem.tolerance, problem.name)
 
 
@@ -564,7 +564,7 @@ def has_small_errors(metric: PolyhedralMetric) -> bool:
     return bool(np.max(np.asarray(metric.length_errors)) < SMALL * metric.mean_length)
 
 
-def measured_surface(state: State, pipeline: Pipeline) -> MeasuredSurface:
+def measured_candidate(state: State, pipeline: Pipeline) -> MeasuredSurface:
     """The smooth surface within the errors of the lengths."""
     from isoembed.aim.measured_lengths import measured_surface
 

@@ -160,7 +160,7 @@ class _RicciFlow:
 
     @property
     def until_uniform(self) -> Callable[[float, Floats], float]:
-        """What changes its sign where the flow ends."""
+        """Event function of the flow: its sign changes where the flow ends."""
 
         def excess(_time: float, u: Floats) -> float:
             rho = self.metric_at(u)

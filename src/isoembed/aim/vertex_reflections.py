@@ -34,7 +34,7 @@ GAIN = 1e-3  # relative decrease of the energy that counts
 
 
 class ReflectionTrial(NamedTuple):
-    """What becomes of a reflection.
+    """Outcome of a reflection.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class ReflectionTrial(NamedTuple):
         Of the energy.
     patch : CondensedPatch
     motion : ndarray, shape (n, 3)
-        Of its vertices.
+        Motion of its vertices.
     """
 
     growth: float
@@ -51,7 +51,7 @@ class ReflectionTrial(NamedTuple):
 
     @property
     def displacement(self) -> Floats:
-        """How all vertices move, (V, 3)."""
+        """Displacements of all vertices, (V, 3)."""
         return self.patch.followed(self.motion)
 
 
@@ -73,11 +73,11 @@ class ReflectionTrials:
         return reflections(self.surface.energy.triangulation, self.surface.vertices)
 
     def singles(self, kinds: int) -> Iterator[list[ReflectionTrial]]:
-        """Single vertices that promise less energy, the best first, in patches of so many kinds in turn."""
+        """Single vertices whose reflection promises less energy, the best first, for each kind of patch."""
         return self._in_patches(PATCHES[:kinds], 1)
 
     def pairs(self) -> Iterator[list[ReflectionTrial]]:
-        """Pairs of vertices that do."""
+        """Pairs of vertices whose reflection promises less energy, the best first."""
         # Kinds of patches in which pairs of vertices are reflected, at last.
         return self._in_patches(PATCHES[:3], 2)
 
@@ -107,7 +107,7 @@ class ReflectionTrials:
         return apart
 
     def _promising(self, changes: Sequence[ReflectionTrial]) -> list[ReflectionTrial]:
-        """Those with which the energy falls; where it would fall below 0 the expansion is wrong."""
+        """Trials that lower the energy; where it would fall below 0 the expansion is wrong."""
         value = self.surface.value
         promising = [change for change in changes if -value < change.growth < -GAIN * value]
         return sorted(promising, key=lambda change: change.growth)
@@ -115,7 +115,7 @@ class ReflectionTrials:
     def _relaxed(
         self, center: int, rings: int, flipped: Iterable[tuple[int, ...]]
     ) -> Iterator[ReflectionTrial]:
-        """What becomes of reflections of some vertices in the patch about a center."""
+        """Outcomes of reflections of some vertices in the patch about a center."""
         vertices = self._about(center, rings)
         if self.is_done() or len(vertices) > LARGEST:
             return
@@ -134,14 +134,14 @@ class ReflectionTrials:
                 yield ReflectionTrial(growth, patch, relaxed)
 
     def _about(self, center: int, rings: int) -> Indices:
-        """The vertices within so many rings of one."""
+        """The vertices within a number of rings of one."""
         found, adjacency = np.array([center]), self.surface.energy.triangulation.adjacency
         for _ in range(rings):
             found = np.union1d(found, adjacency[found].indices)
         return found
 
     def _most_missed(self, count: int) -> Iterator[int]:
-        """So many vertices where the lengths are missed most, none near another."""
+        """The vertices where the lengths are missed most, none near another."""
         missed = sums_at_ends(self.surface.energy.triangulation, self.surface.residuals**2)
         free = np.ones(len(missed), dtype=bool)
         for center in np.argsort(-missed, kind="stable").tolist():
@@ -154,17 +154,9 @@ class ReflectionTrials:
 
     def _shallow(self) -> list[int]:
         """Vertices whose reflections change the lengths little, but to the better."""
-        surface, moved = self.surface, self.surface.vertices + self._reflected
-        x, r, lengths = surface.vertices, surface.residuals, surface.lengths
-        taken, changed = np.zeros((2, len(x)))
-        for ends in surface.energy.triangulation.edges.T, surface.energy.triangulation.edges.T[::-1]:
-            apart = np.linalg.norm(moved[ends[0]] - x[ends[1]], axis=1)
-            d = (apart - lengths) * (apart + lengths) / (2 * lengths) - r
-            taken -= np.bincount(ends[0], r * d, minlength=len(x))
-            changed += np.bincount(ends[0], d**2, minlength=len(x))
-        least, most = PROMISE
-        promised = np.flatnonzero((taken > least * (r @ r)) & (taken < most * (r @ r)))
-        return promised[np.argsort(changed[promised], kind="stable")][:SHALLOW].tolist()
+        surface = self.surface
+        t, x, moves = surface.energy.triangulation, surface.vertices, self._reflected
+        return shallow(t, x, surface.lengths, surface.residuals, moves)[:SHALLOW].tolist()
 
 
 def reflections(triangulation: Triangulation, vertices: Floats) -> Floats:
@@ -180,3 +172,28 @@ def reflections(triangulation: Triangulation, vertices: Floats) -> Floats:
     spread = sums(np.einsum("hi,hj->hij", away, away).reshape(-1, 9)).reshape(-1, 3, 3)
     normals = np.linalg.eigh(spread)[1][:, :, 0]
     return -2 * np.einsum("vi,vi->v", vertices - middles, normals)[:, None] * normals
+
+
+def shallow(
+    triangulation: Triangulation, vertices: Floats, lengths: Floats, residuals: Floats, moves: Floats
+) -> Indices:
+    """Vertices whose reflections change the lengths to the better, first those that change them least.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    vertices, moves : ndarray, shape (V, 3)
+        `moves` as of `reflections`.
+    lengths, residuals : ndarray, shape (E,)
+        Residuals as of `isoembed.surface.rigidity.length_residuals`, at a minimum of their squares.
+    """
+    r, x, moved = residuals, vertices, vertices + moves
+    taken, changed = np.zeros((2, len(x)))
+    for a, b in (triangulation.edges.T, triangulation.edges.T[::-1]):
+        apart = np.linalg.norm(moved[a] - x[b], axis=1)
+        d = (apart - lengths) * (apart + lengths) / (2 * lengths) - r
+        taken -= np.bincount(a, r * d, minlength=len(x))
+        changed += np.bincount(a, d**2, minlength=len(x))
+    least, most = PROMISE
+    promised = np.flatnonzero((taken > least * (r @ r)) & (taken < most * (r @ r)))
+    return promised[np.argsort(changed[promised], kind="stable")]

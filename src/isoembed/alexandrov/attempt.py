@@ -16,7 +16,7 @@ from isoembed.progress.stages import StageRecorder
 def attempted(
     metric: PolyhedralMetric, core: Indices, nearest: Polytope | None, recorder: StageRecorder
 ) -> Floats:
-    """Vertices on the given triangles, shape (V, 3), which are no solution.
+    """Vertices on the given triangles, shape (V, 3), which are not a solution.
 
     Parameters
     ----------

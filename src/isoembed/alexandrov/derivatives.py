@@ -81,7 +81,7 @@ class GivenLengthDerivatives:
         metric, t = body.metric.normalized, body.triangulation
         if not metric.space.is_euclidean:
             raise InvalidParameter(
-                f"derivatives by given lengths are those of polyhedra in R^3, not in {body.space!r}"
+                f"derivatives by given lengths need polyhedra in R^3, not in {body.space!r}"
             )
         if len(paths.ends) != t.n_edges:
             raise InvalidParameter(f"{len(paths.ends)} edges were given, and the polyhedron has {t.n_edges}")
@@ -121,7 +121,7 @@ class GivenLengthDerivatives:
         return np.asarray(self._paths.solve(changes))
 
     def jvp(self, changes: Floats) -> Floats:
-        """How the vertices move, (V, 3), when the given lengths change by dl, (E,).
+        """Derivative of the vertices, (V, 3), along a change dl of the given lengths, (E,).
 
         Raises
         ------

@@ -17,7 +17,7 @@ from isoembed.intrinsic.delaunay_loops import tilts
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import flip, set_directions
 from isoembed.mesh.components import components
-from isoembed.metric.curvature import Triangles
+from isoembed.metric.triangles import Triangles
 from isoembed.space import Space
 
 THIN = 1e-4  # squared radii: a body whose apex is lower may turn flat
@@ -131,7 +131,7 @@ def _laid_out(space: Space, sides: Floats, exterior: Floats) -> Floats | None:
 
 
 def _sheet(tables: HalfEdges, folds: Mask) -> Indices:
-    """Which side of the folds each face is on, shape (F,)."""
+    """Side of the folds that each face is on, shape (F,)."""
     inside = np.flatnonzero(~folds)
     return components(inside // 3, tables.twins[inside] // 3, tables.corners.size // 3)
 

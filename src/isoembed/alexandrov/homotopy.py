@@ -31,7 +31,7 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 START_RADII = (2.0, 16.0, 64.0, 256.0)
-"""In least radii, tried in turn until a path arrives; then again, with curvatures over roots of deficits.
+"""Radii of starts in least radii, tried in turn until a path arrives; then with scaled curvatures.
 
 The deficits around the middle of a needle are so small against those at its tips that a sum of squares
 neglects their curvatures.
@@ -51,7 +51,7 @@ With three radii pinned they are as many where the curvatures vanish.
 
 @dataclass(frozen=True, eq=False)
 class Waypoint:
-    """Where the path goes on with a fresh factorization, and nothing depends on what was before.
+    """Point of the path with a fresh factorization: what follows depends on nothing before it.
 
     Attributes
     ----------
@@ -96,14 +96,14 @@ class Waypoint:
         return cls(polytope, int(arrays["start"]), count=int(arrays["count"]), **numbers)
 
     def arrays(self) -> dict[str, ArrayLike]:
-        """What defines it, for a checkpoint."""
+        """Arrays that define the waypoint, for a checkpoint."""
         names = ("start", "close", "step", "count", "odds", "norm", "target", "way", "residual")
         return {**self.polytope.arrays(), **{name: getattr(self, name) for name in names}}
 
 
 @dataclass(frozen=True, eq=False)
 class Stalled:
-    """Where Newton's method began, and did not arrive: the path goes on from here.
+    """Point from which Newton's method did not converge: the path goes on from here.
 
     Attributes
     ----------
@@ -210,7 +210,7 @@ def follow_path_without_flips(
 
 
 def _start(p: Polytope, number: int, deficits: Floats) -> Waypoint:
-    """Where a path begins, and in hyperbolic space also its first aim.
+    """Start of a path, and in hyperbolic space also its first target.
 
     The deficits sum to 4 pi - k A, but the curvatures of radii that grow to 4 pi at most, where k < 0: an aim
     must not sum to more, or the radii run away.  Those of equal radii do not become like the deficits, but
@@ -358,7 +358,7 @@ def _factor(p: Polytope, analyses: Analyses, recorder: StageRecorder) -> Symmetr
 
 
 class _Step(NamedTuple):
-    """Where a step led, how often it was halved, and the norm of what is still missing."""
+    """End of a step, the number of halvings, and the norm of the remaining error."""
 
     polytope: Polytope
     halving: int
@@ -366,7 +366,7 @@ class _Step(NamedTuple):
 
 
 def _unit(start: int, deficits: Floats) -> Floats | float:
-    """What curvatures are measured in on the path from this start."""
+    """Unit of curvatures on the path from this start."""
     if start < len(START_RADII):
         return 1.0
     return np.sqrt(np.maximum(deficits, 1e-6 * deficits.max()))  # smaller ones are met by the way

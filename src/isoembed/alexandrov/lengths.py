@@ -15,7 +15,7 @@ def worst_length(tables: HalfEdges, vertices: Floats) -> float:
 
 
 def worst_of_conformal(tables: HalfEdges, vertices: Floats) -> float:
-    """The same of vertices in conformal coordinates."""
+    """Largest error of the lengths, over their mean, for vertices in conformal coordinates."""
     worst = float(np.abs(conformal_lengths(tables, vertices) - tables.lengths).max())
     return worst / float(tables.lengths.mean()) if worst < np.inf else np.inf
 

@@ -118,7 +118,7 @@ class Alexandrov(Method):
     def _advice(self, metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log) -> str:
         """The repair of small deficits, if it leads to a polyhedron."""
         given = GluedMetric.of(metric)
-        least = deficit_rounding(given.faces, given.face_lengths, given.curvature)
+        least = deficit_rounding(given)
         level = repair_level(given.deficits, least)
         if level is None or self.repair:
             return ""
@@ -164,7 +164,7 @@ def _searched(
 ) -> Embedding:
     """The polyhedron of a metric without negative deficits, or an attempt."""
     given = GluedMetric.of(metric)
-    rounding = deficit_rounding(given.faces, given.face_lengths)
+    rounding = deficit_rounding(given)
     # A deficit within the tolerance can be told from none only by trying.
     flat = None
     for least in (rounding, np.maximum(rounding, tolerance)):

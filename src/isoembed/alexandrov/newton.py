@@ -30,7 +30,7 @@ CREEPING = 0.9  # share of the curvatures that a step leaves: three such in a ro
 
 @dataclass(eq=False)
 class Analyses:
-    """What factorizations of ``-d kappa / d r`` share while the triangles are flipped.
+    """Analyses that factorizations of ``-d kappa / d r`` share while the triangles are flipped.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Preconditioner:
         return self._last.negative_pivots
 
     def solve(self, b: Floats) -> Floats:
-        """What the last factor makes of b, (V,) or (V, n)."""
+        """Solution for b, (V,) or (V, n), with the last factor and no refinement."""
         return self._last.solve(b, sweeps=0)
 
     @property

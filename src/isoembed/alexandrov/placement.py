@@ -79,7 +79,7 @@ def polished(solution: Solution, about: Floats) -> Floats:
     Returns
     -------
     ndarray, shape (V, 3)
-        The argument itself where that is no improvement.
+        The argument itself where that is not an improvement.
     """
     tables, space = solution.polytope.tables, solution.polytope.space
     radii = distances_from_apex(space, about)

@@ -30,7 +30,7 @@ def metric_on(tables: HalfEdges) -> PolyhedralMetric:
     Raises
     ------
     InvalidMetric
-        They are none, or rounding broke one of them.
+        They are not valid, or rounding broke one of them.
     """
     triangulation = Triangulation(tables.faces)
     lengths = np.empty(triangulation.n_edges)
@@ -188,7 +188,7 @@ class ConvexPolyhedron(Polyhedron):
 
     @property
     def _reported(self) -> Mapping[str, Any]:
-        """What only polyhedra have."""
+        """Entries of the report that only polyhedra have."""
         return {
             "input": {
                 "vertices": self.given.n_vertices,

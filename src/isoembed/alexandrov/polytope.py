@@ -28,7 +28,7 @@ from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.delaunay_loops import non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
-from isoembed.metric.curvature import Triangles
+from isoembed.metric.triangles import Triangles
 from isoembed.space import Space
 
 
@@ -66,7 +66,7 @@ class Polytope:
         Without flips the triangles stay as they are, and any edges of theirs may be reflex.
         """
         space = Space(tables.curvature)
-        if not radii.min() > 0:  # not a number is no radius either
+        if not radii.min() > 0:  # not a number is not a radius either
             return None
         # Radii of curvature: hyperbolic sines of longer radii overflow.
         if not radii.max() * space.root < (np.pi if space.curvature > 0 else 100.0):
@@ -108,7 +108,7 @@ class Polytope:
         return cls.on(tables, arrays[f"{prefix}radii"])
 
     def arrays(self, prefix: str = "") -> dict[str, NDArray[Any]]:
-        """What defines it, for a checkpoint: the triangles as they were flipped, and the radii."""
+        """Arrays that define the polytope, for a checkpoint: the flipped triangles and the radii."""
         return {
             prefix + name: table for name, table in {**self.tables._asdict(), "radii": self.radii}.items()
         }

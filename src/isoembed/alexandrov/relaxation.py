@@ -91,17 +91,17 @@ class Relaxed:
 
     @property
     def is_sure(self) -> bool:
-        """Whether it has no dents, and is no polygon covered twice: flattened, it would miss its lengths."""
+        """Whether it has no dents, and is not a doubly covered polygon, which would miss its lengths."""
         centered = self.vertices - self.vertices.mean(axis=0)
         normal = np.linalg.svd(centered, full_matrices=False)[2][2]
         flattened = worst_length(self.tables, self.vertices - (centered @ normal)[:, None] * normal)
         error = max(worst_length(self.tables, self.vertices), FLAT_IN_FLOATS)
-        # Errors of the lengths, by which a body that is no polygon misses them when flattened.
+        # Errors of the lengths, by which a body that is not a polygon misses them when flattened.
         return self.dent <= DENTED and flattened > 10.0 * error
 
 
 def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | None:
-    """Where the curvatures get small but not to zero, go on with the lengths, and flip what is then concave.
+    """Solve for the lengths where the curvatures get small but not to zero, and flip concave edges.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def _dents(tables: HalfEdges, vertices: Floats) -> Floats:
 
 
 def _flipped(tables: HalfEdges, depths: Floats, least: float) -> int:
-    """How many edges that are dented by more than this were flipped, the deepest first, each face once."""
+    """Flip edges dented by more than `least`, the deepest first, each face once; return their number."""
     triangulation = Triangulation(tables.faces)
     whole = np.ones(triangulation.n_faces, dtype=np.bool_)
     views, flipped = tables.views, 0

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from isoembed.intrinsic.halfedges import HalfEdges
-from isoembed.metric.curvature import Triangles
+from isoembed.metric.triangles import Triangles
 from isoembed.space import Space
 
 EPS = 2.0**-52

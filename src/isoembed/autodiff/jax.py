@@ -3,9 +3,13 @@
 from collections.abc import Callable
 from functools import lru_cache
 
-import jax
-import jax.numpy as jnp
 import numpy as np
+
+try:
+    import jax
+    import jax.numpy as jnp
+except ImportError:
+    raise ImportError("isoembed.autodiff.jax needs JAX: pip install 'isoembed[jax]'") from None
 
 from isoembed.arrays import Floats
 from isoembed.autodiff.realization import Linearized, Realization

@@ -12,7 +12,7 @@ from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import solve
-from isoembed.methods import configured
+from isoembed.methods import as_method
 from isoembed.nonlinear.acceptance import contraction
 from isoembed.nonlinear.stopping import below
 from isoembed.sheets.derivatives import SheetDerivatives
@@ -46,7 +46,7 @@ class Linearized:
     rigid: Floats
 
     def jvp(self, changes: Floats) -> Floats:
-        """How the vertices move, (V, 3), when the lengths change by dl, (E,)."""
+        """Derivative of the vertices, (V, 3), along a change dl of the lengths, (E,)."""
         return self._aligned(self.derivatives.jvp(changes))
 
     def vjp(self, gradient: Floats) -> Floats:
@@ -54,7 +54,7 @@ class Linearized:
         return self.derivatives.vjp(self._unaligned(gradient))
 
     def boundary_jvp(self, changes: Floats) -> Floats:
-        """How the vertices move, (V, 3), when what is given at the boundary changes; zeros if nothing is."""
+        """Derivative of the vertices, (V, 3), along a change of the boundary data; zeros without any."""
         if not isinstance(self.derivatives, SheetDerivatives):
             return np.zeros_like(self.vertices)
         return self._aligned(self.derivatives.boundary_jvp(changes))
@@ -105,11 +105,11 @@ class Realization:
         if not self.surface.space.is_euclidean:
             raise InvalidParameter(f"the surface is in {self.surface.space!r}, not in R^3")
         if not self.surface.converged:
-            raise InvalidParameter(f"the surface is none to begin from: {self.surface.message}")
+            raise InvalidParameter(f"cannot start from this surface: {self.surface.message}")
 
     @cached_property
     def boundary(self) -> Floats:
-        """What is given at the boundary."""
+        """Boundary data: heights or positions; empty if there are none."""
         surface = self.surface
         if not isinstance(surface, SheetEmbedding):
             return np.zeros(0)
@@ -154,7 +154,7 @@ class Realization:
             max_iterations=20,
         )
         near = found.value <= 1e-10 * goal.mean()
-        vertices = unit * found.point.x if near else solve(metric, configured("aim")).vertices
+        vertices = unit * found.point.x if near else solve(metric, as_method("aim")).vertices
         return aligned(vertices, given.vertices)
 
     def _given(self, boundary: ArrayLike | None) -> Floats:

@@ -4,7 +4,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import torch
+
+try:
+    import torch
+except ImportError:
+    raise ImportError("isoembed.autodiff.torch needs PyTorch: pip install 'isoembed[torch]'") from None
 
 from isoembed.autodiff.realization import Realization
 from isoembed.embedding.embedding import Embedding

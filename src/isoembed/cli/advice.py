@@ -20,9 +20,9 @@ OPTIONS = (
 
 
 def in_options(message: str) -> str:
-    """A message of the library with options in the place of the arguments that it advises.
+    """A message of the library with options in place of the arguments that it advises.
 
-    Arguments are whole words: a part of the name of a file, such as ``merge=1e-6.obj``, is none.
+    Arguments are whole words: a part of the name of a file, such as ``merge=1e-6.obj``, is not one.
     """
     for argument, option in OPTIONS:
         message = re.sub(rf"(?<![^\s(]){argument}(?=[.,;:)]*(?:\s|$))", option, message)

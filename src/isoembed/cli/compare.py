@@ -1,6 +1,7 @@
 """``isoembed compare``: distance and curvature differences of two surfaces on the same triangulation."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,8 +23,10 @@ from isoembed.io import (
 from isoembed.io.files import Writer, ending
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import mesh_writer, surface_data
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.coloring import mean_curvature_difference
+from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.changes import root_mean_square
 
 NEEDED = "surfaces are compared on"
@@ -73,13 +76,10 @@ def run(options: argparse.Namespace) -> int:
     first, second = (read_surface(path, merge=options.merge) for path in (options.surface, options.other))
     named, metric = options.surface, first.metric
     if options.metric:
-        named, metric = options.metric, read_metric(options.metric, merge=options.merge)
+        named, metric = options.metric, read_metric(options.metric, merge=options.merge, any_surface=True)
         check_same_triangles(metric, first.metric, named, options.surface, NEEDED)
     check_same_triangles(metric, second.metric, named, options.other, NEEDED)
-    one, other = (
-        Embedding(metric, each.vertices, method=each.method, tolerance=each.tolerance)
-        for each in (first, second)
-    )
+    one, other = (_with_lengths(metric, each) for each in (first, second))
     found = compare(one, other)
     if output:
         write_atomically({output: _writer(output, one, found)})
@@ -90,6 +90,12 @@ def run(options: argparse.Namespace) -> int:
         if output:
             print_aside(written(options, output))
     return OK if found.certified else NOT_EMBEDDED
+
+
+def _with_lengths(metric: PolyhedralMetric, surface: Embedding) -> Embedding:
+    if isinstance(surface, SheetEmbedding):
+        return replace(surface, metric=metric)
+    return Embedding(metric, surface.vertices, method=surface.method, tolerance=surface.tolerance)
 
 
 def _writer(path: Path, surface: Embedding, found: Comparison) -> Writer:
@@ -119,7 +125,8 @@ def _summary(first: Embedding, found: Comparison) -> str:
             f"{root_mean_square(values):.3g} in root mean square"
         )
     lines.append(f"{SHOWN['area']:12}{'equal' if found.certified else stated(apart.area, error.area)}")
-    for name in ("volume", "integrated_mean_curvature"):
+    closed = first.triangulation.is_closed
+    for name in ("volume", "integrated_mean_curvature") if closed else ("integrated_mean_curvature",):
         change, whole = getattr(apart, name), getattr(first, name)
         known = stated(change, getattr(error, name))
         share = f", {abs(change / whole):.1e} of {whole:.9g}" if whole and np.isfinite(whole) else ""

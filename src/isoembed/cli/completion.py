@@ -10,7 +10,7 @@ SHELLS = ("bash", "zsh", "fish")
 
 
 def script(parser: argparse.ArgumentParser, shell: str) -> str:
-    """What a shell reads to complete the command line of a parser and of its subcommands.
+    """Completion script of a shell for the command line of a parser and its subcommands.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def script(parser: argparse.ArgumentParser, shell: str) -> str:
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """All actions of a parser and of its subcommands."""
+    """Actions of a parser and of its subcommands."""
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
             for command in action.choices.values():

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from isoembed.cli.length_error import add_length_error_option, length_errors, not_rigid
+from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.screen import print_aside, print_json, print_out
+from isoembed.cli.screen import UsageError, print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import NEARLY_FLEXES
 from isoembed.embedding.embedding import Embedding
@@ -21,6 +22,8 @@ from isoembed.linalg import SingularMatrix
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.coloring import vertex_deviation
 from isoembed.proof.deviation_bound import DeviationBound
+from isoembed.sheets.held import held
+from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.changes import Changes, root_mean_square
 from isoembed.surface.deviation import NONLINEAR, Deviation
 from isoembed.surface.estimate import percent
@@ -28,6 +31,7 @@ from isoembed.surface.estimate import percent
 EXAMPLES = (
     "isoembed deviation surface.ply --length-error 0.001",
     "isoembed deviation surface.ply --length-error 0.001 --bound",
+    "isoembed deviation cap.ply --length-error 0.001 --boundary plane",
 )
 
 
@@ -40,6 +44,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--bound",
         action="store_true",
         help="E is the largest error of each length: print what is proven, and not an estimate",
+    )
+    parser.add_argument(
+        "--boundary",
+        metavar="CONDITION",
+        help="of a surface with boundary, what holds it there: free, plane, or the .npy file with heights "
+        "(B,) or positions (B, 3) that 'isoembed embed --boundary' took; these have no errors",
     )
     add_output_option(
         parser,
@@ -58,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
         check_answer(output, (*SURFACE_ENDINGS, *PICTURE_ENDINGS), options.surface)
     errors = length_errors(options)
     assert errors is not None
-    surface = read_surface(options.surface, merge=options.merge)
+    surface = _held(options, read_surface(options.surface, merge=options.merge))
     sensitivity = Sensitivity(surface)
     try:
         found = sensitivity.deviation_bound(errors) if options.bound else sensitivity.deviation(errors)
@@ -74,6 +84,28 @@ def run(options: argparse.Namespace) -> int:
         if output and not obstacle:
             print_aside(written(options, output))
     return NOT_EMBEDDED if obstacle else OK
+
+
+def _held(options: argparse.Namespace, surface: Embedding) -> Embedding:
+    """The surface with what holds its boundary; raises UsageError where that is not said, or needless."""
+    condition, t = options.boundary, surface.triangulation
+    if t.is_closed != (condition is None):
+        raise UsageError(
+            f"--boundary is for surfaces with boundary, and {options.surface} is closed"
+            if t.is_closed
+            else f"{options.surface} has a boundary: --boundary says what holds it there, free, plane or a "
+            "file"
+        )
+    if condition is None:
+        return surface
+    assert isinstance(surface, SheetEmbedding)
+    count = int(t.boundary_vertices.sum())
+    if condition in ("free", "plane"):
+        return held(surface, condition, np.zeros(count) if condition == "plane" else None)
+    given = read_numbers(Path(condition))
+    if given.shape not in ((count,), (count, 3)):
+        raise UsageError(f"{condition} has the shape {given.shape}, not ({count},) or ({count}, 3)")
+    return held(surface, "heights", given) if given.ndim == 1 else held(surface, "curve")
 
 
 def _writer(path: Path, surface: Embedding, found: Changes) -> Writer:
@@ -95,14 +127,15 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
             1.06,
         )
     lines = [
-        f"{name:12}{value:.17g} +- {more * error:.2g}"
+        f"{name:12}{getattr(surface, field):.17g} +- {more * getattr(found, field):.2g}"
         if isinstance(found, DeviationBound)
-        else f"{name:12}{value:.12g} +- {error:.2g}"
-        for name, value, error in (
-            ("area", surface.area, found.area),
-            ("volume", surface.volume, found.volume),
-            ("int H dA", surface.integrated_mean_curvature, found.integrated_mean_curvature),
+        else f"{name:12}{getattr(surface, field):.12g} +- {getattr(found, field):.2g}"
+        for name, field in (
+            ("area", "area"),
+            ("volume", "volume"),
+            ("int H dA", "integrated_mean_curvature"),
         )
+        if field != "volume" or surface.triangulation.is_closed
     ]
     for name, values, place, unit in (
         ("vertices", found.vertices, "vertex", ""),

@@ -18,11 +18,11 @@ from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted, InvalidParameter
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
 from isoembed.io.files import ending
-from isoembed.methods import configuration, method_names
+from isoembed.methods import method_class, method_names
 from isoembed.progress.stages import Listener
 
 WHICH = ("convex", "smoothest")
-"""The values of ``--which`` that are no file."""
+"""The values of ``--which`` that are not a file."""
 
 EXAMPLES = (
     "isoembed embed metric.npz -o surface.ply",
@@ -93,7 +93,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--repair",
         metavar="NOISE",
-        help="with --method alexandrov: deficits of at most so many radians are noise, and are made zero "
+        help="with --method alexandrov: deficits of at most this many radians are noise, and are made zero "
         "by the smallest conformal change of the lengths",
     )
     parser.add_argument(
@@ -160,7 +160,7 @@ def run(options: argparse.Namespace) -> int:
             print_error(f"the method {method.name!r} takes lengths as exact: their errors are unused", "note")
         metric = metric.with_length_errors(0.0)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
-        print_error("the metric is convex in R^3, which takes it: no curvature is needed", "note")
+        print_error("the metric is convex in R^3, so no curved space is needed", "note")
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         found = isoembed.embed(
@@ -188,7 +188,7 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
     """The method with its parameters."""
     repair = [] if options.repair is None else [f"repair={options.repair}"]
     name = options.method or ("aim" if options.boundary is None else "sheet")
-    known = parameters(configuration(name))
+    known = parameters(method_class(name))
     if repair and "repair" not in known:
         raise UsageError(f"--repair needs the method 'alexandrov': the method {name!r} has no repair")
     if options.best_fit and "best_fit" not in known:

@@ -116,7 +116,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_length_error_option(
         parser, ": of a METRIC of triangles; then every energy has a standard deviation by them"
     )
-    add_marginal_options(parser, "of a surface on a grid or in a slice", "by default it is none")
+    add_marginal_options(parser, "of a surface on a grid or in a slice", "by default it is not one")
     add_spacetime_options(parser)
     parser.add_argument(
         "--sphere",
@@ -204,7 +204,7 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
 
 
 def _instead(options: argparse.Namespace, attempt: SmoothEmbedding) -> Iterator[str]:
-    """What to ask for instead of an embedding in Euclidean space that there is not."""
+    """Options to try where there is no embedding in Euclidean space."""
     if attempt.hindrance and attempt.space.is_euclidean:
         yield "--space hyperbolic, which embeds the whole surface"
         about_z = attempt.coordinates is None and attempt.harmonics.order < attempt.harmonics.degree

@@ -46,7 +46,7 @@ COMMAND_GROUPS: Mapping[str, Mapping[str, str]] = {
         "embed": "find the surface that has the given edge lengths",
         "inspect": "say what kind of metric a file holds, and what that means for its embedding",
         "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
-        "view": "look at a surface, in the browser or as a picture",
+        "view": "look at a surface, in the browser or as a picture, or at several as a film",
     },
     "proofs and errors": {
         "certify": "prove that an exact surface is near the one in a file, and that no other one is",

@@ -95,7 +95,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_slice_options(parser)
     add_report_options(parser)
     add_marginal_options(
-        parser, "of each file", "by default its expansion decides, and a metric without k is none"
+        parser, "of each file", "by default its expansion decides, and a metric without k is not one"
     )
     parser.add_argument("--time", type=float, metavar="T", help="which slice of a SpECTRE file with several")
     parser.add_argument("--surface", metavar="NAME", help="which surface of a SpECTRE file with several")
@@ -113,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
     """Embed the horizons one after the other; return the exit status."""
     number = vertices(options)
     if options.axis and not any(options.axis):
-        raise UsageError("--axis 0 0 0 is no axis")
+        raise UsageError("--axis 0 0 0 is not an axis")
     spectrum = None
     try:
         if options.find:
@@ -232,7 +232,7 @@ def _make_folder(options: argparse.Namespace, stems: list[str]) -> None:
 
 
 def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
-    """What may be written of one horizon."""
+    """Output files of one horizon."""
     return Outputs((end, options.output / f"{stem}.{end}") for end in WRITTEN)
 
 
@@ -268,7 +268,7 @@ def _read(name: str, options: argparse.Namespace) -> CoordinateShape | SurfaceDa
         if options.time is None and options.surface is None:
             return read_horizon(name)
         if input_ending(name) not in SPECTRE_ENDINGS:
-            raise UsageError(f"--time and --surface are for SpECTRE's files, and {name} is none")
+            raise UsageError(f"--time and --surface are for SpECTRE's files, and {name} is not one")
         return read_spectre(name, options.surface, options.time)
     except AmbiguousFileError as error:
         option = {"surface": "--surface", "observation": "--time"}[error.parameter]

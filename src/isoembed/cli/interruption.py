@@ -39,7 +39,7 @@ def add_checkpoint_options(parser: argparse.ArgumentParser) -> None:
 
 
 def checkpoint_file(options: argparse.Namespace, outputs: Outputs, source: str) -> Path | None:
-    """Where a checkpoint would go, if anywhere.
+    """Path of the checkpoint; None if none is written.
 
     Raises
     ------
@@ -68,7 +68,7 @@ class Checkpoints:
     Parameters
     ----------
     path : path or None
-        Where they go, each in the place of the one before.
+        Where they go, each in place of the one before.
     resumed : Checkpoint, optional
         What the run goes on from, which need not be written again.
     """
@@ -110,7 +110,7 @@ class Checkpoints:
         return "; ".join(part for part in (str(interrupted), complaint, where) if part)
 
     def left(self) -> str:
-        """Where the last one is, if any, in words that go on with a sentence."""
+        """Clause on the place of the last checkpoint, if any, to end a sentence."""
         return f"; {_place(self._written[-1])}" if self._written else ""
 
     def remove(self) -> None:
@@ -145,7 +145,7 @@ class Checkpoints:
 
 
 def _place(path: Path | None) -> str:
-    """Where a checkpoint is, and what it is for."""
+    """Clause on the place of a checkpoint and how to resume from it."""
     if path is None:
         return "there is no checkpoint"
     again = f"the same command with --resume {shlex.quote(str(path))} goes on from it"

@@ -24,18 +24,18 @@ TOLD = 10  # failures that are told of; all are in the table
 
 @dataclass
 class Tally:
-    """What became of the tasks of a run so far.
+    """Counts of the results of a run so far.
 
     Attributes
     ----------
     total : int
-        How many there are.
+        Number of tasks.
     statuses : Counter of str
-        How many results have which status.
+        Number of results of each status.
     computed : int
-        How many were not there before.
+        Number of results that were not there before.
     failures, complaints : list of str
-        Those that have no answer and why; what could not be kept.
+        Tasks without an answer, and why; results that could not be stored.
     """
 
     total: int
@@ -45,7 +45,7 @@ class Tally:
     complaints: list[str] = field(default_factory=list)
 
     def add(self, outcome: Outcome) -> None:
-        """Count one."""
+        """Count one outcome."""
         result = outcome.result
         self.statuses[result.status] += 1
         self.computed += outcome.computed
@@ -56,7 +56,7 @@ class Tally:
 
     @property
     def done(self) -> int:
-        """How many have a result."""
+        """Number of tasks with a result."""
         return self.statuses.total()
 
     @property
@@ -74,7 +74,7 @@ class Tally:
 
     @property
     def exit_status(self) -> int:
-        """That of the command: 0 if all have an answer."""
+        """Exit status of the command: 0 if all tasks have an answer."""
         if self.complaints or (self.failures and self.statuses[REFUSED] == self.done):
             return WRONG
         return NOT_EMBEDDED if self.failures else OK
@@ -86,7 +86,7 @@ def carried_out(
     options: argparse.Namespace,
     hear: Callable[[Result], None] | None = None,
 ) -> Tally:
-    """Do tasks as the options say, and tell of failures.
+    """Compute tasks as the options say, and report failures.
 
     Parameters
     ----------

@@ -123,7 +123,9 @@ def add_marginal_options(parser: argparse.ArgumentParser, what: str, otherwise: 
         "--marginal", action="store_true", help=f"{what}: it is a horizon, k^2 = p^2 ({otherwise})"
     )
     decision.add_argument(
-        "--not-marginal", action="store_true", help=f"{what}: it is no horizon, k and p are taken as they are"
+        "--not-marginal",
+        action="store_true",
+        help=f"{what}: it is not a horizon; k and p are taken as they are",
     )
 
 
@@ -179,7 +181,7 @@ def marginal(options: argparse.Namespace) -> bool | None:
 
 
 def vertices(options: argparse.Namespace) -> int:
-    """How many vertices the mesh of a smooth surface has.
+    """Number of vertices of the mesh of a smooth surface.
 
     Raises
     ------

@@ -84,12 +84,12 @@ def print_written(options: argparse.Namespace, *files: Path) -> None:
 
 
 def elapsed(options: argparse.Namespace) -> str:
-    """How long the command has taken."""
+    """Time that the command has taken."""
     return f"{time.monotonic() - options.began:.1f} s"
 
 
 def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:
-    """Find out before a computation whether its result can be written here, and is none of the inputs.
+    """Find out before a computation whether its result can be written here, and is not an input.
 
     Raises
     ------

@@ -29,7 +29,7 @@ def configured(method: str, assignments: Sequence[str], **given: Any) -> Method:
     UsageError
         A parameter or its value is not one of the method's.
     """
-    configuration = methods.configuration(method)
+    configuration = methods.method_class(method)
     known, needed = parameters(configuration), parameters(configuration, needed=True)
     types_ = get_type_hints(configuration)
     values = dict(given)

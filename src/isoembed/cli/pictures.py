@@ -85,7 +85,7 @@ def check_pictures(options: argparse.Namespace) -> None:
 
 
 def film(options: argparse.Namespace) -> Film | None:
-    """What listens for the surfaces on the way, if they are to be shown."""
+    """Listener that collects the intermediate surfaces, if they are to be shown."""
     if not (options.html or options.animate):
         return None
     from isoembed.plot.film import Film

@@ -47,8 +47,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=int,
         default=8,
         metavar="N",
-        help="from how many of those that are found to search on, in turn breadth first and smoothest first "
-        "(default %(default)s)",
+        help="number of realizations to search from, alternating between breadth-first and smoothest-first "
+        "order (default %(default)s)",
     )
     add_output_option(
         parser, "for the surfaces: realization-1.ply, the smoothest, and so on", metavar="FOLDER"
@@ -81,7 +81,7 @@ def _write(options: argparse.Namespace, found: Realizations) -> list[Path]:
     inputs = {path.resolve() for path in (options.surface, options.metric)}
     for path in paths:
         if path.resolve() in inputs:
-            raise UsageError(f"{path} would take the place of the input: take another folder")
+            raise UsageError(f"{path} would overwrite the input: take another folder")
     if paths:
         options.output.mkdir(parents=True, exist_ok=True)
     write_atomically(

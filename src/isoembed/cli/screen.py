@@ -18,9 +18,9 @@ class OutputError(RuntimeError):
 
 
 def print_out(text: str) -> None:
-    """Print an answer, with options in the place of Python arguments.
+    """Print an answer, with options in place of Python arguments.
 
-    A reader who has gone away (``| head``) is no failure of ours.
+    A reader who has gone away (``| head``) is not a failure of ours.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def print_error(message: str, kind: str = "error") -> None:
 
 
 def occupy_closed_streams() -> None:
-    """Open the null device in the place of standard streams that are closed.
+    """Open the null device in place of standard streams that are closed.
 
     A file that is opened takes the lowest number that is free: what was meant for a stream would end in it.
     """

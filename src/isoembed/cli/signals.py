@@ -16,7 +16,7 @@ SAME = 2.0  # seconds: signals that come so soon after the first are the same wi
 
 
 class Interruption:
-    """What to do on a signal: raise `KeyboardInterrupt`.
+    """Signal handler that raises `KeyboardInterrupt`.
 
     Attributes
     ----------

@@ -170,7 +170,7 @@ def slice_stem(name: str) -> str:
 
 
 def _given(options: argparse.Namespace) -> dict[str, Any]:
-    """What is given of a slice, by the names of the options; several vectors as a list."""
+    """Parameters of a slice by the names of the options; several vectors as a list."""
     given = {name: value for name in OF_SLICE if (value := getattr(options, name)) is not None}
     for name in given.keys() & {"positions", "velocities"}:
         given[name] = _triples(name, given[name])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import Outputs, check_answer, print_written, written
-from isoembed.cli.screen import print_aside, print_json, print_out
+from isoembed.cli.screen import print_aside, print_error, print_json, print_out
 from isoembed.cli.status import OK
 from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface
 from isoembed.plot.endings import PICTURE_ENDINGS
@@ -17,6 +17,9 @@ EXAMPLES = (
     "isoembed struts dome.obj -o struts.csv --picture struts.png",
     "isoembed struts dome.obj --hub-radius 20 --stock 6000",
 )
+
+MANY_TYPES = 20
+"""Types from which on a larger tolerance is recommended, if most struts have one of their own."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -78,6 +81,12 @@ def run(options: argparse.Namespace) -> int:
     table = strut_table(
         surface, tolerance=options.tolerance, hub_radius=options.hub_radius, stock=options.stock
     )
+    if len(table.struts) > MANY_TYPES and 2 * len(table.struts) > len(table.edges) and not options.quiet:
+        print_error(
+            f"{len(table.struts)} types of {len(table.edges)} struts: --tolerance LENGTH makes one type of "
+            "lengths that differ by no more",
+            "note",
+        )
     writers = {"output": lambda path: struts_writer(path, table)}
     if options.picture:
         from isoembed.plot.struts import struts_picture_writer
@@ -100,5 +109,5 @@ def _length(text: str) -> float:
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
     if not 0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not a length from 0 on")
+        raise argparse.ArgumentTypeError(f"{text} is not a non-negative length")
     return value

@@ -146,4 +146,4 @@ def _scale(text: str) -> float:
     try:
         return float(found[1]) / float(found[2]) if found else float(text)
     except (ValueError, ZeroDivisionError):
-        raise argparse.ArgumentTypeError(f"{text!r} is no scale, as 0.25 and 1:4 are") from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not a scale, as 0.25 and 1:4 are") from None

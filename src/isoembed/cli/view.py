@@ -3,40 +3,47 @@
 import argparse
 import tempfile
 import webbrowser
+from collections.abc import Sequence
 from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.pictures import add_color_option, color_of
+from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
 from isoembed.embedding.embedding import Embedding
 from isoembed.io import read_surface, write_atomically
 from isoembed.io.files import ending
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
-from isoembed.plot import PICTURE_ENDINGS, picture_writer
-from isoembed.plot.endings import PAGE_ENDINGS
+from isoembed.plot import PICTURE_ENDINGS, animation_writer, frames_of, picture_writer
+from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS
+from isoembed.plot.film import Frame
 from isoembed.plot.page import page_writer, write_page
 
 EXAMPLES = (
     "isoembed view surface.ply",
     "isoembed view surface.ply -o surface.png --color gaussian-curvature",
+    "isoembed view small.ply larger.ply largest.ply -o swelling.gif",
 )
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed view``."""
     parser.add_argument(
-        "file",
+        "files",
+        nargs="+",
         type=Path,
         metavar="FILE",
         help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}); if it holds lengths, "
-        "too, length errors are against those",
+        "too, length errors are against those; several, on the same triangles, are a series: a page has a "
+        "slider, and a film goes from each to the next",
     )
     add_output_option(
         parser,
         f"{' '.join(PAGE_ENDINGS)}: a page for the browser, in one file; {' '.join(PICTURE_ENDINGS)}: a "
-        "picture (default: a page in a new temporary folder, which is opened in the browser)",
+        f"picture of a single surface; {' '.join(ANIMATION_ENDINGS)}: a film (default: "
+        "a page in a new temporary folder, which is opened in the browser)",
     )
     add_color_option(parser)
     add_merge_option(parser)
@@ -45,28 +52,38 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Show the surface; return the exit status."""
-    output = options.output
+    output, files = options.output, options.files
     if output:
-        check_answer(output, (*PAGE_ENDINGS, *PICTURE_ENDINGS), options.file)
-    if options.color and (not output or ending(output) in PAGE_ENDINGS):
+        check_answer(output, (*PAGE_ENDINGS, *PICTURE_ENDINGS, *ANIMATION_ENDINGS), *files)
+    is_picture = output is not None and ending(output) in PICTURE_ENDINGS
+    if options.color and not is_picture:
         raise UsageError(
-            f"--color is for pictures ({' '.join(PICTURE_ENDINGS)}): a page shows all quantities"
+            f"--color is for pictures ({' '.join(PICTURE_ENDINGS)}): a page shows all quantities, a film the "
+            "mean curvature"
         )
-    surface = read_surface(options.file, merge=options.merge)
+    if is_picture and len(files) > 1:
+        raise UsageError("a picture shows a single surface: of several there are pages and films")
+    surfaces = [read_surface(path, merge=options.merge) for path in files]
+    for path, each in zip(files, surfaces, strict=True):
+        check_same_triangles(each.metric, surfaces[-1].metric, path, files[-1], "a series has")
+    surface, title = surfaces[-1], files[-1].name
+    frames = frames_of(surfaces, [path.stem for path in files]) if len(files) > 1 else ()
     if not output:
-        return _browse(surface, options.file)
+        return _browse(surface, files[-1], frames)
     if ending(output) in PAGE_ENDINGS:
-        writer = page_writer(output, surface, title=options.file.name)
-    else:
+        writer = page_writer(output, surface, frames=frames, title=title)
+    elif is_picture:
         writer = picture_writer(output, surface, color=color_of(options))
+    else:
+        writer = animation_writer(output, surface, frames)
     write_atomically({output: writer})
     print_aside(f"{surface.triangulation.n_vertices:,} vertices\n{written(options, output)}")
     return OK
 
 
-def _browse(surface: Embedding, path: Path) -> int:
+def _browse(surface: Embedding, path: Path, frames: Sequence[Frame]) -> int:
     page = Path(tempfile.mkdtemp(prefix="isoembed-")) / f"{path.stem}.html"
-    write_page(page, surface, title=path.name)
+    write_page(page, surface, frames=frames, title=path.name)
     opened = webbrowser.open(page.as_uri())
     print_out(str(page) if opened else f"{page}: no browser could be opened here; open this file in one")
     return OK

@@ -27,6 +27,6 @@ def certify(embedding: Embedding) -> Certificate:
     Raises
     ------
     InvalidParameter
-        It is no embedding.
+        It is not an embedding.
     """
     return checked_embedding(embedding)._certificate

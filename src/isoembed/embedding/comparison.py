@@ -26,7 +26,7 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.proof.deviation_bound import DeviationBound
 from isoembed.proof.rounding import GUARD, gamma
 from isoembed.reprs import short_repr
-from isoembed.surface.alignment import aligned
+from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.changes import Changes
 from isoembed.surface.curvature import (
     ROUNDING,
@@ -42,14 +42,14 @@ from isoembed.surface.measures import area, face_normals, volume
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """How a second surface differs from a first one of the same triangles.
+    """Differences of a second surface from a first one with the same triangles.
 
     Attributes
     ----------
     difference : Changes
         Dihedral angles, H, area, volume and int H dA of the second, less those of the first.  Of vertices and
         normals the distances and angles between them, after the rigid motion of the second that is best in
-        least squares.
+        least squares.  The volume of surfaces with boundary is NaN.
     error : Changes
         Proven bounds on how far `difference` is from that of the exact surfaces; infinite if not `certified`.
     distance, distance_error : float
@@ -78,7 +78,7 @@ class Comparison:
 
     @property
     def report(self) -> dict[str, Any]:
-        """All of it; of arrays root mean square and largest."""
+        """Report of all fields; of arrays, root mean square and largest."""
         return {
             "certified": self.certified,
             "reason": self.reason,
@@ -97,7 +97,8 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
 
     If both have the same lengths and a certificate (`certify`), it is the exact surfaces that are compared,
     with proven errors.  That takes three factorizations more for each.  Surfaces are as `Embedding` has them,
-    turned over where the volume is negative: mirror images are one.
+    turned over where the volume is negative: mirror images are one.  Of a surface with boundary, the second
+    is mirrored if this brings it nearer.  Nothing is proven of surfaces with boundary or handles.
 
     Parameters
     ----------
@@ -107,21 +108,19 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     Raises
     ------
     InvalidParameter
-        One is no embedding, the triangles are others, or space is curved.
-    InvalidMetric
-        The surfaces have a boundary or handles.
+        One is not an embedding, the triangles are others, or space is curved.
     """
     for each in (first, second):
         checked_embedding(each)
-    first.triangulation.check_sphere(
-        "comparisons are those of", "first.distance(second) is the largest distance of vertices"
-    )
     for each in (first, second):
         if not each.space.is_euclidean:
-            raise InvalidParameter(f"comparisons are those of surfaces in R^3, not in {each.space!r}")
+            raise InvalidParameter(f"comparisons need surfaces in R^3, not in {each.space!r}")
     if not np.array_equal(first.faces, second.faces):
-        raise InvalidParameter("the surfaces have other triangles, or in another order")
+        raise InvalidParameter("the surfaces do not have the same triangles in the same order")
     t, unit, mean_length = first.triangulation, first.metric.unit, first.metric.normalized.mean_length
+    if not t.is_closed:
+        x, own = first.vertices / first.metric.unit, second.vertices / first.metric.unit
+        second = replace(second, vertices=first.metric.unit * aligned_image(own, x))
     obstacle = _obstacle(first, second)
     one, other = (
         DeviationBound.unproven(t, obstacle) if obstacle else Sensitivity(each).deviation_bound(0.0)
@@ -152,6 +151,13 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     same = None if isolation is None else _same(first, distance, uncertain, isolation)
     rough = first.surface.fine_roughness, second.surface.fine_roughness
     difference = difference.scaled(unit)
+    if not t.is_sphere:
+        difference = replace(
+            difference,
+            mean_curvature=second.mean_curvature - first.mean_curvature,
+            volume=difference.volume if t.is_closed else np.nan,
+            integrated_mean_curvature=second.integrated_mean_curvature - first.integrated_mean_curvature,
+        )
     bounds = [
         float(np.max(np.abs(getattr(difference, name)) + getattr(error, name)))
         for name in ("dihedral_angles", "integrated_mean_curvature")
@@ -194,7 +200,9 @@ def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
 
 
 def _obstacle(first: Embedding, second: Embedding) -> str:
-    """Why nothing is proven of two surfaces; empty if it is."""
+    """Reason why nothing is proven of two surfaces; empty if it is."""
+    if not first.triangulation.is_sphere:
+        return "proofs about two surfaces need closed surfaces of genus 0"
     lengths, others = first.metric.lengths, second.metric.lengths
     if not np.array_equal(lengths, others):
         e = int(np.argmax(lengths != others))
@@ -237,20 +245,20 @@ def _sentence(obstacle: str, same: bool | None, apart: str, bounds: list[float])
 
 
 def _misaligned(x: Floats, y: Floats, first: Floats, second: Floats) -> tuple[float, Floats]:
-    """How far the motion of y that is best in least squares is from the identity, for exact vertices.
+    """Distance from the identity of the best motion of y in least squares, for exact vertices.
 
     Parameters
     ----------
     x, y : ndarray, shape (V, 3)
     first, second : ndarray, shape (V,)
-        How far the exact vertices are from these, at most.
+        Bounds on the distances of the exact vertices from these.
 
     Returns
     -------
     turned : float
         The angle of its rotation, at most.
     moved : ndarray, shape (V,)
-        By how much the distances of exact vertices differ from those of x and y, at most.
+        Bounds on the differences of the distances of exact vertices from those of x and y.
     """
     rounding = gamma(len(x) + 16)
     mean = 4 * rounding * float(max(np.abs(x).max(), np.abs(y).max()))  # how far it is off

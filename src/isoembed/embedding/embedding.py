@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 def checked_embedding(given: Any) -> Embedding:
-    """Return what was given, an embedding; raises InvalidParameter if it is none."""
+    """Return the argument if it is an embedding; raises InvalidParameter otherwise."""
     if not isinstance(given, Embedding):
         raise InvalidParameter(
             f"the embedding is a {type(given).__name__}: give what isoembed.embed returns, or "
@@ -132,7 +132,7 @@ class Embedding:
         return measures.outward(self.metric.faces, points, self.metric.normalized.space)
 
     def distance(self, other: Embedding) -> float:
-        """How far the vertices are from another realization's, rigid motions aside, in mean edge lengths."""
+        """Distance of the vertices from another realization's, rigid motions aside, in mean edge lengths."""
         normalized, unit = self.metric.normalized, self.metric.unit
         apart = alignment.distance(self.vertices / unit, other.vertices / unit, normalized.space)
         return apart / normalized.mean_length
@@ -164,7 +164,7 @@ class Embedding:
         """
         from isoembed.embedding.sensitivity import OF_A_NUMBER
 
-        self.triangulation.check_sphere("error bars are those of", OF_A_NUMBER)
+        self.triangulation.check_sphere("error bars need", OF_A_NUMBER)
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
@@ -208,7 +208,7 @@ class Embedding:
 
     @property
     def space(self) -> Space:
-        """Where the surface is: of the curvature of the metric's triangles."""
+        """Space that contains the surface, of the curvature of the metric's triangles."""
         return self.metric.space
 
     @property
@@ -388,14 +388,14 @@ class Embedding:
         return figure(self, color=color, caption=caption, ax=ax)
 
     def _repr_html_(self) -> str | None:
-        """What notebooks show: see `isoembed.plot.notebook`."""
+        """Representation in notebooks: see `isoembed.plot.notebook`."""
         from isoembed.plot.notebook import notebook_html
 
         return notebook_html(self)
 
     @cached_property
     def _certificate(self) -> Certificate:
-        """What `isoembed.certify` returns."""
+        """Certificate as `isoembed.certify` returns it."""
         from isoembed.proof.certificate import Certificate, certify
 
         if not self.converged:
@@ -403,7 +403,7 @@ class Embedding:
         return certify(self.metric, self.vertices)
 
     def _length_derivatives(self) -> Any:
-        """What has `jvp` and `vjp` by the lengths; raises InvalidMetric of other than spheres."""
+        """Derivatives by the lengths (`jvp`, `vjp`); raises InvalidMetric unless the surface is a sphere."""
         from isoembed.surface.derivatives import LengthDerivatives
 
         t, normalized = self.triangulation, self.metric.normalized
@@ -432,11 +432,11 @@ class Embedding:
 
     @property
     def _reported(self) -> Mapping[str, Any]:
-        """What the report of a derived class has more, or in the place of what others have."""
+        """Entries that a subclass adds to the report or replaces."""
         return {}
 
     def _given_derivatives(self) -> Any:
-        """What has `jvp` and `vjp` by the given lengths; None where these are those of the triangles."""
+        """Derivatives by the given lengths (`jvp`, `vjp`); None where these are those of the triangles."""
         return None
 
     def _sentence(self) -> str:
@@ -457,7 +457,7 @@ class Embedding:
         return said + "".join(self._beside(other) for other in self.others)
 
     def _beside(self, other: Embedding) -> str:
-        """How another realization differs."""
+        """Clause on the distance and the shape of another realization."""
         first, second = self.surface, other.surface
         if second.concave_edges.any() and not first.concave_edges.any():
             kind = "not convex"

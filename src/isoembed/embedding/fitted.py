@@ -62,6 +62,6 @@ class FittedSurface(Embedding):
 
     @property
     def _reported(self) -> Mapping[str, Any]:
-        """What is known of the fit, under ``best_fit``."""
+        """Entries of the report on the fit, under ``best_fit``."""
         found = {"noise": self.noise, "residual_rms": self.residual_rms, "weight": self.weight}
         return {"best_fit": found}

@@ -33,5 +33,5 @@ def mirrored_caps(
 
 
 def mirrored_dents(metric: PolyhedralMetric, first: Floats, second: Floats) -> int:
-    """How many dents of one realization of a metric are bumps of another, by their mean curvatures, (V,)."""
+    """Number of dents of one realization that are bumps of another, by their mean curvatures, (V,)."""
     return len(mirrored_caps(metric.triangulation, deficits(metric.normalized), first, second))

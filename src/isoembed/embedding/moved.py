@@ -29,7 +29,7 @@ ON_SURFACE = {
     "face_sides": "flat_faces.sides",
     "polygon_edges": "flat_faces.edges",
 }
-"""Where on `Embedding.surface` they are."""
+"""Names on `Embedding.surface` by their old names on `Embedding`."""
 
 OF_SENSITIVITY = {
     "deviation",
@@ -45,7 +45,7 @@ OF_SENSITIVITY = {
 
 
 def moved(embedding: Embedding, name: str) -> Any:
-    """What an old name means, with a `DeprecationWarning`.
+    """Value of an old name, with a `DeprecationWarning`.
 
     Raises
     ------

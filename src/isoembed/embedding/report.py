@@ -30,7 +30,7 @@ def report(embedding: Embedding) -> dict[str, Any]:
     Raises
     ------
     InvalidParameter
-        It is no embedding.
+        It is not an embedding.
     """
     surface, triangulation = checked_embedding(embedding).surface, embedding.triangulation
     entries = np.sum(triangulation.degrees**2)  # of J J^T
@@ -103,7 +103,7 @@ def _merged(found: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]
 
 
 def _precision(embedding: Embedding) -> dict[str, Any] | None:
-    """That of the coordinates that the lengths come from, and which bends it explains."""
+    """Precision of the coordinates that the lengths come from, and the bends that it explains."""
     precision = embedding.metric.precision
     if precision is None:
         return None

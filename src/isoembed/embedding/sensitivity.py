@@ -30,7 +30,7 @@ OF_A_NUMBER = (
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """How the vertices of an embedding follow its lengths, and how far errors of these may take them.
+    """Derivatives of the vertices of an embedding by its lengths, and the effect of errors of these.
 
     The first derivative that is asked for factors J J^T, as a step of Newton's method does; the factors are
     kept for all of them.
@@ -38,13 +38,13 @@ class Sensitivity:
     Parameters
     ----------
     embedding : Embedding
-        Closed, of genus 0, or a `SheetEmbedding`, which has `jvp`, `vjp`, `boundary_jvp` and `boundary_vjp`
-        only: the rest raises `InvalidMetric`.
+        Closed, of genus 0, or a `SheetEmbedding`: `variation`, `deviation_bound` and
+        `smallest_singular_value` of that raise `InvalidMetric`.
 
     Raises
     ------
     InvalidParameter
-        It is no embedding.
+        The argument is not an embedding.
     """
 
     embedding: Embedding
@@ -69,11 +69,11 @@ class Sensitivity:
     @property
     def _closed(self) -> LengthDerivatives:
         """J and its factors, of a closed surface of genus 0; raises InvalidMetric of others."""
-        self._metric.triangulation.check_sphere("deviations and second derivatives are those of", OF_A_NUMBER)
+        self._metric.triangulation.check_sphere("second derivatives and bounds need", OF_A_NUMBER)
         return cast(LengthDerivatives, self._derivatives)
 
     def jvp(self, changes: ArrayLike) -> Floats:
-        """How the vertices move, to first order, when the lengths change.
+        """Derivative of the vertices along changes of the lengths.
 
         Parameters
         ----------
@@ -84,9 +84,9 @@ class Sensitivity:
         -------
         ndarray, shape (..., V, 3)
             ``J^+ dl``, in the same unit, without translation and rotation.  (In hyperbolic and spherical
-            space, of least norm among the motions w z by z.)  Of a `SheetEmbedding`, how its vertices move
-            while what is given at the boundary stays: with given heights without horizontal motions, of a
-            surface of least bending to seven digits or so.
+            space, of least norm among the motions w z by z.)  For a `SheetEmbedding`, the boundary data stay
+            fixed: with given heights there are no horizontal motions, and a surface of least bending is
+            followed to seven digits or so.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class Sensitivity:
         )
 
     def boundary_jvp(self, changes: ArrayLike) -> Floats:
-        """How the vertices of a `SheetEmbedding` move, to first order, when what is given there changes.
+        """Derivative of the vertices of a `SheetEmbedding` along changes of its boundary data.
 
         Parameters
         ----------
@@ -186,7 +186,7 @@ class Sensitivity:
         return self.embedding._given_derivatives()
 
     def given_jvp(self, changes: ArrayLike) -> Floats:
-        """How the vertices move, to first order, when the lengths that were given change.
+        """Derivative of the vertices along changes of the given lengths.
 
         Of a `ConvexPolyhedron`, `jvp` is by the lengths of its own triangles, and this by those of its
         `edge_paths`; of other embeddings they are the same.  The first call factors what both this and
@@ -259,9 +259,7 @@ class Sensitivity:
         """
         metric = self._metric
         if not metric.space.is_euclidean:
-            raise InvalidParameter(
-                f"second derivatives are those of surfaces in R^3, not in {metric.space!r}"
-            )
+            raise InvalidParameter(f"second derivatives need surfaces in R^3, not in {metric.space!r}")
         unit, lengths = metric.unit, metric.normalized.lengths
         dl = checked(changes, lengths.shape, "changes") / unit
         if dl.ndim > 1:
@@ -270,10 +268,11 @@ class Sensitivity:
         return Variation.of(self._closed, t, vertices, lengths, dl).scaled(unit)
 
     def deviation(self, errors: ArrayLike) -> Deviation:
-        """How far a surface in R^3 may be off because its lengths have independent errors, to first order.
+        """Deviation of a surface in R^3 by independent errors of its lengths, to first order.
 
         Where few different lengths are rounded to a decimal place, whose standard deviation is the errors',
-        equal ones have the same error.
+        equal ones have the same error.  Of a `SheetEmbedding`, what is given at the boundary has no error,
+        and H is that of the dihedral angles.
 
         Parameters
         ----------
@@ -290,7 +289,12 @@ class Sensitivity:
         sigma = self._flat_errors(errors)
         shared = shared_errors(self._metric.lengths, sigma * self._metric.unit)
         found = Deviation.of(
-            self._closed, self._metric.normalized, self._normalized, sigma, shared, self.embedding._missed
+            self._derivatives,
+            self._metric.normalized,
+            self._normalized,
+            sigma,
+            shared,
+            self.embedding._missed,
         )
         return found.scaled(self._metric.unit)
 
@@ -311,17 +315,20 @@ class Sensitivity:
         """
         sigma = checked_errors(self._metric, errors)
         shared, sigma = shared_errors(self._metric.lengths, sigma), sigma / self._metric.unit
-        try:
-            derivatives = self._closed
-        except SingularMatrix:
-            derivatives = None
-        found = IntegralDeviation.of(
-            self._metric.normalized, self._normalized, sigma, shared, self.embedding._missed, derivatives
-        )
+        metric, x = self._metric.normalized, self._normalized
+        t, missed = metric.triangulation, self.embedding._missed
+        if t.is_sphere:
+            try:
+                derivatives = self._closed
+            except SingularMatrix:
+                derivatives = None
+            found = IntegralDeviation.of(metric, x, sigma, shared, missed, derivatives)
+        else:
+            found = IntegralDeviation.of_sheet(self._derivatives, t, x, sigma, shared, missed)
         return found.scaled(self._metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
-        """How far a surface in R^3 may be off because lengths are: not an estimate, but proven.
+        """Proven bound on the deviation of a surface in R^3 by errors of its lengths.
 
         Whatever the lengths are, within these errors of the metric's, there is a surface with them that
         differs from this one by no more.  The theorem is that of a `Certificate`.  With errors of 0 it is how
@@ -365,5 +372,5 @@ class Sensitivity:
     def _flat_errors(self, errors: ArrayLike) -> Floats:
         """Errors of the lengths of a surface in R^3 in the normalized unit, (E,), checked."""
         if not self._metric.space.is_euclidean:
-            raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {self._metric.space!r}")
+            raise InvalidParameter(f"deviations need surfaces in R^3, not in {self._metric.space!r}")
         return checked_errors(self._metric, errors) / self._metric.unit

@@ -189,7 +189,7 @@ class Ergosphere(KerrSurface):
 
     @property
     def charge(self) -> float:  # type: ignore[override]
-        """No charge."""
+        """Charge of the hole: zero."""
         return 0.0
 
     def _R(self, s: Floats) -> Radius:

@@ -179,7 +179,7 @@ class _Flat:
         return self.weights * (total + self.straight - 2 * np.pi)
 
     def gradients(self, points: Floats) -> tuple[Indices, Indices, Floats]:
-        """As of `_Sides`."""
+        """See `_Sides.gradients`."""
         back, forth = points[self.before] - points[self.corners], points[self.after] - points[self.corners]
         weights = self.weights[self.rows][:, None]
         at_before = weights * _turned(back) / (back**2).sum(axis=1)[:, None]
@@ -295,5 +295,5 @@ def _angles(points: Floats, before: Indices, corners: Indices, after: Indices) -
 
 
 def _turned(vectors: Floats) -> Floats:
-    """By a right angle, counterclockwise."""
+    """Rotate vectors by a right angle, counterclockwise."""
     return np.column_stack([-vectors[:, 1], vectors[:, 0]])

@@ -58,7 +58,7 @@ def meeting_corners(
 
 
 def meeting_tolerance(points: Floats) -> float:
-    """How near corners of a sheet that is folded up are to one another if they are one."""
+    """Distance within which corners of a folded sheet are the same point."""
     return CREASES.meets * (float(np.ptp(points, axis=0).max()) or 1.0)
 
 

@@ -10,7 +10,7 @@ from isoembed.arrays import Floats
 from isoembed.metric.precision import PRECISION, last_digits
 
 CUT, FOLD, SEAM, GLUE, READ = "cut", "fold", "seam", "glue", "read"
-"""What a line is for: cut, folded, sewn on, glued over, or only read."""
+"""Purposes of lines: to be cut, folded, sewn on, glued over, or only read."""
 
 LAYERS = {
     **dict.fromkeys(("cut", "cuts", "outline", "outlines"), CUT),
@@ -19,7 +19,7 @@ LAYERS = {
     **dict.fromkeys(("glue", "tab", "tabs"), GLUE),
     **dict.fromkeys(("engrave", "notes", "legend"), READ),
 }
-"""By the name of a layer or group, in lower case, what its lines are for."""
+"""Purpose of the lines of a layer or group, by its name in lower case."""
 NUMBERS = "numbers"
 """The layer or group of the numbers of sides, where there is one."""
 
@@ -58,7 +58,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Number:
-    """What is written at a side.
+    """Text written at a side.
 
     Attributes
     ----------

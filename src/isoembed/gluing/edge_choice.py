@@ -35,7 +35,7 @@ def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
     Raises
     ------
     InvalidParameter
-        Something is no edge between two faces, an edge is in both, or edges that are kept lead around a
+        Something is not an edge between two faces, an edge is in both, or edges that are kept lead around a
         vertex, which cannot lie flat then, or in another ring.
     """
     glued = np.flatnonzero(faces.twins != np.arange(len(faces.twins)))
@@ -51,7 +51,7 @@ def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
                 known = next((v for v in edge if v in faces.corners), None)
                 others = ", ".join(str(end) for start, end in sorted(number) if start == known)
                 raise InvalidParameter(
-                    f"{name}[{k}] ({a}, {b}) is no edge between two faces that meet at an angle"
+                    f"{name}[{k}] ({a}, {b}) is not an edge between two faces that meet at an angle"
                     + (f"; those of vertex {known} lead to {others}" if others else "")
                 )
             found[name].append(min(s, twins[s]))
@@ -99,7 +99,7 @@ def forest(faces: Faces, order: Indices) -> Indices:
 
 
 def _around(faces: Faces, sides: Sequence[int], keep: Edges) -> str:
-    """Which of the edges that are kept is the first to close a ring."""
+    """Clause on the first of the kept edges that closes a ring."""
     for k in range(len(sides)):
         kept = np.unique(sides[: k + 1])
         if len(forest(faces, kept)) < len(kept):

@@ -95,7 +95,7 @@ def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.
 
 
 def _no_polygons(t: Triangulation, vertices: Floats, creased: Mask, faces: Indices) -> Mask:
-    """Which faces have holes or an outline that meets itself."""
+    """Mask of faces that have holes or an outline that meets itself."""
     start, upward, ways = t.faces.ravel(), _upward(t, vertices, faces), outlines(t, creased)
     owners = np.array([faces[way[0] // 3] for way in ways])
     wrong = np.bincount(owners, minlength=len(upward)) != 1

@@ -50,7 +50,7 @@ class Folding:
 
     @property
     def report(self) -> dict[str, Any]:
-        """What the table says, for JSON: ``solids``, a list, and ``failures``, sentences."""
+        """Contents of the table for JSON: ``solids``, a list, and ``failures``, sentences."""
         solids = [
             {
                 "net": one.number,

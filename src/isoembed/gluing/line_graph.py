@@ -40,7 +40,7 @@ class LineGraph:
     loose: int
 
     def ends(self, side: Side) -> Floats:
-        """Where a side begins and ends, (2, 2)."""
+        """End points of a side, (2, 2)."""
         f, k = side
         return self.points[[self.faces[f][k], self.faces[f][(k + 1) % len(self.faces[f])]]]
 
@@ -203,7 +203,7 @@ def _check_apart(points: Floats, faces: list[list[int]], outer: list[list[int]])
             if own.isdisjoint(outer[k]) and is_inside(v, corners):
                 raise InvalidMetric(
                     f"there is an outline inside of another, at {_at(v)}: sheets with holes cannot be glued, "
-                    "and frames are to be removed"
+                    "and frames must be removed"
                 )
 
 

@@ -105,9 +105,9 @@ class Net(GluedMetric):
             object.__setattr__(self, name, value)
 
     def knowing(self, *, precision: Precision | None = None, folded: Floats | None = None) -> "Net":
-        """The same net, folded so and of this precision, the error of a length in the unit of the sheets."""
+        """Copy with other folds and another precision, the error of a length in the unit of the sheets."""
         changed = copy(self)
-        changed.__dict__.pop("normalized", None)
+        changed.__dict__.pop("_normalized", None)
         if precision is not None:
             object.__setattr__(changed, "precision", precision.in_means(1 / self.mean_length))
         if folded is not None:
@@ -211,7 +211,7 @@ def glue(
         raise InvalidMetric("there are no polygons")
     sheets = [Polygon.of(polygon, p, space, model) for p, polygon in enumerate(polygons)]
     if (sides is None) == (corners is None):
-        raise InvalidParameter("what is glued is told either by the sides or by the names of the corners")
+        raise InvalidParameter("give either the sides that are glued or the names of the corners")
     try:
         return _glued(sheets, sides, corners, Tolerance.of(sheets, tolerance), any_surface)
     except UnequalLengths as error:

@@ -47,7 +47,7 @@ def glued_points(first: Indices, mates: Indices, corners: Indices, any_surface: 
     Raises
     ------
     InvalidMetric
-        The polygons do not make one surface, or it is no sphere and is to be one.
+        The polygons do not make one surface, or it is not a sphere and is to be one.
     """
     n = len(mates)
     owners = np.repeat(np.arange(len(first) - 1), np.diff(first))

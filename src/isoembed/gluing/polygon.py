@@ -54,12 +54,12 @@ class Polygon:
         space : Space
             Of the curvature of the plane that it lies in.
         model : {"ambient", "conformal", "projective"}
-            Which coordinates are given, where that is no plane.
+            Which coordinates are given, where that is not a plane.
 
         Raises
         ------
         InvalidMetric
-            It has fewer than three corners, a corner that is no point of the plane or of the model, a side
+            It has fewer than three corners, a corner that is not a point of the plane or of the model, a side
             without length, or it meets itself.
         """
         corners = points_of_the_plane(given, f"polygon {index}").copy()
@@ -98,7 +98,7 @@ class Polygon:
         return Polygon._made(corners.copy(), self.space, self.turned)
 
     def turned_over(self) -> Polygon:
-        """The same sheet seen from its back, corner 0 the same."""
+        """The sheet as seen from its back, with the same corner 0."""
         corners = np.roll((self.corners * [-1.0, 1.0])[::-1], 1, axis=0)
         return Polygon._made(corners, self.space, not self.turned)
 
@@ -139,7 +139,7 @@ class Polygon:
         return (side + float(part)) % self.n
 
     def points(self, positions: Floats) -> Floats:
-        """Where positions from 0 to below n lie, shape (m, 2); corners exactly."""
+        """Points of the boundary at positions from 0 to below n, shape (m, 2); corners are exact."""
         side = positions.astype(np.int64)
         part = (positions - side)[:, None]
         start, end = self.corners[side], self.corners[(side + 1) % self.n]

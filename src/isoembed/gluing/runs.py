@@ -37,7 +37,7 @@ class Run:
 
     @property
     def span(self) -> tuple[float, float]:
-        """How far along the boundary it starts and stops; beyond a whole lap if it passes corner 0."""
+        """Arc lengths along the boundary where it starts and stops; the stop counts on past corner 0."""
         first, last = self.sheet.arc(self.start), self.sheet.arc(self.stop)
         return first, last if self.stop > self.start else last + self.sheet.perimeter
 
@@ -232,7 +232,7 @@ def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon], any_s
 
 
 def _stretch(p: int, polygon: Polygon, stops: list[float], k: int) -> str:
-    """What the user calls the boundary from a stop to the next."""
+    """Description for the user of the boundary from a stop to the next."""
     a, b = stops[k], stops[(k + 1) % len(stops)]
     if polygon.turned:
         a, b = -b % polygon.n, -a % polygon.n

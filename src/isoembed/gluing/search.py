@@ -41,7 +41,7 @@ def edge_gluings(
     Raises
     ------
     InvalidMetric
-        The polygon is none.
+        The polygon is invalid.
 
     References
     ----------

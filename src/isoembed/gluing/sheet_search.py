@@ -16,7 +16,7 @@ from isoembed.thresholds import threshold
 
 Objective = Literal["sheets", "length", "strips", "faces"]
 Sheets = tuple[Floats, Indices, Indices]
-"""As of `joined`."""
+"""Joined sheets, as `joined` returns them."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def found_sheets(
     Raises
     ------
     InvalidParameter
-        Faces that are kept together overlap or are no strip, or there is no such objective.
+        Faces that are kept together overlap or are not a strip, or there is no such objective.
     """
     if objective not in get_args(Objective):
         raise InvalidParameter(f"objective is {objective!r}, not one of {', '.join(get_args(Objective))}")
@@ -67,7 +67,7 @@ def found_sheets(
     if objective == "faces":
         return joined(faces, kept, *anything)
     limits = 2 if objective == "strips" else len(steps), room
-    _check_kept(faces, kept, (limits[0], anything[1]), "join are no strip")
+    _check_kept(faces, kept, (limits[0], anything[1]), "join are not a strip")
     _check_kept(faces, kept, limits, "join are larger than the rectangle")
     lengths = np.linalg.norm(steps, axis=1)
     directions = steps / lengths[:, None]

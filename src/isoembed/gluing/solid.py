@@ -7,7 +7,7 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.gluing.net import Net
 from isoembed.method import TOLERANCE, solve
-from isoembed.methods import configured
+from isoembed.methods import as_method
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.nonlinear.acceptance import contraction
 from isoembed.nonlinear.stopping import never
@@ -57,8 +57,8 @@ def embed_net(
     if folded is not None and folded.surface.concave_edges.any():
         return folded
     v = int(np.argmin(net.deficits))
-    if net.deficits[v] >= -deficit_rounding(net.faces, net.face_lengths, net.curvature)[v]:
-        return solve(net, configured("alexandrov"), tolerance=tolerance, progress=progress, resume=resume)
+    if net.deficits[v] >= -deficit_rounding(net)[v]:
+        return solve(net, as_method("alexandrov"), tolerance=tolerance, progress=progress, resume=resume)
     if net.folded is None:
         found = _with_flat_polygons(net, tolerance, progress)
         if found is not None:
@@ -70,7 +70,7 @@ def embed_net(
             "writes them"
         )
     return folded or solve(
-        net.simplicial(), configured("aim"), tolerance=tolerance, progress=progress, resume=resume
+        net.simplicial(), as_method("aim"), tolerance=tolerance, progress=progress, resume=resume
     )
 
 
@@ -79,7 +79,7 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
     if len(net.polygons) < 4:  # a sheet that is folded: its triangles are none of the faces of the solid
         return None
     try:
-        found = solve(net.simplicial(), configured("aim"), tolerance=tolerance, progress=progress)
+        found = solve(net.simplicial(), as_method("aim"), tolerance=tolerance, progress=progress)
     except NotEmbedded:
         return None
     allowed = 1e-7 * found.metric.mean_length + 2 * found.surface.vertex_error
@@ -93,7 +93,7 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
 
 
 def unknown_folding(net: Net) -> str:
-    """Why a net with boundary or handles does not say how it is folded; empty if it does."""
+    """Reason why a net with boundary or handles does not say how it is folded; empty if it does."""
     if net.folded is None:
         return (
             "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "

@@ -185,8 +185,9 @@ def unfold(
         A face is so thin that it lies in no plane, a side is so short that rounding hides it, or the surface
         is in hyperbolic or spherical space.
     InvalidParameter
-        Something is no edge between two faces, an edge is both cut and kept, edges that are kept lead around
-        a vertex, faces that they join overlap or do not fit, or there is no such objective or rectangle.
+        Something is not an edge between two faces, an edge is both cut and kept, edges that are kept lead
+        around a vertex, faces that they join overlap or do not fit, or there is no such objective or
+        rectangle.
 
     References
     ----------
@@ -233,7 +234,7 @@ def unfold(
 
 
 def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> Unfolding:
-    """What is left: outlines, identified sides and folds."""
+    """Unfolding after the cuts: outlines, identified sides and folds."""
     outlines = []
     place: dict[int, tuple[int, int]] = {}
     every = np.unique(sheets).tolist()

@@ -139,14 +139,14 @@ def quotient(a: cython.doublecomplex, b: cython.doublecomplex) -> cython.doublec
 @cython.ccall
 @cython.exceptval(check=False)
 def coordinate(distance: cython.double, k: cython.double) -> cython.double:
-    """Of the point at this distance from the origin along the x axis."""
+    """Coordinate of the point at this distance from the origin along the x axis."""
     return distance if k == 0 else 2 * tn(distance / 2, k)
 
 
 @cython.ccall
 @cython.exceptval(check=False)
 def distance(z: cython.doublecomplex, k: cython.double) -> cython.double:
-    """Of a point from the origin."""
+    """Distance of a point from the origin."""
     size = norm(z)
     if k == 0:
         return size
@@ -156,7 +156,7 @@ def distance(z: cython.doublecomplex, k: cython.double) -> cython.double:
 
 
 def distances(z: ConstComplex[::1], k: Real):
-    """Of points (n,) from the origin."""
+    """Distances of points (n,) from the origin."""
     result: Real[::1] = np.empty(z.shape[0])
     for i in range(z.shape[0]):
         result[i] = distance(z[i], k)

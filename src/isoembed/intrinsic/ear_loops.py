@@ -51,7 +51,7 @@ def corner_turn(points: ConstReal[:, ::1], a: Int, b: Int, c: Int) -> Real:
 
 
 def clip_ears(points: ConstReal[:, ::1], triangles: Int[:, ::1]):
-    """Fill in the triangles of a simple polygon; whether they are none of them lost in rounding."""
+    """Triangulate a simple polygon by ear clipping; return False if a triangle is lost to rounding."""
     n = points.shape[0]
     after: Int[::1] = np.arange(1, n + 1) % n
     before: Int[::1] = np.arange(-1, n - 1) % n
@@ -104,7 +104,7 @@ def _empty(
 @cython.cfunc
 @cython.exceptval(check=False)
 def _cotangent(points: ConstReal[:, ::1], i: Int, j: Int, k: Int) -> Real:
-    """Of the angle at k."""
+    """Cotangent of the angle at k."""
     x, y = points[i, 0] - points[k, 0], points[i, 1] - points[k, 1]
     u, v = points[j, 0] - points[k, 0], points[j, 1] - points[k, 1]
     return (x * u + y * v) / (x * v - y * u)

@@ -20,7 +20,7 @@ from isoembed.mesh.triangulation import frozen
 
 
 class Removal(NamedTuple):
-    """Which vertices were removed, and where they were.
+    """Vertices that were removed, and their places.
 
     Attributes
     ----------

@@ -71,7 +71,7 @@ NEAR_SIDE = cython.declare(
 
 @cython.cclass
 class Marks(Rule):
-    """What flips and splits of polygons carry along, and the rule of their Delaunay triangulation.
+    """Data that flips and splits of polygons update, and the rule of their Delaunay triangulation.
 
     Attributes
     ----------

@@ -201,7 +201,7 @@ def swap_diagonals(
     """Replace the edge of a half-edge by the other diagonal of its two triangles, which are not one.
 
     Of the faces ijk and jim of half-edge i -> j and its twin remain kim, with the other diagonal in the place
-    that ``following(h)`` had, and mjk, with it in the place of ``following(twin)``.  Half-edge jk moves to
+    that ``following(h)`` had, and mjk, with it in place of ``following(twin)``.  Half-edge jk moves to
     the place of the twin, and im to that of h; the caller moves what else belongs to them.
     """
     t = twins[h]
@@ -304,7 +304,7 @@ def push(h: cython.longlong, stack: cython.longlong[::1], twins: cython.longlong
 
 @cython.cclass
 class Rule:
-    """What edges are flipped for, and what else there is to a flip."""
+    """Criterion for flips of edges, and the updates that belong to a flip."""
 
     @cython.cfunc
     @cython.exceptval(check=False)
@@ -353,7 +353,7 @@ def restore_delaunay(stack: cython.longlong[::1], rule: Rule) -> tuple[cython.lo
 
 @cython.ccall
 def flip_edges(edges: cython.const[cython.longlong][::1], rule: Rule):
-    """Do what `restore_delaunay` does, beginning with the edges of these half-edges; what it returns."""
+    """Restore the Delaunay property as `restore_delaunay`, starting from the edges of these half-edges."""
     stack: Int[::1] = empty_stack(rule.twins.shape[0])
     for h in edges:
         push(h, stack, rule.twins)

@@ -39,7 +39,7 @@ def remove_multi_edges(mesh: HalfEdges, kept: Mask) -> None:
 
 
 def separated(mesh: HalfEdges, kept: Mask, polygons: Polygons) -> Polygons:
-    """Do as `remove_multi_edges`, and lay the triangles that are changed out anew, each for itself."""
+    """Apply `remove_multi_edges`, and lay out anew each triangle that is changed."""
     before = mesh.corners.copy()
     remove_multi_edges(mesh, kept)
     changed = np.repeat((mesh.corners != before).reshape(-1, 3).any(axis=1), 3)

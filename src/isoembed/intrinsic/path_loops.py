@@ -225,7 +225,7 @@ def cross_all(
 @cython.cfunc
 @cython.exceptval(check=False)
 def _parameter(lower: Complex, upper: Complex, below: Real, above: Real, k: Real) -> Real:
-    """Where a side is crossed by a line on which its ends have these products: part of its length."""
+    """Fraction of a side at which a line crosses it, from the products of its ends with the line."""
     if k == 0:
         along = below + above
         return min(max(below / along, 0.0), 1.0) if along > 0 else 0.5

@@ -94,7 +94,7 @@ def unfolded(mesh: Mesh, fixed: ConstFlag[::1]):
 
 
 def are_convex(cells: ConstInt[::1], mesh: Mesh, fixed: ConstFlag[::1]):
-    """Which cells are convex polygons, by number.
+    """Mask of cells, by number, that are convex polygons.
 
     A cell of n faces that hang together at n - 1 edges has no vertex inside and no hole; and if it has no
     reflex corner either, it does not overlap itself.
@@ -189,7 +189,7 @@ def place(
     state: tuple[cython.longlong, cython.doublecomplex, cython.doublecomplex],
     polygons: Layout,
 ) -> cython.doublecomplex:
-    """Where a corner of the triangle lies."""
+    """Position of a corner of the triangle."""
     turn, shift = state[1], state[2]
     if polygons.curvature == 0:
         return turn * polygons.z[h] + shift

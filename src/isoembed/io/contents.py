@@ -1,4 +1,4 @@
-"""Detection of a file's contents: a net, a surface or a metric."""
+"""`isoembed.read`: the net, the surface or the metric in a file, whichever it holds."""
 
 import os
 
@@ -31,7 +31,7 @@ def read(path: str | os.PathLike[str], *, merge: float | None = None) -> Embeddi
     FileError
         The file cannot be read, or its ending is not known.
     InvalidMetric, InvalidParameter
-        What it holds is none of these.
+        It holds none of these.
 
     Warns
     -----

@@ -111,8 +111,8 @@ def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str)
         for fold in own if isinstance(own, list) else [own]:
             if not _is_fold(fold, n):
                 raise FileError(
-                    f"{name}: {str(fold)[:40]} is no fold of polygon {p}: [corner, corner, degrees], between "
-                    f"two of its {n} corners that are not neighbors"
+                    f"{name}: {str(fold)[:40]} is not a fold of polygon {p}: [corner, corner, degrees], "
+                    f"between two of its {n} corners that are not neighbors"
                 )
             chords.append(fold[:2])
             a, b = sorted(fold[:2])
@@ -157,7 +157,7 @@ def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
 
 
 def solid_entries(unfolding: Unfolding, precision: str, any_surface: str) -> dict[str, Any]:
-    """Under these keys the precision of the solid, where it has one, and whether it is any surface."""
+    """Entries with the precision of the solid, where it has one, and whether it is any surface."""
     known = {} if unfolding.precision is None else {precision: asdict(unfolding.precision)}
     return {**known, any_surface: True} if unfolding.any_surface else known
 

@@ -218,7 +218,7 @@ def _length(sheets: LineGraph, side: Side) -> float:
 def _numbered(
     sheets: LineGraph, numbers: Sequence[Number], sides: Sequence[Side], tolerance: float
 ) -> dict[Side, str]:
-    """What is written at each side: all that is written twice is assigned so that it is near."""
+    """Text at each side; texts that occur twice are assigned to sides near them."""
     from scipy.optimize import linear_sum_assignment  # slow to import
 
     written = [one for one in numbers if one.text.strip()]

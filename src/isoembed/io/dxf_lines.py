@@ -16,17 +16,17 @@ from isoembed.io.input_file import InputFile
 from isoembed.io.svg_path import LARGEST
 
 APPLICATION = "ISOEMBED"
-"""Of what is said of an entity besides: the angle of a fold."""
+"""Application name of the extended data of an entity: the angle of a fold."""
 PROPERTIES = ("kerf", "error")
-"""Of a drawing, mm: by whose half its outlines are offset; of the points of the solid."""
+"""Properties of a drawing, mm: the kerf, by half of which outlines are offset; the error of the points."""
 ANY_SURFACE = "any_surface"
-"""There where sides without a number are a boundary."""
+"""Property that is set where sides without a number are a boundary."""
 FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_NESTED = 10  # blocks
 MOST_READ = 100_000  # entities, each as often as it is inserted: a few blocks in blocks make billions
 DAMAGED = (ValueError, KeyError, IndexError, AttributeError, TypeError, OverflowError)
-"""What ezdxf raises of damaged files, besides errors of its own."""
+"""Exceptions that ezdxf raises for damaged files, besides its own."""
 
 
 def ezdxf_for(what: str) -> Any:
@@ -65,7 +65,7 @@ def read_dxf_lines(file: InputFile) -> Lines:
 
 
 def _drawn(ezdxf: Any, document: Any, file: str) -> Lines:
-    """What a document draws."""
+    """Lines of a document."""
     # Of a drawing without a unit, as old programs write them, ezdxf says 0.
     unit = ezdxf.units.conversion_factor(document.units, ezdxf.units.MM) if document.units else 1.0
     lines, numbers, values = [], [], [np.zeros(1)]
@@ -103,7 +103,7 @@ def _drawn(ezdxf: Any, document: Any, file: str) -> Lines:
 
 
 def _millimeters(properties: dict[str, str], name: str, file: str) -> float:
-    """What the file says of itself."""
+    """Property of the drawing, in mm."""
     try:
         value = float(properties.get(name, "0"))
     except ValueError:
@@ -127,7 +127,7 @@ def _entities(space: Any, depth: int, name: str) -> Iterator[Any]:
 
 
 def _number(entity: Any, unit: float) -> Number:
-    """What is written, at its middle."""
+    """Text of an entity, placed by its middle."""
     if entity.dxftype() == "MTEXT":
         text, height, point = entity.plain_text().strip(), entity.dxf.char_height, entity.dxf.insert
         column, row = (entity.dxf.attachment_point - 1) % 3, (entity.dxf.attachment_point - 1) // 3

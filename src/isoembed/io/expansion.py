@@ -20,7 +20,7 @@ EXPANSION = ExpansionThresholds()
 
 
 def largest_expansion(stored: int) -> int:
-    """The most bytes that so many compressed ones may hold."""
+    """Largest number of bytes that a number of compressed ones may hold."""
     return EXPANSION.spare + EXPANSION.ratio * stored
 
 

@@ -40,7 +40,7 @@ class Format:
     repeats_vertices : bool
         The vertices of a face are its own; equal ones are merged when a file is read.
     holds_polygons : bool
-        It has a place for faces that are no triangles: those of a polyhedron are written as a sequence of
+        It has a place for faces that are not triangles: those of a polyhedron are written as a sequence of
         arrays, the vertices around each.
     """
 
@@ -53,7 +53,7 @@ class Format:
 
 
 def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
-    """What the entry point of another package refers to.
+    """Object that the entry point of another package refers to.
 
     Raises
     ------
@@ -66,12 +66,12 @@ def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
         why = f"{type(error).__name__}: {error}"
         raise FileError(f"the format {point.name!r} cannot be loaded from {point.value}: {why}") from error
     if not isinstance(found, kind):
-        raise FileError(f"the format {point.name!r} is {point.value}, which is no {kind.__name__}")
+        raise FileError(f"the format {point.name!r} is {point.value}, which is not a {kind.__name__}")
     return found
 
 
 def at_vertices(tables: Tables) -> dict[str, NDArray[Any]]:
-    """The data at the vertices among the arrays of a surface: single numbers and words are none."""
+    """The data at the vertices among the arrays of a surface: without single numbers and words."""
     data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
     return {key: value for key, value in data.items() if value.ndim}
 

@@ -95,7 +95,7 @@ class _Document:
             node = self.entry("nodes", k)
             seen += 1
             if seen > len(nodes):
-                raise ValueError("its nodes are no tree")
+                raise ValueError("its nodes are not a tree")
             matrix = above @ _matrix(node)
             if "mesh" in node:
                 yield self.entry("meshes", node["mesh"]), matrix
@@ -133,9 +133,7 @@ class _Document:
             where, what = (_object(sparse.get(key), f"{key} of {name}") for key in ("indices", "values"))
             rows = self.view(where, _dtype(where, name), few, 1, name).astype(np.int64).ravel()
             if few and rows.max() >= count:
-                raise ValueError(
-                    f"{name} has {count} numbers, and others in the place of number {rows.max()}"
-                )
+                raise ValueError(f"{name} has {count} numbers, and others in place of number {rows.max()}")
             values = values.copy()
             values[rows] = self.view(what, dtype, few, columns, name)
         if accessor.get("normalized") and dtype.kind != "f":
@@ -198,7 +196,7 @@ def _beside(folder: Path, name: str) -> bytes:
 
 
 def _matrix(node: Object) -> Floats:
-    """What takes the coordinates of a node to those of the one above it, shape (4, 4)."""
+    """Transformation from the coordinates of a node to those of its parent, shape (4, 4)."""
     if "matrix" in node:
         return _numbers(node["matrix"], 16).reshape(4, 4).T
     x, y, z, w = _numbers(node.get("rotation", [0, 0, 0, 1]), 4)
@@ -234,13 +232,13 @@ def _natural(part: Object, key: str, name: str, default: int | None = None) -> i
 def _list(part: Object, key: str) -> list[Any]:
     rows = part.get(key, [])
     if not isinstance(rows, list):
-        raise ValueError(f"its {key} are no list")
+        raise ValueError(f"its {key} are not a list")
     return rows
 
 
 def _object(value: Any, what: str) -> Object:
     if not isinstance(value, dict):
-        raise ValueError(f"{what} is no object")
+        raise ValueError(f"{what} is not an object")
     return value
 
 

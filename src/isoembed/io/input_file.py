@@ -71,12 +71,12 @@ class InputFile(os.PathLike[str]):
 
     @cached_property
     def data(self) -> bytes:
-        """All of its bytes."""
+        """Bytes of the file."""
         return self._stream.read()
 
     @cached_property
     def text(self) -> str:
-        """All of its text.
+        """Text of the file.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class InputFile(os.PathLike[str]):
             return [*file, *file.attrs]
 
     def some(self, wanted: Collection[str]) -> Tables:
-        """Those of some arrays that are there: no others are read.
+        """Arrays of these names that the file has; no others are read.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class InputFile(os.PathLike[str]):
 
     @property
     def contents(self) -> str:
-        """What a ``.npz`` archive or an HDF5 file holds, for refusals."""
+        """List of the contents of a ``.npz`` archive or an HDF5 file, for error messages."""
         if self.ending not in HDF5_ENDINGS:
             return enumerated(self.arrays[""]) or "nothing"
         with self.hdf5() as file:

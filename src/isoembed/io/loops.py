@@ -60,7 +60,7 @@ def ends(c: Int) -> cython.bint:
 @cython.cfunc
 @cython.exceptval(check=False)
 def word_begin(text: ConstByte[::1], i: Int) -> Int:
-    """Where the next word begins, from here on in this line; or where the line, or what it says, ends."""
+    """Start of the next word in this line; the end of the line, or of its contents, if there is none."""
     while text[i] <= SPACE and text[i] != FEED:
         i += 1
     return i
@@ -69,14 +69,14 @@ def word_begin(text: ConstByte[::1], i: Int) -> Int:
 @cython.cfunc
 @cython.exceptval(check=False)
 def word_end(text: ConstByte[::1], i: Int) -> Int:
-    """Where the word ends that is here."""
+    """End of the word at this position."""
     while in_word(text[i]):
         i += 1
     return i
 
 
 def words_end(text: ConstByte[::1], count: Int):
-    """Where so many words end, over all lines; or -1 if there are fewer."""
+    """End of the first `count` words, over all lines; -1 if there are fewer."""
     i: Int = 0
     for _ in range(count):
         while i < text.shape[0] and text[i] <= SPACE:
@@ -91,7 +91,7 @@ def words_end(text: ConstByte[::1], count: Int):
 @cython.cfunc
 @cython.exceptval(check=False)
 def next_line(text: ConstByte[::1], i: Int) -> Int:
-    """Where the next line begins."""
+    """Start of the next line."""
     while text[i] != FEED:
         i += 1
     return i + 1
@@ -102,7 +102,7 @@ def next_line(text: ConstByte[::1], i: Int) -> Int:
 def copy_words(
     text: ConstByte[::1], i: Int, count: Int, copy: Byte[::1], end: Int
 ) -> tuple[cython.longlong, cython.longlong]:
-    """Append so many words and blanks to a copy; where both end now, or -1 if there are fewer words."""
+    """Append `count` words and blanks to a copy; return both ends, or -1 if there are fewer words."""
     for _ in range(count):
         i = word_begin(text, i)
         if ends(text[i]):
@@ -118,7 +118,7 @@ def copy_words(
 @cython.cfunc
 @cython.exceptval(check=False)
 def natural(text: ConstByte[::1], i: Int, separator: Int) -> tuple[cython.longlong, cython.longlong]:
-    """The natural number that the next word is, up to a separator, and its end; -1 if it is none."""
+    """The natural number that the next word is, up to a separator, and its end; -1 if it is not one."""
     i = word_begin(text, i)
     begin = i
     value: Int = 0

@@ -65,7 +65,7 @@ def read_metric(
     any_surface : bool
         Whether it may be a metric on a surface with boundary, or of higher genus.
     length_errors : float or array_like, shape (E,), optional
-        Standard deviations of the lengths, in the order of the file's edges, in the place of those that it
+        Standard deviations of the lengths, in the order of the file's edges, in place of those that it
         holds.
 
     Returns
@@ -203,7 +203,7 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         tables = {**tables, **_precision(tables, name)}
     if "lengths" in tables:
         if merge is not None:
-            raise FileError(f"{name} holds lengths: vertices are merged where they are all that there is")
+            raise FileError(f"{name} holds lengths: merging applies to files with vertices only")
         return tables
     merge = 0.0 if merge is None and repeated else merge
     said = {key: tables[key] for key in ("curvature", "precision", "rounding_error") if key in tables}

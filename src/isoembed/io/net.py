@@ -47,7 +47,7 @@ Makers = dict[str, tuple[Callable[..., Any], int, int]]
 
 NET_ENDINGS = (".json", ".fold")
 DRAWN = {".svg": read_svg_lines, ".dxf": read_dxf_lines}
-"""Who reads the lines of a drawn net, by the ending of the file."""
+"""Readers of the lines of a drawn net, by the ending of the file."""
 FORMS = ("polygons", "regular", "zip", "pita", "dform")
 CURVED: Makers = {"triangle": (triangle, 3, 3), "regular": (regular_polygon, 1, 2)}
 """Polygons of the plane, of the hyperbolic plane and of the sphere."""
@@ -102,8 +102,8 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
         return _net(json.read_standard_input(), "standard input", tolerance)
     if input_ending(source) in FORMATS.keys() - set(NET_ENDINGS):
         raise FileError(
-            f"{source} is no net ({' '.join((*NET_ENDINGS, *DRAWN))}): a metric or a mesh is embedded, with "
-            f"'isoembed embed {source} -o surface.ply'"
+            f"{source} is not a net ({' '.join((*NET_ENDINGS, *DRAWN))}): a metric or a mesh is embedded, "
+            f"with 'isoembed embed {source} -o surface.ply'"
         )
     check_ending(source, (*NET_ENDINGS, *DRAWN))
     with InputFile(source) as file:
@@ -120,7 +120,7 @@ def holds_net(path: str | os.PathLike[str]) -> bool:
     Raises
     ------
     FileError
-        A file that might be one cannot be opened, or is no text.
+        A file that might be one cannot be opened, or is not a text.
     """
     if input_ending(path) in DRAWN:
         return True

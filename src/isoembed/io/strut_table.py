@@ -45,9 +45,9 @@ def read(file: InputFile) -> Tables:
     Raises
     ------
     FileError
-        It is no strut table: naming the line.
+        It is not a strut table: naming the line.
     InvalidMetric
-        The struts are no frame of triangles: naming the first strut.
+        The struts are not a frame of triangles: naming the first strut.
     """
     struts, legend = [], {}
     for row in _rows(file):
@@ -57,7 +57,8 @@ def read(file: InputFile) -> Tables:
             legend[row.cells["type"]] = row.line, written
     if not struts:
         raise FileError(
-            f"{file} is no strut table: it has no rows below a line with 'from', 'to', and 'type' or 'length'"
+            f"{file} is not a strut table: it has no rows below a line with 'from', 'to', and 'type' or "
+            "'length'"
         )
     lengths = []
     for row in struts:

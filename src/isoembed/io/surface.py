@@ -110,7 +110,7 @@ def surface_writer(path: str | os.PathLike[str], embedding: Embedding) -> Writer
 
 
 def surface_data(embedding: Embedding) -> dict[str, Floats]:
-    """What files hold of a surface beside its faces: see `write_surface`."""
+    """Data of a surface in files, besides its faces: see `write_surface`."""
     space = embedding.space
     return {
         "vertices": to_model(space, embedding.vertices, WRITTEN),

@@ -42,7 +42,7 @@ WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in sizes of the font
 
 @dataclass(frozen=True)
 class _Style:
-    """What an element inherits."""
+    """Properties that an element inherits."""
 
     matrix: Floats  # (2, 3), to millimeters, y upward
     purpose: str = ""
@@ -62,7 +62,7 @@ def read_svg_lines(file: InputFile) -> Lines:
     Raises
     ------
     FileError
-        It is no SVG file, it is too large or defines entities, or a path or a transformation in it is none.
+        It is not an SVG file, it is too large or defines entities, or a path or a transformation is invalid.
     """
     if len(file.data) > MOST_BYTES:
         raise FileError(f"{file} has {len(file.data)} bytes, more than {MOST_BYTES}: no net needs as many")
@@ -146,7 +146,7 @@ class _Reader:
                 self.walk(child, style, depth + 1)
 
     def millimeters(self, root: Element, key: str) -> float:
-        """What the file says of itself."""
+        """Property of the drawing, in mm."""
         value = _plain(root.get(key, "0"), key)
         if not 0 <= value < math.inf:
             raise FileError(f"{self.name}: {key} is {value:g}, not a length in mm")
@@ -260,7 +260,7 @@ def _length(element: Element, key: str) -> float:
 
 
 def _view(root: Element) -> Floats:
-    """From the coordinates of the drawing to millimeters, y upward."""
+    """Transformation from the coordinates of the drawing to millimeters, y upward."""
     box = [number(x) for x in re.findall(NUMBER, root.get("viewBox", ""))]
     sizes = [
         re.fullmatch(rf"\s*({NUMBER})\s*([a-zA-Z]*)\s*", root.get(key, "")) for key in ("width", "height")
@@ -287,10 +287,10 @@ def _transform(text: str, name: str) -> Floats:
         given = [number(x) for x in re.findall(NUMBER, inside)]
         one = _matrix(kind, given)
         if one is None:
-            raise FileError(f"{name} has the transformation {text[:60]!r}, which is none")
+            raise FileError(f"{name} has the invalid transformation {text[:60]!r}")
         matrix = _times(matrix, one)
     if not calls:
-        raise FileError(f"{name} has the transformation {text[:60]!r}, which is none")
+        raise FileError(f"{name} has the invalid transformation {text[:60]!r}")
     return matrix
 
 

@@ -34,7 +34,7 @@ def path_points(d: str) -> tuple[list[tuple[Floats, bool]], Floats, int]:
     Raises
     ------
     ValueError
-        It is no path.
+        It is not a path.
     """
     tokens = _tokens(d)
     parts: list[tuple[Floats, bool]] = []

@@ -82,7 +82,7 @@ def read_polydata(file: InputFile) -> PolyData:
     FileError
         It is cut short, or has something that is not known; the message names it.
     InvalidMetric
-        A cell of a grid is no polygon.
+        A cell of a grid is not a polygon.
     """
     source, data = _Source(file), PolyData()
     cells = dict[str, tuple[Indices, Indices]]()
@@ -157,9 +157,9 @@ def polygons(
     Raises
     ------
     FileError
-        One is empty, or refers to what is no point, or there are types of more or fewer cells.
+        One is empty, or refers to what is not a point, or there are types of more or fewer cells.
     InvalidMetric
-        By its type a cell is no polygon.
+        By its type a cell is not a polygon.
     """
     corners, ends = _integers(corners), _integers(ends)
     sizes = np.diff(ends, prepend=0)
@@ -270,7 +270,7 @@ class _Source:
         return values
 
     def floats(self, count: int, type_name: str, what: str, components: int = 1) -> Floats:
-        """The next so many numbers, in rows if they are the components of something."""
+        """The next `count` numbers, in rows if they are components."""
         with np.errstate(invalid="ignore"):  # some bytes are no numbers
             values = self.numbers(components * count, type_name, what).astype(np.float64)
         return values if components == 1 else values.reshape(count, components)

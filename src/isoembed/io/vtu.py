@@ -61,7 +61,7 @@ class Source:
         self.decompressor = self.choice("compressor", "", DECOMPRESSORS)
 
     def choice(self, name: str, default: str, known: dict[str, Any]) -> Any:
-        """What an attribute of the root stands for."""
+        """Value that an attribute of the root stands for."""
         value = self.root.get(name, default)
         if value not in known:
             raise ValueError(f"its {name} {value!r} is not known")
@@ -123,7 +123,7 @@ def read(file: InputFile) -> Tables:
     FileError
         It is something else, cut short or damaged.
     InvalidMetric
-        A cell is no polygon.
+        A cell is not a polygon.
     """
     return read_pieces(file, "UnstructuredGrid", _cells)
 

@@ -63,7 +63,7 @@ def bisection_paths(graph: Graph, position: Floats) -> Indices:
 
 
 def lift_ends(indptr: ConstInt32[::1], indices: ConstInt32[::1], path: Int[::1], depth: Int[::1]):
-    """Where an edge of another graph joins two parts, move an end into what separates them; how often.
+    """Move an end of each edge of another graph that joins two parts into their separator; return the count.
 
     The deeper end goes.  Then every edge joins a vertex to one of the same cell, or of a separator above.
     """

@@ -190,7 +190,7 @@ def first_gap(indptr: ConstInt32[::1], indices: ConstInt32[::1]):
 
 
 def inverse(order: ConstInt[::1]):
-    """Invert a permutation; an empty array if it is none."""
+    """Invert a permutation; an empty array if it is not one."""
     n = order.shape[0]
     place: Int[::1] = np.full(n, -1, dtype=np.int64)
     for k in range(n):

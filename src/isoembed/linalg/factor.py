@@ -157,7 +157,7 @@ class Factor:
         b : (n,) or (n, k) float
             One or several right-hand sides.
         sweeps : int
-            At most so many sweeps of iterative refinement; they end when the residual no longer halves. A
+            Largest number of sweeps of iterative refinement; they end when the residual no longer halves. A
             preconditioner needs none.
 
         Returns
@@ -173,7 +173,7 @@ class Factor:
         return x
 
     def _solved(self, b: Floats, sweeps: int) -> Floats:
-        """As `solve`, in elimination order."""
+        """Solution of `solve`, in elimination order."""
         x = self._numeric.solve(b)
         if sweeps == 0:
             return x

@@ -32,7 +32,7 @@ def room_to_multiply(front, m):
 @cython.ccall
 @cython.exceptval(check=False)
 def beginning(j: Int, m: Int) -> Int:
-    """Where row j of a triangle of m rows begins."""
+    """Start of row j of a triangle of m rows."""
     return j * m - j * (j - 1) // 2
 
 

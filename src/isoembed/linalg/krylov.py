@@ -68,12 +68,12 @@ def gmres(
 
 
 def _products(v: Floats, w: Floats) -> Floats:
-    """Of vectors, or of columns."""
+    """Inner products of vectors, or of columns."""
     return np.asarray(np.einsum("i...,i...->...", v, w))
 
 
 def _least_squares(H: Floats, sizes: Floats) -> tuple[Floats, Floats]:
-    """For each H of (k, m + 1, m), the y that brings ``H y`` nearest to ``size e_1``; and what is missing."""
+    """Least-squares solutions y of ``H y = size e_1`` for each H of (k, m + 1, m), and their residuals."""
     y, missing = np.zeros((len(H), H.shape[2])), np.zeros(len(H))
     for c, matrix in enumerate(H):
         aim = np.zeros(len(matrix))

@@ -18,15 +18,15 @@ PROC = Path("/proc")
 CGROUPS = Path("/sys/fs/cgroup")
 
 KEPT = {-3: 1 << 26, -1: -1, -2: 1 << 26}
-"""Of mallopt: M_MMAP_THRESHOLD and M_TOP_PAD in bytes, and no M_TRIM_THRESHOLD."""
+"""Parameters of mallopt: M_MMAP_THRESHOLD and M_TOP_PAD in bytes, and no M_TRIM_THRESHOLD."""
 
 
 class OutOfMemory(MemoryError):  # noqa: N818  (named for what it says, as SingularMatrix is)
-    """Something would need more memory than this process may take; the message says how much."""
+    """The memory needed exceeds what this process may take; the message says by how much."""
 
 
 def require_memory(needed: int, what: str) -> None:
-    """Raise OutOfMemory if so many bytes are not free; `what` needs them, in the plural, in its message."""
+    """Raise OutOfMemory unless this many bytes are free; `what`, in the plural, needs them in its message."""
     if needed > UNASKED:
         free = available_memory()
         if needed > free:
@@ -93,7 +93,7 @@ def _machine() -> int:
 
 
 def _address_space() -> int:
-    """What RLIMIT_AS leaves; its size comes first in `statm`, in pages."""
+    """Memory that RLIMIT_AS leaves; the size of the process comes first in `statm`, in pages."""
     try:
         import resource
     except ImportError:  # Windows
@@ -106,7 +106,7 @@ def _address_space() -> int:
 
 
 def _control_groups() -> int:
-    """What the limits of the process's control group and of those above it leave, in either version."""
+    """Memory left by the limits of the process's control group and those above it, in either version."""
     left = UNKNOWN
     for line in _lines(PROC / "self" / "cgroup"):
         _, controllers, path = line.split(":", 2)

@@ -164,7 +164,7 @@ def _gather(graph: Pattern, members: Int[::1], cell: Int[::1], band: Band) -> In
 @cython.cfunc
 @cython.exceptval(check=False)
 def _widen(graph: Pattern, cell: Int[::1], ends: Int, width: Int, band: Band) -> Int:
-    """Widen the band to so many layers, and forget all paths; return its number of vertices."""
+    """Widen the band to this number of layers, and forget all paths; return its number of vertices."""
     count = ends
     head = 0
     while head < count:

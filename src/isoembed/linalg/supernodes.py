@@ -139,7 +139,7 @@ def _amalgamated(parent: ConstInt32[::1], counts: ConstInt[::1]):
 @cython.cfunc
 @cython.exceptval(check=False)
 def _cost(k: Int, below: Int) -> Real:
-    """What a front of k columns costs, in multiplications."""
+    """Cost of a front of k columns, in multiplications."""
     m = k + below
     stored = 0.5 * STORED_COST * k * (m + below)
     return FRONT_COST + stored + 0.5 * k * (m * m - m * k + k * k / 3.0) + 0.5 * PASSED_COST * below * below

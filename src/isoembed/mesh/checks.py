@@ -47,7 +47,11 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indice
     table = np.asarray(rows)
     if table.ndim != 2 or table.shape[1] != columns:
         if table.ndim == 2:
-            raise InvalidMetric(f"{what} 0 has {table.shape[1]} {part} {table[0].tolist()}, not {columns}")
+            shown = table[0].tolist() if table.shape[1] < 10 else ""
+            hint = ": it looks transposed" if len(table) == columns else ""
+            raise InvalidMetric(
+                f"{what} 0 has {table.shape[1]} {part} {shown}".rstrip() + f", not {columns}{hint}"
+            )
         raise InvalidMetric(f"the {what}s have shape {table.shape}, not (n, {columns})")
     if table.dtype.kind not in "iuf":
         raise InvalidMetric(
@@ -96,7 +100,7 @@ def polygon_corners(faces: ArrayLike) -> tuple[Indices, Indices]:
 
 
 def _check_entries(row: Any, what: str, k: int) -> None:
-    """Refuse entries of a row that are no numbers, or too large."""
+    """Refuse entries of a row that are not numbers, or too large."""
     for index in row:
         if isinstance(index, bool) or not isinstance(index, numbers.Real):
             raise InvalidMetric(
@@ -114,7 +118,7 @@ def _rows(values: ArrayLike, what: str) -> list[Any]:
 
 
 def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
-    """Indices as integers, refused at the first that is none; `row` says in which row an entry is."""
+    """Indices as integers, refused at the first that is not one; `row` says in which row an entry is."""
     checks = [
         (indices < 0, "vertex indices must not be negative"),
         (indices > LARGEST, "the index is too large"),
@@ -131,7 +135,7 @@ def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
 
 
 def real_array(given: ArrayLike, what: str, quantity: str) -> Floats:
-    """A float copy of an array of real numbers, refused at the first entry that is none."""
+    """A float copy of an array of real numbers, refused at the first entry that is not one."""
     try:
         values = np.asarray(given)
     except ValueError:  # rows of different sizes
@@ -194,7 +198,7 @@ def check_numbering(faces: Indices) -> None:
 
 
 def check_euler(n_vertices: int, n_faces: int) -> None:
-    """Refuse closed connected surfaces that are no sphere; raises InvalidMetric."""
+    """Refuse closed connected surfaces that are not a sphere; raises InvalidMetric."""
     euler = n_vertices - n_faces // 2
     if euler != 2:
         raise InvalidMetric(
@@ -219,7 +223,7 @@ def _check_faces(faces: Indices) -> None:
 
 
 def _turned_over(edges: Indices, face_edges: Indices, faces: Indices) -> Mask:
-    """Which faces are to be turned over for all to be oriented as the first of their component, shape (F,).
+    """Mask of faces to turn over so that all are oriented as the first of their component, shape (F,).
 
     Refuses edges that are in more than two faces, and faces that cannot be oriented alike.
     """
@@ -253,7 +257,10 @@ def _check_manifold(faces: Indices, edges: Indices, edge_sides: Indices) -> None
     parts = int(label.max()) + 1
     if parts > 1:
         v = int(np.argmax(label != label[0]))
-        raise InvalidMetric(f"the surface has {parts} components: vertex {v} is not connected to vertex 0")
+        raise InvalidMetric(
+            f"the surface has {parts} components, to be embedded one at a time: vertex {v} is not connected "
+            "to vertex 0"
+        )
     # Around a vertex: corner c of face f is followed by the corner across the half-edge that enters it.
     twin = np.full(faces.size, -1)
     inner = edge_sides[(edge_sides >= 0).all(axis=1)]

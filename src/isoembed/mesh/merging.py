@@ -38,7 +38,7 @@ def _of_equals(points: Floats) -> Indices:
 
 
 def without_repetitions(corners: Indices, sizes: Indices) -> tuple[Indices, Indices, Mask]:
-    """Faces whose corners are no longer repeated one after the other, without those that are none any more.
+    """Faces without corners that repeat the one before, and without faces that are left with too few corners.
 
     Parameters
     ----------

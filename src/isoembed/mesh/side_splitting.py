@@ -7,7 +7,7 @@ from isoembed.mesh.polygons import next_corners
 
 
 def slivers(points: Floats, corners: Indices, sizes: Indices, distance: float) -> Mask:
-    """Which faces are triangles with a vertex within a distance of the opposite side, shape (F,)."""
+    """Mask of triangles with a vertex within a distance of the opposite side, shape (F,)."""
     found = np.zeros(len(sizes), dtype=np.bool_)
     (which,) = np.nonzero(sizes == 3)
     triangles = corners[(np.cumsum(sizes) - sizes)[which, None] + np.arange(3)]

@@ -219,7 +219,7 @@ class Triangulation:
         return incidence
 
     def edge_indices(self, pairs: Indices) -> Indices:
-        """Index of each edge, (n,), given by its two ends in either order, (n, 2); -1 where it is none."""
+        """Index of each edge, (n,), given by its two ends in either order, (n, 2); -1 for other pairs."""
         pairs = np.ascontiguousarray(pairs, dtype=np.int64).reshape(-1, 2)
         return find(self.edges, self.n_vertices, pairs)
 

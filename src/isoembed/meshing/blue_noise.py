@@ -35,7 +35,7 @@ def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
 
 
 def least_crowded(x: Floats, density: Floats, total: float, n: int) -> Mask:
-    """Which of random points (m, 3) of a surface are the n that keep their distance best.
+    """Mask of the n of random points (m, 3) of a surface that keep their distance best.
 
     Parameters
     ----------

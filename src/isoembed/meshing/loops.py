@@ -251,7 +251,7 @@ def judge(
 
 
 def surroundings(faces: ConstInt[:, ::1], twin: ConstInt[::1], seeds: ConstInt[::1], n: Int, rings: Int):
-    """The vertices within so many edges of some triangles, and the triangles around them."""
+    """The vertices within a number of edges of some triangles, and the triangles around them."""
     vertices: Int[::1] = np.empty(n, dtype=np.int64)
     triangles: Int[::1] = np.empty(faces.shape[0], dtype=np.int64)
     seen_vertices: Flag[::1] = np.zeros(n, dtype=np.bool_)

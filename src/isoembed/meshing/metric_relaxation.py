@@ -82,7 +82,7 @@ class MetricMesh:
         return len(self.u) - self.apexes
 
     def delaunay(self) -> MetricMesh:
-        """The same vertices, connected anew."""
+        """Flip edges until the triangles are Delaunay; returns the mesh itself."""
         self._flip_roughly()
         self._flip(np.ones(len(self.u), dtype=bool))
         return self
@@ -176,7 +176,7 @@ class MetricMesh:
         return np.where(self.is_cone, 0.0, beyond)
 
     def _about(self, faces: Mask, rings: int) -> Mask:
-        """The vertices within so many edges of triangles."""
+        """The vertices within a number of edges of triangles."""
         table = self.tables.corners.reshape(-1, 3)
         near = np.zeros(len(self.u), dtype=bool)
         for _ in range(rings):

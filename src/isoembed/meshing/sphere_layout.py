@@ -22,9 +22,9 @@ from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix, SymmetricFactor, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.conformal_sphere import ConformalSphere, conformal_factors, conformal_sphere
-from isoembed.metric.curvature import Triangles
 from isoembed.metric.delaunay import delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.triangles import Triangles
 from isoembed.progress.stages import Log, StageRecorder
 
 

@@ -25,9 +25,10 @@ from scipy.sparse import eye_array
 from isoembed.arrays import Floats, Indices, Points
 from isoembed.linalg import SingularMatrix, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.metric.curvature import Triangles, face_areas
+from isoembed.metric.curvature import face_areas
 from isoembed.metric.delaunay import ideal_delaunay
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.triangles import Triangles
 from isoembed.progress.stages import StageRecorder
 
 
@@ -207,7 +208,7 @@ class _Plane:
         return u if np.abs(u).max() < 40.0 and not self.measure(u)[3] else self.rim_u
 
     def whole(self, u: Floats) -> tuple[_Plane, tuple[Floats, Floats, Floats, bool]]:
-        """The same conformal class on triangles that u does not break, and its measures.
+        """Copy of the conformal class on triangles that u does not break, and its measures.
 
         Where it does, triangles that are Delaunay at u take their place, by Ptolemy's flips.  From then on
         they are kept Delaunay: only then does the layout not depend on which edges were flipped.

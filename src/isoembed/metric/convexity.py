@@ -7,7 +7,8 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
-from isoembed.metric.curvature import Triangles
+from isoembed.metric.triangle_metric import TriangleMetric
+from isoembed.metric.triangles import Triangles
 from isoembed.thresholds import rounded_up
 
 ROUNDINGS = 64  # machine epsilons of error in a length, from a few steps before
@@ -18,30 +19,22 @@ DEVIATIONS = 6.0  # standard deviations that errors of coordinates do not exceed
 GAP = 30.0  # deficits of so many times the noise are no noise
 
 
-def deficit_rounding(faces: Indices, face_lengths: Floats, curvature: float = 0.0) -> Floats:
-    """How far rounded lengths may put the deficits off, shape (V,), radians.
+def deficit_rounding(metric: TriangleMetric) -> Floats:
+    """Bounds on the effect of rounded lengths on the deficits, shape (V,), radians.
 
     An angle moves by ``l dl / (2 A)`` or less when a side of its triangle, l or shorter, moves by dl; on the
     sphere and in the hyperbolic plane by ``sn l dl`` over the amplitude.
-
-    Parameters
-    ----------
-    faces : ndarray of int, shape (F, 3)
-    face_lengths : ndarray, shape (F, 3)
-        Length of each half-edge.
-    curvature : float
-        Of the triangles.
     """
-    triangles = Triangles.of(face_lengths, curvature)
+    triangles = metric.triangles
     # Three columns are compared in a fifth of the time of rows of three.
     longest, sine = (reduce(np.maximum, sides.T) for sides in (triangles.opposite, triangles.sines))
     slenderness = longest * sine / triangles.amplitudes
     at_corners = np.repeat(ROUNDINGS * np.finfo(np.float64).eps * slenderness, 3)
-    return np.clip(cast(Floats, np.bincount(faces.ravel(), at_corners)), MIN_NOISE, MAX_NOISE)
+    return np.clip(cast(Floats, np.bincount(metric.faces.ravel(), at_corners)), MIN_NOISE, MAX_NOISE)
 
 
 def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices, curvature: float = 0.0) -> Floats:
-    """How far errors of the lengths put the deficits off, shape (V,), radians.
+    """Effect of errors of the lengths on the deficits, shape (V,), radians.
 
     For independent errors of one mean edge length, root mean square; to first order, so for smaller ones they
     are in proportion.  Errors of rounded coordinates fit to one another and put most deficits off by less.
@@ -115,7 +108,7 @@ def largest_noise(deficits: Floats) -> float:
 
 
 def noise_level(deficits: Floats) -> float:
-    """What the deficits of vertices that should be flat stay below in size, judged by the deficits alone.
+    """Noise level of the deficits, estimated from the deficits alone.
 
     Parameters
     ----------

@@ -84,6 +84,7 @@ def triangle_mesh(
     if corners.max() >= len(points):
         raise InvalidMetric(
             f"a face refers to vertex {corners.max()}, but there are only {len(points)} vertices"
+            f"{': their table looks transposed' if len(points) == 3 < points.shape[1] else ''}"
         )
     if merge is None and not leave_out and (sizes == 3).all():
         return points, corners.reshape(-1, 3)
@@ -99,7 +100,7 @@ def triangle_mesh(
 
 
 def merging_advice(points: Floats, faces: ArrayLike, space: Space = EUCLIDEAN) -> str:
-    """The end of a sentence about faces that are no closed surface: vertices that merging makes one.
+    """The end of a sentence about faces that are not a closed surface: vertices that merging makes one.
 
     Merging is tried before it is advised.
     """

@@ -15,16 +15,16 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.checks import check_euler, check_numbering, index_array
 from isoembed.mesh.loops import pinched, reached_faces
 from isoembed.mesh.triangulation import frozen
-from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import SAME_LENGTH, PolyhedralMetric
 from isoembed.metric.precision import Precision
 from isoembed.metric.simplicial import simplicial
 from isoembed.metric.triangle_checks import check_triangles
+from isoembed.metric.triangle_metric import TriangleMetric
 from isoembed.space import Space
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class GluedMetric:
+class GluedMetric(TriangleMetric):
     """A polyhedral metric on the sphere: triangles, and the pairs of sides along which they are glued.
 
     Half-edge ``h = 3 f + c`` is the side of face f from its corner c to the next.  Loops, repeated edges,
@@ -161,11 +161,6 @@ class GluedMetric:
         )
 
     @property
-    def curvature(self) -> float:
-        """Of the triangles and of `space`, in 1/length^2."""
-        return self.space.curvature
-
-    @property
     def n_vertices(self) -> int:
         """V: F / 2 + 2 on the sphere."""
         return int(self.faces.max()) + 1
@@ -207,11 +202,6 @@ class GluedMetric:
             lengths = np.append(lengths, lengths.ravel()[self._boundary])
         return float(largest * np.mean(lengths / largest))
 
-    @property
-    def unit(self) -> float:
-        """The power of two below the mean edge length: dividing by it rounds nothing."""
-        return float(np.ldexp(1.0, int(np.frexp(self.mean_length)[1]) - 1))
-
     def scaled(self, factor: float) -> GluedMetric:
         """Return the metric in another unit: every length times this factor."""
         return self._with(self.face_lengths * factor, self.space.scaled(factor))
@@ -241,25 +231,11 @@ class GluedMetric:
         return cls._made(tables.faces, tables.twins, tables.face_lengths, space)
 
     @property
-    def normalized(self) -> GluedMetric:
-        """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        return self if self.unit == 1 else self._normalized
-
-    @cached_property
-    def _normalized(self) -> GluedMetric:
-        return self._with(self.face_lengths / self.unit, self.space.scaled(1 / self.unit))
-
-    @property
     def tables(self) -> tuple[NDArray, ...]:
         """Arrays that define it up to its `unit`: faces, twins, lengths; in curved space the curvature."""
         normalized = self.normalized
         curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
         return self.faces, self.twins, normalized.face_lengths, *curved
-
-    @property
-    def triangles(self) -> Triangles:
-        """The shapes of the faces, measured anew: they take more memory than the metric."""
-        return Triangles.of(self.face_lengths, self.curvature)
 
     @cached_property
     def deficits(self) -> Floats:
@@ -278,7 +254,7 @@ class GluedMetric:
         return made(self.faces, self.twins, self.face_lengths, self.curvature)
 
     def simplicial(self) -> PolyhedralMetric:
-        """The same metric on a simplicial complex, so that it can be written to a file.
+        """The metric on a simplicial complex, so that it can be written to a file.
 
         Loops are cut into three and edges that share their two ends with another into two; the faces at them
         get a vertex inside, and those that meet a vertex twice also a ring around it.

@@ -164,7 +164,7 @@ def _measures(
 
 
 def _surface(metric: PolyhedralMetric, epsilon: Floats) -> Measure:
-    """The kind of a surface that is no sphere, its motions, and the conditions that may fix these."""
+    """The kind of a surface that is not a sphere, its motions, and the conditions that may fix these."""
     t = metric.triangulation
     sizes = [len(loop) for loop in t.boundaries]
     free = 3 * t.n_vertices - 6 - t.n_edges
@@ -235,8 +235,8 @@ def _warnings(
         (
             *("dual_areas", duals <= 0, -duals, "dual areas that are not positive"),
             lambda v: (
-                f"vertex {v}: the curvature k = deficit / dual area is undefined there, and methods "
-                'that flow by it (method="paper") may fail'
+                f"vertex {v}: obtuse triangles make its dual area negative or zero, so that the curvature "
+                'k = deficit / dual area is undefined there; of the methods, only "paper" needs it'
             ),
         ),
         (

@@ -37,8 +37,8 @@ def least_convex_space(metric: PolyhedralMetric) -> Space:
     def least(size: float) -> float:
         return float(deficits(PolyhedralMetric.on(t, lengths, Space(-size))).min())
 
-    flat = deficits(PolyhedralMetric.on(t, lengths))
-    if (flat >= -deficit_rounding(given.faces, given.face_lengths)).all():
+    flat = PolyhedralMetric.on(t, lengths)
+    if (deficits(flat) >= -deficit_rounding(flat)).all():
         return Euclidean()
     from scipy.optimize import brentq  # slow to import, and seldom needed
 

@@ -9,7 +9,7 @@ from isoembed.mesh.polygons import polygons_of_cells
 
 
 def of_trimesh(mesh: Any) -> dict[str, Any]:
-    """What `PolyhedralMetric.from_mesh` takes, of a ``trimesh.Trimesh``.
+    """Arguments of `PolyhedralMetric.from_mesh` for a ``trimesh.Trimesh``.
 
     Raises
     ------
@@ -25,7 +25,7 @@ def of_trimesh(mesh: Any) -> dict[str, Any]:
 
 
 def of_pyvista(mesh: Any) -> dict[str, Any]:
-    """What `PolyhedralMetric.from_mesh` takes, of a ``pyvista.PolyData``.
+    """Arguments of `PolyhedralMetric.from_mesh` for a ``pyvista.PolyData``.
 
     Raises
     ------

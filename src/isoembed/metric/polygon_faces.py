@@ -37,24 +37,24 @@ class PolygonFaces:
 
     @cached_property
     def starts(self) -> Indices:
-        """Where the corners of each polygon begin, shape (F,)."""
+        """Index of the first corner of each polygon, shape (F,)."""
         return cast(Indices, np.cumsum(self.sizes) - self.sizes)
 
     @cached_property
     def arms(self) -> Floats:
-        """From the center of a polygon to its corners, shape (n, 3)."""
+        """Vectors from the center of a polygon to its corners, shape (n, 3)."""
         p = self.points[self.corners]
         centers = np.add.reduceat(p, self.starts) / self.sizes[:, None]
         return p - np.repeat(centers, self.sizes, axis=0)
 
     @cached_property
     def normals(self) -> Floats:
-        """As long as the area of the polygon's projection, shape (F, 3)."""
+        """Normals as long as the area of the polygon's projection, shape (F, 3)."""
         return polygon_normals(self.points[self.corners], self.sizes) / 2
 
     @property
     def warps(self) -> Floats:
-        """How far corners are from the plane of their polygon, in sizes of it, shape (F,)."""
+        """Largest distance of corners from the plane of their polygon, over its size, shape (F,)."""
         areas = np.linalg.norm(self.normals, axis=1, keepdims=True)
         units = np.divide(self.normals, areas, out=np.zeros_like(self.normals), where=areas > 0)
         heights = np.abs((self.arms * np.repeat(units, self.sizes, axis=0)).sum(axis=1))
@@ -92,10 +92,14 @@ class PolygonFaces:
         same = (np.diff(face[order]) == 0) & (np.diff(self.corners[order]) == 0)
         if same.any():
             f = int(face[order][:-1][same].min())
-            raise InvalidMetric(f"{self._name(f)} repeats a vertex")
+            transposed = (
+                ": the table of faces looks transposed" if len(self.sizes) == 3 < self.sizes[f] else ""
+            )
+            raise InvalidMetric(f"{self._name(f)} repeats a vertex{transposed}")
 
     def _name(self, f: int) -> str:
-        return f"face {f} {self.corners[self.starts[f] :][: self.sizes[f]].tolist()}"
+        corners = self.corners[self.starts[f] :][: self.sizes[f]].tolist()
+        return f"face {f} {corners}" if len(corners) < 20 else f"face {f} with {len(corners)} corners"
 
     def _refuse(self, f: int) -> None:
         raise InvalidMetric(

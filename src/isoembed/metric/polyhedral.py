@@ -19,6 +19,7 @@ from isoembed.metric.given_mesh import merging_advice, triangle_mesh
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.precision import Precision, rounding_error
 from isoembed.metric.triangle_checks import check_triangles, within_inequalities
+from isoembed.metric.triangle_metric import TriangleMetric
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
 
@@ -30,7 +31,7 @@ ANGLE_ROUNDING = 1e-9  # radians: of deficits, and of sums of angles across edge
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class PolyhedralMetric:
+class PolyhedralMetric(TriangleMetric):
     """A polyhedral metric rho on the sphere (paper, section 2), or on another oriented surface.
 
     Surfaces with boundary, and of higher genus, are for ``embed(metric, boundary=...)``; everything else is
@@ -148,7 +149,7 @@ class PolyhedralMetric:
             As the constructor, and where a coordinate is not finite, a vertex is in no face, or a polygon
             has no area.
         InvalidParameter
-            There is no such model, or a vertex is no point of it.
+            There is no such model, or a vertex is not a point of it.
 
         Warns
         -----
@@ -260,7 +261,7 @@ class PolyhedralMetric:
         return self._knowing(precision=other.precision.in_means(other.mean_length / self.mean_length))
 
     def _knowing(self, **known: Any) -> PolyhedralMetric:
-        """The same triangles and lengths with another precision, errors or rounding of these."""
+        """Copy with another precision, errors or rounding of the lengths."""
         changed = copy(self)
         changed.__dict__.pop("_normalized", None)
         changed._put(**known)
@@ -311,7 +312,7 @@ class PolyhedralMetric:
             e = int(np.argmax(wrong))
             raise InvalidMetric(
                 f"the length error of edge {e} {self.edges[e].tolist()} is {sigma[e]}, not a positive finite "
-                "number; zero for all edges is none"
+                "number; pass zeros for all edges to take the lengths as exact"
             )
         # Errors that are given, be they zero, go before the digits.
         return {"length_errors": None if exact else frozen(sigma), "rounding": None}
@@ -335,7 +336,7 @@ class PolyhedralMetric:
         return scaled._knowing(**self._known(factor))
 
     def _known(self, factor: float) -> dict[str, Any]:
-        """What is known of the lengths in another unit, in which their digits are not seen."""
+        """Precision, errors and rounding of the lengths in another unit, which does not show their digits."""
         errors = None if self.length_errors is None else frozen(self.length_errors * factor)
         return {"precision": self.precision, "length_errors": errors, "rounding": self.rounding}
 
@@ -346,11 +347,6 @@ class PolyhedralMetric:
             f"mean edge length {self.mean_length:.6g}"
             f"{'' if self.space.is_euclidean else f', curvature {self.curvature:.6g}'})"
         )
-
-    @property
-    def curvature(self) -> float:
-        """Of the triangles and of `space`, in 1/length^2."""
-        return self.space.curvature
 
     @property
     def faces(self) -> Indices:
@@ -373,26 +369,10 @@ class PolyhedralMetric:
         """Standard deviation over the mean length of lengths that show that they were rounded, else None."""
         return rounding_error(self.lengths)
 
-    @property
-    def unit(self) -> float:
-        """The power of two below the mean edge length: dividing by it rounds nothing."""
-        return float(np.ldexp(1.0, int(np.frexp(self.mean_length)[1]) - 1))
-
     @cached_property
     def face_lengths(self) -> Floats:
         """(F, 3): length of each half-edge."""
         return frozen(self.lengths[self.triangulation.face_edges])
-
-    @property
-    def normalized(self) -> PolyhedralMetric:
-        """The metric in its own `unit`, in which its mean edge length is between 1 and 2."""
-        return self if self.unit == 1 else self._normalized
-
-    @cached_property
-    def _normalized(self) -> PolyhedralMetric:
-        space = self.space.scaled(1 / self.unit)
-        normalized = self.on(self.triangulation, self.lengths / self.unit, space)
-        return normalized._knowing(**self._known(1 / self.unit))
 
 
 def _length_array(lengths: ArrayLike) -> Floats:

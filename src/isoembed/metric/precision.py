@@ -53,7 +53,7 @@ class Precision:
         return math.sqrt(4.5) * self.length_error
 
     def in_means(self, factor: float) -> Precision:
-        """The same errors of edges whose mean length is smaller by this factor."""
+        """Precision of edges whose mean length is smaller by this factor."""
         return replace(self, length_error=self.length_error * factor)
 
     @classmethod
@@ -84,7 +84,7 @@ DESIGNED = 30
 """Fewer different lengths are as likely those of a design as those of a measurement."""
 
 COARSE = 0.01
-"""Standard deviation, in mean lengths, above which the last digit is no rounding."""
+"""Standard deviation, in mean lengths, above which the last digit is not rounding."""
 
 
 SHARE = 0.4
@@ -121,7 +121,7 @@ def common_unit(lengths: Floats, unit: float) -> float:
 
 
 def shared_errors(lengths: Floats, errors: Floats) -> Indices:
-    """Which lengths have one and the same error: a label for each, shape (E,).
+    """Labels of the lengths, equal where the error is one and the same, shape (E,).
 
     Lengths of a design that are equal were equal before they were rounded, so their errors are, too.  Those
     of a measured body are equal by chance: then no label is repeated.  Nor is one where the errors are not
@@ -148,7 +148,7 @@ def shared_errors(lengths: Floats, errors: Floats) -> Indices:
 def last_digits(
     values: Floats, fewest: int = PRECISION.fewest, most: int = PRECISION.most
 ) -> tuple[str, Floats] | None:
-    """What numbers were rounded to, and the unit of the last digit of each; None if exact or doubles.
+    """Name of the rounding of numbers, and the unit of the last digit of each; None if exact or doubles.
 
     Parameters
     ----------

@@ -57,14 +57,14 @@ MAX_BLOCK_EXCHANGES = 10  # of many vertices that may fail to help, before singl
 
 @dataclass(frozen=True, eq=False)
 class Repair:
-    """What `repaired` found and changed.
+    """Findings and changes of `repaired`.
 
     Attributes
     ----------
     vertices : ndarray of int64, shape (k,)
-        Those whose deficits, beyond rounding, were to be zero or were negative.
+        Vertices whose deficits, beyond rounding, were to be zero or were negative.
     deficits : ndarray, shape (k,)
-        What they were, radians.
+        Their deficits before the repair, radians.
     factors : ndarray, shape (V,)
         The conformal factors u.
     largest_change : float
@@ -82,7 +82,7 @@ class Repair:
         return float(np.abs(self.factors).max())
 
     def as_json(self) -> dict[str, object]:
-        """What changed, for a report."""
+        """Changes, for a report."""
         return {
             "vertices": self.vertices.tolist(),
             "deficits": self.deficits.tolist(),
@@ -122,10 +122,10 @@ def repaired(
         The noise is negative or not finite.
     """
     if not (math.isfinite(noise) and noise >= 0):
-        raise InvalidParameter(f"the noise is {noise!r}, not a number of radians from 0 on")
+        raise InvalidParameter(f"the noise is {noise!r}, not a non-negative number of radians")
     given = GluedMetric.of(metric)
     before = given.deficits
-    rounding = deficit_rounding(given.faces, given.face_lengths, given.curvature)
+    rounding = deficit_rounding(given)
     precision = metric.precision
     doubt = None
     if precision is not None:
@@ -142,7 +142,7 @@ def repaired(
         delta = current.deficits
         errors = np.where(flat, np.abs(delta), -delta)
         before_step, left = left, max(float(errors.max()), 0.0)
-        allowed = deficit_rounding(current.faces, current.face_lengths, current.curvature)
+        allowed = deficit_rounding(current)
         # a step that leaves more than half of the errors is at rounding
         if not changed.any() or ((errors <= allowed).all() and left >= 0.5 * before_step):
             change = float(np.abs(current.face_lengths / given.face_lengths - 1).max())

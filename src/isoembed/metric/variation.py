@@ -6,8 +6,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from isoembed.arrays import Floats
-from isoembed.metric.curvature import Triangles
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.triangles import Triangles
 
 
 def deficit_derivative(metric: PolyhedralMetric) -> csr_array:
@@ -15,9 +15,9 @@ def deficit_derivative(metric: PolyhedralMetric) -> csr_array:
 
     In a triangle with angle i across from side i: ``d theta_i / d l_i = l_i / 2A``,
     ``d theta_i / d l_j = -cot(theta_k) / l_j``; on the sphere and in the hyperbolic plane with the sines of
-    the sides and with the amplitude in the place of 2A.
+    the sides and with the amplitude in place of 2A.
     """
-    shape = Triangles.of(metric.face_lengths, metric.curvature)
+    shape = metric.triangles
     sines, amplitudes = shape.sines, shape.amplitudes
     by_side = np.empty((len(shape.opposite), 3, 3))
     for i in range(3):
@@ -48,7 +48,7 @@ def dual_area_derivative(metric: PolyhedralMetric) -> csr_array:
 
 def area_derivative(metric: PolyhedralMetric) -> Floats:
     """Derivative of the area by every length, shape (E,), in the unit of length."""
-    shape = Triangles.of(metric.face_lengths, metric.curvature)
+    shape = metric.triangles
     across = np.roll(metric.triangulation.face_edges, -1, axis=1)
     by_side = shape.space.chord(shape.opposite) / shape.space.cs(shape.opposite / 2) * shape.tilts / 2
     return cast(Floats, np.bincount(across.ravel(), by_side.ravel())) * shape.unit

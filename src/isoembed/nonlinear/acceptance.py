@@ -46,11 +46,11 @@ class LineSearch:
 
 
 FULL_STEPS = LineSearch(-np.inf, 1.0)
-"""Whole steps, wherever they lead."""
+"""Full steps, accepted without a test."""
 
 
 def contraction(share: float) -> LineSearch:
-    """Whole steps, as long as each leaves less than this share of the value."""
+    """Full steps, each of which must reduce the value to less than `share` of itself."""
     return LineSearch(1 - share, 1.0)
 
 

@@ -1,4 +1,4 @@
-"""Continuation: extrapolating predictors, and the loop of a penalty method, weight mu -> 0."""
+"""Generic continuation: extrapolating predictors, and the loop over a decreasing penalty weight."""
 
 from collections.abc import Callable
 
@@ -27,7 +27,7 @@ def penalty_continuation(
     tolerance: float,
     exhausted: Callable[[], bool],
 ) -> tuple[Floats, float]:
-    """Let the weight mu of a penalty vanish; the last x, and its residual.
+    """Minimize with a decreasing penalty weight mu; return the last x and its residual.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ NO_POINT = SingularMatrix, np.linalg.LinAlgError, InvalidMetric, InvalidParamete
 
 
 class Reason(Enum):
-    """Why an iteration ended."""
+    """Reason for the end of an iteration."""
 
     CONVERGED = "the stopping rule holds"
     STALLED = "rounding errors are left, or the value grows without bound"
@@ -29,7 +29,7 @@ class Reason(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Solution(Generic[P]):
-    """Where an iteration ended.
+    """Result of an iteration.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ def descend(
     stalled: Stop = never,
     exhausted: Callable[[P], bool] = never,
 ) -> Solution[P]:
-    """Lower a value step by step.
+    """Minimize a value iteratively.
 
     Parameters
     ----------

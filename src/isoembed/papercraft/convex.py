@@ -31,7 +31,7 @@ class Pieces:
             self._squares.setdefault(square, []).append(piece)
 
     def near(self, points: Floats) -> Floats:
-        """Those in the squares that the box of points touches, (n, corners, 2), some of them repeatedly."""
+        """Pieces in the squares that the box of points touches, (n, corners, 2), some of them repeatedly."""
         there = [piece for square in _touched(points) for piece in self._squares.get(square, ())]
         return np.array(there) if there else self._none
 

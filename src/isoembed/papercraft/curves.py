@@ -136,7 +136,7 @@ def _bow(stadium: Curve) -> float:
 
 
 def _radii(curve: Curve, u: float) -> tuple[float, float]:
-    """Those of the arc at a parameter; zeros on a line."""
+    """Semi-axes of the arc at a parameter; zeros on a line."""
     if isinstance(curve, Ellipse):
         return curve.a, curve.b
     is_arc = min(u % 0.5, -u % 0.5) < _bow(curve)

@@ -13,7 +13,7 @@ from isoembed.papercraft.drawing import DECIMALS, Drawing
 from isoembed.papercraft.labels import HEIGHT, Label
 
 COLORS = {"cut": 1, "mountain": 5, "valley": 3, "seam": 6, "glue": 8, "engrave": 7, "numbers": 7}
-"""By layer, in AutoCAD's index: red, blue, green, magenta, gray, and black or white."""
+"""Colors of the layers in AutoCAD's index: red, blue, green, magenta, gray, and black or white."""
 MILLIMETERS = 4  # of $INSUNITS
 
 
@@ -75,7 +75,7 @@ def _rounded(points: Floats) -> list[tuple[float, float]]:
 
 @contextmanager
 def _no_dates(ezdxf: Any) -> Iterator[None]:
-    """The same drawing makes the same file: without the time and without random names."""
+    """Make the file reproducible: without the time and without random names."""
     before = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True
     try:

@@ -10,7 +10,7 @@ from isoembed.arrays import Floats
 
 
 def best_turn(points: Floats, room: Floats, *, oblique: bool = False) -> tuple[Floats, float]:
-    """How to turn a figure so that it fits into a rectangle at the largest scale.
+    """Rotation with which a figure fits into a rectangle at the largest scale.
 
     That scale is the least of the ratios of width and height of the rectangle to those of the figure.
     Between two directions in which a side of the hull is upright or level, neither ratio has a maximum, so
@@ -41,7 +41,7 @@ def best_turn(points: Floats, room: Floats, *, oblique: bool = False) -> tuple[F
 
 
 def compact_turn(points: Floats, room: Floats) -> Floats:
-    """How to turn a figure so that it fits into a rectangle, and its own bounding box has the least area.
+    """Rotation with which a figure fits into a rectangle, and its bounding box has the least area.
 
     Parameters
     ----------

@@ -22,13 +22,13 @@ LEGEND = {
     "mountain": (114.0, "fold away from you"),
     "valley": (158.0, "fold toward you"),
 }
-"""By kind of line, where a sample of it begins, in mm from the left, and what it says."""
+"""Start of a sample of each kind of line, in mm from the left, and its text."""
 SAMPLE = 10.0  # mm
 END = 196.0  # mm from the left, that of the legend
 
 
 def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple[str, Floats]], list[Label]]:
-    """What is at the foot of each page and in its corners.
+    """Contents of the foot of each page and of its corners.
 
     Parameters
     ----------

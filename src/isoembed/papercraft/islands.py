@@ -124,7 +124,7 @@ def _directions(sheet: Floats, faces: Sequence[Indices]) -> Floats:
 
 
 def _reach(points: Floats, directions: Floats) -> Floats:
-    """How far points reach in each direction and in those a right angle further, shape (4, D)."""
+    """Extent of points in each direction and in those a right angle further, shape (4, D)."""
     angles = directions + np.pi / 2 * np.arange(4)[:, None]
     x, y = points[:, :, None, None].transpose(1, 0, 2, 3)
     return np.asarray((x * np.cos(angles) + y * np.sin(angles)).max(axis=0))
@@ -138,7 +138,7 @@ def _needed(supports: Floats, room: Floats) -> Floats:
 
 
 def _best(found: Sequence[_Partition], room: Floats) -> list[_Partition]:
-    """Those that are of use, of each number of islands up to `KEPT`, short ones first.
+    """Useful partitions with the fewest islands and with one more, up to `KEPT` of each, short ones first.
 
     One island more than the fewest may allow shorter cuts in the end.  One that is neither shorter nor
     smaller than another one is of no use.
@@ -171,7 +171,7 @@ def _flat(cuts: tuple[Any, ...]) -> Iterator[Fold]:
 
 
 def parts(unfolding: Unfolding, p: int) -> list[tuple[str, Indices]]:
-    """What is not cut of a sheet: faces, and faces that `kept` folds join.
+    """Uncut parts of a sheet: faces, and faces that `kept` folds join.
 
     Returns
     -------

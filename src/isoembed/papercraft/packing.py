@@ -44,7 +44,7 @@ def packed(sizes: Floats, room: Floats, gap: float) -> tuple[Floats, Indices, Ma
 
 
 def _length(sizes: Floats, corners: Floats, turned: Mask, room: Floats) -> float:
-    """How far down a roll is used; 0 of pages, which are all as long."""
+    """Length of a roll that is used; 0 for pages, which are all of one length."""
     if room[1] < np.inf:
         return 0.0
     return round(float((corners[:, 1] + np.where(turned, sizes[:, 0], sizes[:, 1])).max()), 6)

@@ -9,7 +9,7 @@ FEWEST = 3  # dashes, by which whoever reads the file sees that they are one fol
 
 
 def pieces(line: Floats, material: Material) -> Floats:
-    """What is cut or scored of a fold, shape (m, 2, 2).
+    """Pieces of a fold that are cut or scored, shape (m, 2, 2).
 
     With n = floor((l - gap) / (dash + gap)) dashes on a length l, n + 1 gaps of (l - n dash) / (n + 1) are
     left, which are at least as wide as `Material.gap`.  A fold too short for three dashes has shorter ones.

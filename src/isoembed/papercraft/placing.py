@@ -26,7 +26,7 @@ RIGHT_ANGLE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 @dataclass(frozen=True, eq=False)
 class Placing:
-    """Where a sheet lies: in mm from the upper left corner, y upward; the pages are below one another.
+    """Placement of a sheet: mm from the upper left corner, y upward; the pages are below one another.
 
     Attributes
     ----------
@@ -119,19 +119,19 @@ def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
             raise InvalidParameter(f"{name} is {value!r}, not a positive finite number of mm")
     if len(given) == 2:
         raise InvalidParameter(
-            f"there are a scale of {scale:g} mm and a size of {size:g} mm: give one of them"
+            f"give either a scale, here {scale:g} mm, or a size, here {size:g} mm, not both"
         )
     return given[0] if given else None
 
 
 def _extent(unfolding: Unfolding) -> float:
     if unfolding.vertices is None:
-        raise InvalidParameter("the size is that of a solid, and this net knows none: give a scale")
+        raise InvalidParameter("a size needs the solid, which this net does not have: give a scale")
     return float(np.ptp(unfolding.vertices, axis=0).max())
 
 
 def _uncut(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
-    """What is not cut: faces, by name, or sheets whose faces are not known."""
+    """Uncut parts: faces, by name, or sheets whose faces are not known."""
     for p, sheet in enumerate(unfolding.sheets):
         if not unfolding.faces:
             yield f"sheet {p}", sheet
@@ -152,7 +152,7 @@ def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
 
 
 def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, value: float) -> str:
-    """Which face does not fit, and the scale and the paper with which it would."""
+    """Message on the face that does not fit, and the scale and the paper with which it would."""
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
     most = value * largest / wanted
     digits = 10.0 ** (np.floor(np.log10(most)) - 3)

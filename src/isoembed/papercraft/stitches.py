@@ -50,7 +50,7 @@ def stitches(
 
 
 def _clear(outline: Floats, side: int, points: Floats, distance: float) -> Mask:
-    """Which points beside a side are on the sheet, and as far as this from all other sides."""
+    """Mask of points beside a side that are on the sheet, and this far from all other sides."""
     starts, ends = np.delete(outline, side, axis=0), np.delete(np.roll(outline, -1, axis=0), side, axis=0)
     step = ends - starts
     away = points[:, None] - starts

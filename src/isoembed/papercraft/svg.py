@@ -88,7 +88,7 @@ def _stroke(kind: str) -> str:
 
 
 def _dashes(kind: str) -> str:
-    """How a line looks; machines draw it whole."""
+    """Style of a line on the screen; machines draw it whole."""
     return f'stroke-dasharray="{DASHES[kind]}"' if kind in DASHES else ""
 
 
@@ -97,7 +97,7 @@ def _said(name: str, millimeters: float) -> str:
 
 
 def _angle(angle: float | None) -> str:
-    """What `isoembed.glue` reads of a fold, in degrees."""
+    """Attribute with the angle of a fold in degrees, which `isoembed.glue` reads."""
     return "" if angle is None else f'data-angle="{np.degrees(angle):.6f}"'
 
 

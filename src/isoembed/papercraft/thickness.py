@@ -36,7 +36,7 @@ STEP = np.pi / 6  # of the polygon of a relief
 
 
 def shortening(angle: float, material: Material, is_fold: bool) -> float:
-    """By how much a face is shorter than that of the solid at a side, in mm.
+    """Shortening of a face at a side, against that of the solid, in mm.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ class _Sheet:
         return f, (k + 1) % len(self.faces[f])
 
     def _shifts(self, distances: dict[Corner, float]) -> list[Floats]:
-        """How far each face is moved toward the first, across the folds between them."""
+        """Shift of each face toward the first, across the folds between them."""
         shifts: dict[int, Floats] = {0: np.zeros(2)}
         waiting = [0]
         while waiting:

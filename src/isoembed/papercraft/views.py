@@ -107,7 +107,7 @@ def _area(points: Floats) -> float:
 
 
 def _depth(face: Floats, label: Label) -> float:
-    """How near the plane of a face is at the middle of a label."""
+    """Height of the plane of a face, toward the viewer, at the middle of a label."""
     plane = np.linalg.lstsq(
         np.column_stack([face[:, :2] - face[0, :2], np.ones(len(face))]), face[:, 2], rcond=None
     )[0]
@@ -128,7 +128,7 @@ def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:
 
 
 def _hidden(points: Floats, triangles: Floats, close: float) -> Mask:
-    """Which of the points, (n, 3), are behind a triangle, (m, 3, 3), counterclockwise."""
+    """Mask of points, (n, 3), that are behind a triangle, (m, 3, 3), counterclockwise."""
     hidden = np.zeros(len(points), dtype=np.bool_)
     step = max(1, CHUNK // max(len(triangles), 1))
     sides = np.roll(triangles, -1, axis=1) - triangles

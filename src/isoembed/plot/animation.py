@@ -35,7 +35,7 @@ FOOT, HEAD = 0.5, 0.6  # inches, below and above the surface
 
 @dataclass(frozen=True, eq=False)
 class _Image:
-    """What one image of a film shows."""
+    """Contents of one image of a film."""
 
     vertices: Floats
     values: Floats

@@ -5,7 +5,7 @@ from isoembed.surface.flat_faces import FlatFaces
 
 
 def faces_counted(embedding: Embedding) -> str:
-    """How many faces of which kind."""
+    """Number and kind of the faces."""
     faces = embedding.surface.flat_faces
     return f"{len(faces):,} {'faces' if isinstance(faces, FlatFaces) else 'triangles'}"
 
@@ -16,6 +16,6 @@ def has_own_lengths(embedding: Embedding) -> bool:
 
 
 def of_integral(embedding: Embedding) -> str:
-    """What follows "int H dA": " of the polyhedron", where it is that of the edges of a closed surface."""
+    """Words after "int H dA": " of the polyhedron", where it is that of the edges of a closed surface."""
     is_of_edges = embedding.triangulation.is_closed and has_own_lengths(embedding)
     return " of the polyhedron" if is_of_edges else ""

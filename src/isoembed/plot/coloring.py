@@ -49,7 +49,7 @@ class Quantity:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Where the colors begin and end: all but the outermost hundredths of the values lie between.
+        """Ends of the color scale: all but the outermost hundredths of the values lie between.
 
         On a logarithmic scale they are powers of ten.
         """
@@ -137,7 +137,7 @@ def sides(embedding: Embedding) -> Quantity | None:
 
 
 def vertex_deviation(deviation: Changes) -> Quantity:
-    """How far errors of the lengths move the vertices, over the root mean square, which the label states."""
+    """Deviation of the vertices by errors of the lengths, over its root mean square, which the label has."""
     rms = deviation.report["vertices_rms"]
     label = f"deviation of vertices, over {rms:.2g}"
     return Quantity("deviation", label, deviation.vertices / (rms or 1.0))
@@ -160,17 +160,17 @@ QUANTITIES = {
     "conformal factor": conformal_factor,
     SIDES: sides,
 }
-"""By name, what makes a quantity of an embedding."""
+"""Functions that compute quantities of an embedding, by name."""
 
 
 def usual(embedding: Embedding) -> str:
-    """What colors show where nothing is asked for: H is no property of polyhedra, whose edges have it all."""
+    """Default quantity: number of sides on a polyhedron with few faces, otherwise the mean curvature."""
     faces = embedding.surface.flat_faces
     return SIDES if isinstance(faces, FlatFaces) and len(faces) <= FEW_FACES else MEAN_CURVATURE
 
 
 def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
-    """Everything that there is to show of a surface, the usual one first.
+    """All quantities of a surface, the default one first.
 
     Parameters
     ----------

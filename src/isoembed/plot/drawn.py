@@ -28,7 +28,7 @@ BALL_RADIUS = 6.0  # half diameters beyond which the sphere at infinity is out o
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """How a surface is drawn, and others of the same triangles.
+    """Drawing of a surface, and of others with the same triangles.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Drawn:
 
     @property
     def space(self) -> Space:
-        """Where the surface is."""
+        """Space that contains the surface."""
         return self.surface.space
 
     @property
@@ -66,7 +66,7 @@ class Drawn:
 
     @property
     def faces(self) -> Polygons:
-        """What is drawn: the faces, or the pieces of their triangles."""
+        """Faces of the drawing: those of the surface, or the pieces of its triangles."""
         return self.pieces.faces if self.pieces.cuts else self.surface.polygons
 
     def points(self, vertices: Floats) -> Floats:
@@ -76,7 +76,7 @@ class Drawn:
         return self.pieces.points(self.space, self.space.translated(vertices, -self.center))
 
     def put(self, vertices: Floats) -> Floats:
-        """Where the vertices that are drawn are in a picture, for those (V, 3) of a surface."""
+        """Positions in a picture of the vertices of the drawing, for those (V, 3) of a surface."""
         return to_model(self.space, self.points(vertices), WRITTEN)
 
     def face_values(self, shown: Quantity) -> Floats:
@@ -129,7 +129,7 @@ class Drawn:
 
     @property
     def _bend(self) -> float:
-        """How far the middle of a piece of an edge is from the line between its ends, in half diameters."""
+        """Distance of the middle of a piece of an edge from the line between its ends, in half diameters."""
         points, edges = self.points(self.surface.vertices), self.pieces.edges
         placed = to_model(self.space, points, WRITTEN)
         off = to_model(self.space, middles(self.space, points[edges]), WRITTEN) - placed[edges].mean(axis=1)

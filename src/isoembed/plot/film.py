@@ -11,7 +11,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Progress
 from isoembed.space.models import from_model
-from isoembed.surface.alignment import aligned
+from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.measures import outward
 
 ANSWER = "answer"
@@ -61,7 +61,8 @@ def frames_of(surfaces: Sequence[Embedding], headings: Sequence[str]) -> tuple[F
     Returns
     -------
     tuple of Frame
-        Each surface is turned onto the next; for `write_animation` with the last surface.
+        Each surface is turned onto the next, and mirrored if it has a boundary and is nearer then; for
+        `write_animation` with the last surface.
 
     Raises
     ------
@@ -76,7 +77,8 @@ def frames_of(surfaces: Sequence[Embedding], headings: Sequence[str]) -> tuple[F
         if not np.array_equal(surface.faces, surfaces[-1].faces):
             raise InvalidParameter(f"the triangles of surface {k} are not those of the last one")
         if frames:
-            vertices = aligned(vertices, frames[-1].vertices)
+            is_closed = surface.triangulation.is_closed
+            vertices = (aligned if is_closed else aligned_image)(vertices, frames[-1].vertices)
         frames.append(Frame(headings[k], None, surface.residual, vertices))
     return tuple(reversed(frames))
 
@@ -124,7 +126,10 @@ class Film:
             after = following.vertices / unit
             try:
                 given = from_model(space, taken.vertices, "ambient")
-                vertices = aligned(outward(embedding.faces, given, space), after, space)
+                if embedding.triangulation.is_closed:
+                    vertices = aligned(outward(embedding.faces, given, space), after, space)
+                else:
+                    vertices = aligned_image(given, after)
             except InvalidParameter:  # on the sphere not within the half that can be shown
                 continue
             # two surfaces that look the same

@@ -16,7 +16,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io.files import Writer, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.registry import check_output
-from isoembed.methods import configuration
+from isoembed.methods import method_class
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed
@@ -48,8 +48,11 @@ MAX_FRAMES = 40  # of a film in a page: more are not seen
 MAX_BYTES = 6_000_000  # of all frames of a page but the last; as text a third more
 
 
-LEAPT = "The method leaped to this surface: there is none on the way to it. The method 'paper' has some."
-ALONE = "This method has no surface before the answer."
+LEAPT = (
+    "This method reached the surface in one step, so there are no intermediate surfaces; "
+    "the method 'paper' has them."
+)
+ALONE = "This method has no intermediate surfaces."
 LARGER = 1.25  # half diameters of the answer, that fit beside it
 PAUSE = 140  # milliseconds from one frame to the next
 COLORS = 65  # the browser interpolates between them
@@ -64,7 +67,7 @@ TITLES = {
     **{"poincare": "Poincaré ball", "klein": "Klein ball", "hyperboloid": "hyperboloid, x y z"},
     **{"stereographic": "stereographic", "gnomonic": "gnomonic", "sphere": "sphere, x y z"},
 }
-"""What the models of a space are called on the page."""
+"""Names of the models of a space on the page."""
 TEX = {"$": "", r"\varepsilon_a": "ε", "A^*_a": "A*", "k_1": "k₁", "k_2": "k₂", "  ": " "}
 
 
@@ -142,7 +145,7 @@ def _caption(embedding: Embedding) -> str:
 
 
 def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], Packed]:
-    """What the script shows: a JSON object, and the arrays that it points to."""
+    """Data for the script: a JSON object, and the arrays that it points to."""
     packed, drawn = Packed(), Drawn.of(embedding)
     pieces = drawn.pieces
     earlier = list(frames[:-1])
@@ -210,7 +213,7 @@ def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) 
 
 
 def _named(quantity: Quantity) -> dict[str, Any]:
-    """What the script calls a quantity, and its colors if they are not those of all."""
+    """Names of a quantity for the script, and its colors if it has its own."""
     return {
         "name": quantity.name,
         "label": _plain(quantity.label),
@@ -248,16 +251,16 @@ def _space(space: Space, unit: float) -> dict[str, Any] | None:
 
 
 def _why_alone(method: str) -> str:
-    """Why there is no surface before the answer."""
+    """Reason why there are no intermediate surfaces."""
     try:
-        found = configuration(method)
+        found = method_class(method)
     except InvalidParameter:  # it was passed as it is
         return ALONE
     return LEAPT if found.keeps_triangles and not found.shows_path else ALONE
 
 
 def _on_the_way(surface: Embedding) -> list[Quantity]:
-    """What changes from frame to frame: Gaussian curvature is that of the frame's own lengths."""
+    """Quantities that change from frame to frame: Gaussian curvature is that of the frame's own lengths."""
     metric, unit = surface.metric, surface.metric.unit
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a frame may be folded flat
         found = [mean_curvature(surface), residual(surface), concavity(surface)]

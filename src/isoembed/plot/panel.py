@@ -66,5 +66,5 @@ class Panel:
 
     @property
     def face_values(self) -> Floats:
-        """What the colors of the faces show, shape (F,)."""
+        """Values that the colors of the faces show, shape (F,)."""
         return self.values if self.at == "faces" else face_means(self.values, self.faces)

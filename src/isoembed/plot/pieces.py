@@ -39,21 +39,21 @@ class Pieces:
 
     @property
     def cuts(self) -> int:
-        """How often the triangles are cut, n."""
+        """Number of times that the triangles are cut, n."""
         return len(self.parents)
 
     @property
     def per_face(self) -> int:
-        """How many pieces a triangle has."""
+        """Number of pieces of a triangle."""
         return int(4**self.cuts)
 
     @property
     def n_vertices(self) -> int:
-        """How many vertices there are."""
+        """Number of vertices."""
         return int(self.faces.max()) + 1
 
     def cut(self) -> Pieces:
-        """All of it cut once more."""
+        """Pieces after one more cut of each triangle."""
         n, (a, b, c) = self.n_vertices, self.faces.T
         sides = np.concatenate([np.column_stack(pair) for pair in ((a, b), (b, c), (c, a))])
         ends = np.sort(np.concatenate([sides, self.edges]), axis=1)
@@ -99,7 +99,7 @@ class Pieces:
         return np.where(own[place] == rising, self.owners[place], -1)
 
     def nearest(self) -> Indices:
-        """For every vertex one of those of the triangles that are near to it."""
+        """Index of a vertex of the triangles near each vertex of the pieces."""
         own = np.arange(self.n_vertices - sum(map(len, self.parents)))
         for ends in self.parents:
             own = np.append(own, own[ends[:, 0]])

@@ -27,6 +27,7 @@ FACES = np.array([0.82, 0.82, 0.8])
 STRUT, DENSE = 2.6, 24.0  # points: the width of a strut, and what many share
 NUMBERED = 100  # hubs, of which each has its number in the picture
 SHARE = 0.74  # of the width; the rest is for the legend
+LISTED = 30  # types in the legend
 ROW, FOOT = 0.24, 0.25  # inches, of a line of the legend and around the picture
 
 
@@ -74,7 +75,10 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
     shapes = among_faces(view, faces, lines)
     low, high = view.extent
     across = SHARE * WIDTH
-    height = max(across * (high[1] - low[1]) / (high[0] - low[0]), ROW * (n + 2)) + 2 * FOOT
+    shown = n if n <= LISTED else LISTED - 1
+    rows = [f"{one.name}  {one.count} x {one.length:.6g}" for one in table.struts[:shown]]
+    rows += [f"and {n - shown} more types"] if shown < n else []
+    height = max(across * (high[1] - low[1]) / (high[0] - low[0]), ROW * (len(rows) + 2)) + 2 * FOOT
     picture = WindowlessFigure(WIDTH, height, facecolor=PAPER)
     axes = picture.add_axes((0.01, FOOT / height, SHARE, 1 - 2 * FOOT / height))
     axes.add_collection(
@@ -100,13 +104,13 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
     axes.set_aspect("equal")
     axes.axis("off")
     picture.legend(
-        [Line2D([], [], color=color, linewidth=STRUT) for color in colors],
-        [f"{one.name}  {one.count} x {one.length:.6g}" for one in table.struts],
+        [Line2D([], [], color=color, linewidth=STRUT) for color in (*colors[:shown], PAPER)][: len(rows)],
+        rows,
         loc="center left",
         bbox_to_anchor=(SHARE + 0.01, 0.5),
         frameon=False,
         labelcolor=INK,
-        fontsize=9 if n <= 20 else 5,
+        fontsize=9 if len(rows) <= 20 else 7,
     )
     return picture
 

@@ -20,7 +20,7 @@ INSIDE = 0.4  # light on faces that are seen from inside
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """How a surface is put before the viewer: its principal axes, longest first, and half diameter 1.
+    """Pose of a surface before the viewer: along its principal axes, longest first, with half diameter 1.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class View:
         return points.min(axis=0), points.max(axis=0)
 
     def put(self, points: Floats) -> Floats:
-        """Where points (..., 3) of the surface are seen: right and up."""
+        """Coordinates in the view of points (..., 3) of the surface: right and up."""
         return self.pose.put(points) @ self.camera[:2].T
 
     def shade(self, colors: Floats) -> Floats:

@@ -15,7 +15,7 @@ from isoembed.version import __version__
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """What a checkpoint belongs to.
+    """Identity of the computation that a checkpoint belongs to.
 
     Attributes
     ----------

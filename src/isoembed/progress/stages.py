@@ -1,6 +1,7 @@
 """Stages of a computation: their costs, and snapshots for a listener.
 
-They only watch: nothing that a computation decides depends on them, least of all on what stages are called.
+Snapshots only watch.  The factorizations counted here are the work by which budgets are measured; no other
+decision of a computation depends on stages, least of all on their names.
 """
 
 from __future__ import annotations

@@ -57,5 +57,5 @@ class Budget:
 
     @property
     def left(self) -> float:
-        """What is left, 0 at least."""
+        """Remaining work, at least 0."""
         return max(self.limit - self.spent, 0.0)

@@ -75,7 +75,7 @@ class HeightEquations:
     points: Floats
 
     def residuals(self, corrections: Floats) -> tuple[Floats, Floats]:
-        """At the exact sums of points and corrections, rounded, and bounds on the rounding, each (B,)."""
+        """Residuals at the exact sums of points and corrections, and bounds on the rounding, each (B,)."""
         above, lost = exact_difference(self.points[self.vertices, 2], self.heights)
         off = above - above[0]
         rest = lost - lost[0] + corrections[self.vertices, 2]
@@ -109,7 +109,7 @@ def certify(metric: PolyhedralMetric, vertices: Floats, heights: Floats) -> CapC
     Raises
     ------
     InvalidMetric
-        The surface is no disc in R^3.
+        The surface is not a disc in R^3.
     """
     t = metric.triangulation
     if t.euler_characteristic != 1 or len(t.boundaries) != 1 or not metric.space.is_euclidean:

@@ -57,32 +57,6 @@ class PositiveDefinite:
         return x
 
 
-def prove_definite(matrix: sp.csc_array, order: Indices) -> PositiveDefinite:
-    """Bound the eigenvalues of a symmetric matrix away from zero.
-
-    Two factorizations: one to estimate the least eigenvalue by inverse iteration, one to prove half of it.
-
-    Parameters
-    ----------
-    matrix : sparse CSC, (n, n)
-        Symmetric, bit by bit; both triangles. What is proven holds for these floats.
-    order : ndarray of int, shape (n,)
-        Elimination order.
-
-    Raises
-    ------
-    SingularMatrix
-        The matrix is not positive definite, or too little so for rounding to leave a proof.
-    """
-    permuted = sp.csc_array(matrix[order][:, order])
-    lu, estimate = least_eigenvalue(permuted)
-    shift = PROVEN_SHARE * estimate
-    lost = lost_to_rounding(permuted, shift)
-    if not lost < shift:
-        raise hidden(estimate, lost)
-    return PositiveDefinite((shift - lost) / GUARD, lu, order)
-
-
 def least_eigenvalue(matrix: sp.csc_array) -> tuple[SuperLU, float]:
     """The factors of a symmetric matrix in its own order, and its least eigenvalue, by inverse iteration."""
     lu = symmetric_lu(matrix)
@@ -153,7 +127,7 @@ class Pivots:
 
     @property
     def negative(self) -> int:
-        """How many pivots are."""
+        """Number of negative pivots."""
         return int((self.pivots < 0).sum())
 
     def errors(self, v: Floats) -> Floats:

@@ -124,7 +124,7 @@ def squared_chords(lengths: Floats, curvature: float) -> Chords:
 
 
 def _terms(size: float) -> int:
-    """Where the series of chords may end, if its terms grow with the powers of this size."""
+    """Number of terms of the series of chords, if they grow with the powers of this size."""
     n = 1
     while size ** (n + 1) / factorial(2 * n + 4) > U**3 / 4 or 2 * size > (2 * n + 5) * (2 * n + 6):
         n += 1
@@ -148,7 +148,7 @@ def _goals(edges: Indices, vertices: Floats, chords: Chords) -> tuple[Pair, Floa
 def _moved_goals(
     edges: Indices, vertices: Floats, corrections: Floats, chords: Chords
 ) -> tuple[Floats, Floats]:
-    """How much the corrections change ``c^2 m_a m_b``, and the error of that."""
+    """Change of ``c^2 m_a m_b`` by the corrections, and its error."""
     quarter, squared, (a, b) = chords.curvature / 4, chords.squares[0], edges.T
     products = 2 * vertices * corrections + corrections * corrections
     change = quarter * products.sum(axis=1)

@@ -14,21 +14,21 @@ from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows, length_residuals
 
 MOST_VERTICES = 300
-"""Of surfaces whose motions are sought: J is decomposed as a dense matrix."""
+"""Largest number of vertices for which motions are sought: J is decomposed as a dense matrix."""
 
 STEPS_TRIED = (0.02, 0.005, 0.001)
-"""Of the vertex that moves farthest, in mean edge lengths, in turn: where a path bends, Newton's method stays
-on it in short steps only."""
+"""Steps of the vertex that moves farthest, in mean edge lengths, tried in turn: where a path bends, Newton's
+method stays on it in short steps only."""
 
 STEPS = 10
 
 KEPT = 1e-12
 """Change of the lengths that may be rounding, in mean edge lengths; also the least singular value of J that
-is no rounding, as its rows have unit entries."""
+is not rounding, as its rows have unit entries."""
 
 
 def described_flex(triangulation: Triangulation, surface: Projected, lengths: Floats) -> str | None:
-    """How a surface in Euclidean space flexes, as far as floats tell, in words; None if it does not.
+    """Description of how a surface in Euclidean space flexes, as far as floats tell; None if it does not.
 
     Parameters
     ----------

@@ -66,7 +66,7 @@ class LengthEquations:
 
     @classmethod
     def of(cls, metric: PolyhedralMetric, vertices: Floats) -> LengthEquations:
-        """Those of a normalized metric.
+        """Equations of the lengths of a normalized metric.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class LengthEquations:
 
     @cached_property
     def room(self) -> float:
-        """How far near points are, at most."""
+        """Largest distance of points that count as near."""
         if self.space.is_euclidean:
             return np.inf
         return NEARBY * float(min(1.0, self.densities.min())) * min(1.0, self.space.radius)
@@ -141,7 +141,7 @@ class LengthEquations:
         return 2 * residuals * shares + self._off[a] + self._off[b]
 
     def changes_by(self, errors: Floats) -> Floats:
-        """By how much F may be off if the lengths are by no more than these errors, shape (E,)."""
+        """Bounds on the change of F by errors of the lengths no larger than these, shape (E,)."""
         if self.space.is_euclidean:
             return errors * (1 + errors / (2 * self.lengths))
         sn, cs = self.space.sn(self.lengths), self.space.cs(self.lengths)
@@ -169,7 +169,7 @@ class LengthEquations:
 
     @property
     def matrix_error(self) -> float:
-        """By how much rounding may put the singular values of J off, beyond two roundings of each entry.
+        """Bound on the effect of rounding on the singular values of J, beyond two roundings of each entry.
 
         J is that of vertices with `weights`.
         """
@@ -186,7 +186,7 @@ class LengthEquations:
 
     @cached_property
     def weights(self) -> Floats:
-        """How much each vertex counts, s, shape (V,).
+        """Weights s of the vertices, shape (V,).
 
         At near points no second derivative of F_ab in directions d exceeds ``2 c_ab (|d_a|^2 + |d_b|^2)``,
         and ``s_a^2`` is the sum of the ``c_ab^2`` at a, rounded up.
@@ -248,7 +248,7 @@ class LengthEquations:
 
     @property
     def _distortion(self) -> float:
-        """How much larger the sines of small angles may be than in projective coordinates, at near points.
+        """Bound on the ratio of the sines of small angles to those in projective coordinates, at near points.
 
         A translation takes a point at the height w to the origin, and stretches projective coordinates by w^2
         along the radius and w across; normals of planes by the inverse.

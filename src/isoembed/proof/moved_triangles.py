@@ -50,7 +50,7 @@ class MovedTriangles:
 
     @cached_property
     def far(self) -> Floats:
-        """How far each vertex moves, (V,)."""
+        """Bound on the motion of each vertex, (V,)."""
         return GUARD * (self.steps + self.radius * self.shares)
 
     @cached_property
@@ -77,13 +77,13 @@ class MovedTriangles:
 
     @cached_property
     def gradients(self) -> Floats:
-        """Those of the barycentric coordinates, turned by a right angle in the triangle, (F, 3, 3)."""
+        """Gradients of the barycentric coordinates, turned by a right angle in the triangle, (F, 3, 3)."""
         low = 2 * self.areas * (1 - self.rounding)
         return self._sides / low[:, None, None]
 
     @cached_property
     def softness(self) -> Floats:
-        """How much d stretches a triangle, over its ``(sum of |d_a / share_a|^2)^(1/2)``, (F,)."""
+        """Bound on the stretch of a triangle by d, over its ``(sum of |d_a / share_a|^2)^(1/2)``, (F,)."""
         shares = self.shares[self.triangulation.faces]
         return GUARD * np.linalg.norm(self.gradients * shares[:, :, None], 2, axis=(1, 2))
 
@@ -107,7 +107,7 @@ class MovedTriangles:
 
     @cached_property
     def dihedral_angles(self) -> Floats:
-        """Those of the vertices, rounded, (E,)."""
+        """Dihedral angles for the vertices, rounded, (E,)."""
         return dihedral_angles(self.triangulation, self.vertices)
 
     @cached_property
@@ -123,7 +123,7 @@ class MovedTriangles:
         return np.abs(self.dihedral_angles) + self.bends >= np.pi - shut
 
     def area_changes(self, squares: Floats) -> Floats:
-        """How much the area of each triangle changes, (F,), its rounding included.
+        """Bounds on the change of the area of each triangle, (F,), its rounding included.
 
         Parameters
         ----------

@@ -55,7 +55,7 @@ DENTED = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class NearbyHulls:
-    """What all hulls of near points have in common.
+    """Properties that all hulls of near points have in common.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def prove_nearby_hulls(triangulation: Triangulation, vertices: Floats, reach: fl
 
 @dataclass(frozen=True, eq=False)
 class _Roofs:
-    """What is measured of the roofs over near points.
+    """Measurements of the roofs over near points.
 
     Normals (C, 3) and slopes (C,) of the cells; least altitude and longest side of the ears (H,); sines of
     the dihedral angles between cells at the given points (E,), and how far off they may be elsewhere (E,).
@@ -178,7 +178,7 @@ def _check_discs(t: Triangulation, cells: Cells) -> None:
     if not cells.polygonal.all():
         f = cells.first[np.argmin(cells.polygonal)]
         raise NotProven(
-            f"the faces that may be in one plane with face {f} {t.faces[f].tolist()} are no polygon together"
+            f"the faces that may be in one plane with face {f} {t.faces[f].tolist()} do not form a polygon"
         )
 
 

@@ -77,7 +77,7 @@ class LinearEquations(Protocol):
     """Linear equations of the vertices, as `isoembed.proof.boundary_heights.HeightEquations`."""
 
     def residuals(self, corrections: Floats) -> tuple[Floats, Floats]:
-        """Where they stand at the exact sums of points and corrections, and bounds on the rounding."""
+        """Residuals at the exact sums of points and corrections, and bounds on the rounding."""
 
     def matrix(self, weights: Floats) -> csr_array:
         """Their derivatives over the weights of the vertices."""
@@ -120,7 +120,7 @@ class NearbyRealization:
         found: dict[str, Any],
         beside: LinearEquations | None = None,
     ) -> NearbyRealization:
-        """That of vertices, (V, 3), of a normalized metric; the numbers on the way are noted.
+        """Realization near vertices, (V, 3), of a normalized metric; the numbers on the way are noted.
 
         There may be linear equations `beside` those of the lengths.
 
@@ -184,19 +184,19 @@ class NearbyRealization:
         return h, GUARD * 2 * rho / (sigma * (1 + float(np.sqrt(1 - h)))) / least
 
     def reach(self, radius: float) -> float:
-        """How far vertices in projective coordinates are from their exact places, at most."""
+        """Bound on the distance of vertices in projective coordinates from their exact places."""
         straight, off, stretch = self.equations.straight
         return stretch * (self.step + radius) + off + 4 * U * float(np.abs(straight).max())
 
     def distance(self, radius: float, near: float = np.inf) -> float:
-        """How far, in the space, a vertex may be from its exact place.
+        """Bound on the distance, in the space, of a vertex from its exact place.
 
         Parameters
         ----------
         radius : float
-            How far the exact places are from z.
+            Largest distance of the exact places from z.
         near : float
-            How far, in the coordinates of the equations, they were assumed to be at most.
+            Largest distance assumed for them, in the coordinates of the equations.
 
         Raises
         ------

@@ -92,7 +92,7 @@ def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, f
 
 
 def _forming(J: sp.csr_array) -> float:
-    """By how much rounding may put the eigenvalues of J J^T off when it is formed."""
+    """Bound on the effect of rounding on the eigenvalues of J J^T when it is formed."""
     sizes, n = abs(J), J.shape[0]
     terms = int(np.diff(J.indptr).max())
     return GUARD * gamma(terms + 2) * float((sizes @ (sizes.T @ np.ones(n))).max())

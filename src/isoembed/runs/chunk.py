@@ -20,14 +20,14 @@ MEMORY = "there was not enough memory for it"
 
 @dataclass(frozen=True)
 class Wish:
-    """Which tasks are done although their results are there.
+    """Rerun policy: which tasks with stored results are computed again.
 
     Attributes
     ----------
     again : bool
-        All of them.
+        Whether to compute all of them again.
     retry : bool
-        Those that had no answer.
+        Whether to compute those without an answer again.
     """
 
     again: bool = False
@@ -35,22 +35,22 @@ class Wish:
 
 
 MISSING = Wish()
-"""Only those whose results are not there."""
+"""Policy that computes only tasks without stored results."""
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """The result of a task, and how it came.
+    """The result of a task, and how it was obtained.
 
     Attributes
     ----------
     result : Result
     computed : bool
-        Whether it was computed, or was there before.
+        Whether it was computed, rather than taken from the store.
     seconds : float
-        What it took.
+        Time taken.
     complaint : str
-        Why it could not be kept.
+        Reason why it could not be stored.
     """
 
     result: Result

@@ -31,7 +31,7 @@ def dask_workers(address: str) -> Iterator[Executor]:
         Dask is not installed, or there is no such scheduler.
     """
     if not ADDRESS.fullmatch(address):
-        raise InvalidParameter(f"{address!r} is no address of a scheduler, as tcp://127.0.0.1:8786 is")
+        raise InvalidParameter(f"{address!r} is not a scheduler address such as tcp://127.0.0.1:8786")
     try:
         from distributed import Client
     except ImportError:

@@ -33,7 +33,7 @@ class Shard:
 
     def __post_init__(self) -> None:
         if not 1 <= self.number <= self.of:
-            raise InvalidParameter(f"part {self.number} of {self.of} is none: they are numbered from 1")
+            raise InvalidParameter(f"shard number must be from 1 to {self.of}, not {self.number}")
 
 
 WHOLE = Shard()
@@ -48,7 +48,7 @@ def run(
     shard: Shard = WHOLE,
     wish: Wish = MISSING,
 ) -> Iterator[Outcome]:
-    """Outcomes of tasks, as they come: those of one chunk in their order.
+    """Outcomes of tasks, as they come; those of one chunk come in their order.
 
     Parameters
     ----------
@@ -59,12 +59,12 @@ def run(
         By default the tasks are done here, one after the other.  A chunk whose process is killed is done once
         more, and if that fails, too, task by task.
     chunk : int
-        How many consecutive tasks start from each other; what is there of a chunk is taken from the store, so
-        that a run that was interrupted comes to the same.
+        Number of consecutive tasks that start from each other; stored results of a chunk are used, so that a
+        run that was interrupted has the same results.
     shard : Shard
         Which of the chunks are done.
     wish : Wish
-        Which are done although their results are there.
+        Rerun policy: which tasks with stored results are computed again.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def run(
         The chunk is not positive, or the executor, a cluster that is gone, cancels what is under way.
     """
     if chunk < 1:
-        raise InvalidParameter(f"a chunk of {chunk} tasks is none")
+        raise InvalidParameter(f"chunk must be at least 1, not {chunk}")
     mine = islice(_chunks(tasks, chunk), shard.number - 1, None, shard.of)
     if executor is None:
         for part in mine:
@@ -144,7 +144,7 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
 
 
 def chunk_of(tasks: int) -> int:
-    """How many of so many tasks are a chunk: it depends on nothing else, so that no result does."""
+    """Size of the chunks for a number of tasks; it depends on nothing else, so that no result does."""
     return min(max(tasks // PARTS, 1), CHUNK)
 
 

@@ -19,15 +19,15 @@ HIDDEN = ".isoembed-"  # before the names of files that are being written
 class Store:
     """Results in files ``<folder>/results/<label>.<key>.npz``.
 
-    Several processes may use one folder at a time.  Where there are several results of one task, of another
-    version or other options, that which was asked for last counts; unless tasks are given, one with an answer
-    counts before all without, as times of files are lost in copies.
+    Several processes may use one folder at a time.  If a task has several results, of other versions or
+    options, the one requested last is used.  Without `labels`, results with an answer take precedence,
+    because copying loses file times.
 
     Attributes
     ----------
     folder : Path
     labels : frozenset of str, optional
-        The tasks whose results it has when it is gone through; by default all.
+        The tasks whose results an iteration includes; by default all.
     """
 
     folder: Path
@@ -40,7 +40,7 @@ class Store:
         Raises
         ------
         FileError
-            It cannot be made.
+            The folder cannot be made.
         """
         try:
             (folder / RESULTS).mkdir(parents=True, exist_ok=True)
@@ -49,7 +49,7 @@ class Store:
         return cls(folder)
 
     def of(self, labels: Iterable[str]) -> Store:
-        """The same store, with the results of these tasks alone when it is gone through."""
+        """Store of the same folder, restricted to the results of these tasks in iterations."""
         return Store(self.folder, frozenset(labels))
 
     def path(self, label: str, key: str) -> Path:

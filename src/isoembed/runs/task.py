@@ -17,12 +17,12 @@ class Task(Protocol):
 
     @property
     def label(self) -> str:
-        """Its name, which no other task of the run has, and which can be that of a file."""
+        """Name of the task: unique in the run and valid as a file name."""
         ...
 
     @property
     def facts(self) -> Mapping[str, Any]:
-        """What the report of a result without an answer says of it besides status and message."""
+        """Entries of the report of a result without an answer, besides status and message."""
         ...
 
     def digest(self) -> str:
@@ -36,7 +36,7 @@ class Task(Protocol):
         ...
 
     def compute(self, before: Result | None) -> Result:
-        """Do it.
+        """Compute the result.
 
         Parameters
         ----------

@@ -8,7 +8,7 @@ Second derivatives are those of polynomials fitted to the neighbors in `charts`.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, vstack
+from scipy.sparse import coo_array, csr_array, diags_array, vstack
 
 from isoembed.arrays import Floats, Indices
 from isoembed.metric.curvature import face_areas
@@ -17,7 +17,10 @@ from isoembed.sheets.charts import Charts
 
 CUBIC = 11  # neighbors with which cubics are fitted, where they are all around
 STABILIZER = 0.1  # share of the residuals of the fits in the form: it controls what second derivatives miss
-NEAR = 0.5  # weights of the fits are 1 / (0.5 + r^2), r in distances of the nearest neighbor
+# Times that share at a boundary, where K is not given and k1^2 + k2^2 could fall below 2 |K|.  Residuals of
+# smooth surfaces are of third order in the mesh size, and so is the error of the energy.
+AT_BOUNDARY = 200.0
+NEAR = 0.3  # weights of the fits are 1 / (0.3 + r^2), r in distances of the near neighbors
 
 
 class BendingEnergy:
@@ -66,11 +69,12 @@ class BendingEnergy:
         self._second = _assembled([(at, near, second) for at, near, second, _ in parts], n)
         D = self._second
         S = _assembled([(at, near, missed) for at, near, _, missed in parts], n)
-        self.rows = csr_array(vstack([D, S], format="csr"))
+        self.stabilizer = csr_array(S.T @ S)
         fits = [(at, second) for at, _, second, _ in parts] + [(at, missed) for at, _, _, missed in parts]
         self.row_centers = np.concatenate([np.repeat(at, block.shape[1]) for at, block in fits])
-        self.stabilizer = csr_array(S.T @ S)
-        self.form = csr_array(D.T @ D + self.stabilizer)
+        stiff = np.where(t.boundary_vertices, np.sqrt(AT_BOUNDARY), 1.0)[self.row_centers[D.shape[0] :]]
+        self.rows = csr_array(vstack([D, diags_array(stiff) @ S], format="csr"))
+        self.form = csr_array(self.rows.T @ self.rows)
 
     def square_integral(self, vertices: Floats) -> float:
         """``int |II|^2 dA``: of k1^2 + k2^2."""
@@ -102,7 +106,8 @@ def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats
 
     Times the square roots of the weights with which their squares are summed.
     """
-    h = np.sqrt((positions**2).sum(axis=2)).min(axis=1)
+    # A mean of distances, in which near ones prevail: the least one is no smooth function of the lengths.
+    h = ((positions**2).sum(axis=2) ** -2).mean(axis=1) ** -0.25
     u, v = np.moveaxis(positions / h[:, None, None], 2, 0)
     weights = 1 / (NEAR + u * u + v * v)
     linear, monomials = [u, v], [u * u / 2, u * v, v * v / 2]
@@ -117,8 +122,7 @@ def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats
     size = np.sqrt(areas) / h**2 / 2
     second = G[:, :3] * (size[:, None] * [1.0, np.sqrt(2.0), 1.0])[:, :, None]
     missed = missed @ (np.eye(positions.shape[1]) - M @ G)
-    relative = weights / weights.max(axis=1, keepdims=True)
-    return second, missed * (relative * (size * np.sqrt(STABILIZER))[:, None])[:, :, None]
+    return second, missed * (weights * (size * np.sqrt(STABILIZER))[:, None])[:, :, None]
 
 
 def _missed(monomials: Floats, weights: Floats) -> Floats:

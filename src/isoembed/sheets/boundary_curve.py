@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from isoembed.aim.vertex_reflections import reflections
+from isoembed.aim.vertex_reflections import reflections, shallow
 from isoembed.arrays import Floats, Mask
 from isoembed.linalg import factor_general
 from isoembed.mesh.triangulation import Triangulation
@@ -26,9 +26,11 @@ from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface import measures
 from isoembed.surface.rigidity import HeldVertices
+from isoembed.surface.smoothness import fine_roughness
 
 STIFFNESSES = tuple(10.0 ** (-k / 2) for k in range(2, 13))  # epsilon over the area, one after the other
 BUMPED = 1e-4  # the first for a start with a bump, which thicker sheets would flatten
+THIN = 1e-5  # the first where these flatten it, too
 BUMP = 0.3  # height of a bump over the radius of the curve
 STABILIZERS = 10, 100  # times the stabilizer, beside the bending
 SMOOTHEST = tuple(10.0**-k for k in range(5, 12))  # epsilon over the area, without bending
@@ -63,7 +65,7 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     if sizes[2] > FLAT * sizes[0]:
         yield vertices, STIFFNESSES[0]
     else:  # of a flat curve all is flat, and would stay so
-        height = _height(lengths, vertices, np.outer(bump, axes[2]))
+        height = height_with_area(lengths, vertices, np.outer(bump, axes[2]))
         yield vertices + height * np.outer(bump, axes[2]), BUMPED
     height = BUMP * float(np.linalg.norm(curve, axis=1).max())
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
@@ -72,7 +74,7 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
             yield vertices + np.outer(side / np.abs(shape).max() * shape, axes[2]), BUMPED
 
 
-def _height(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:
+def height_with_area(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:
     """Height of a bump with which a surface has the area of the metric, or a little more."""
     faces, goal = lengths.triangulation.faces, float(face_areas(lengths.metric).sum())
     height = lengths.metric.mean_length
@@ -121,6 +123,8 @@ def through_curve(
             yield sheets[-1], *first
         for each in bumped:
             yield sheets[0], *each
+        for x, _ in bumped:
+            yield sheets[0], x, THIN
 
     def released(x: Floats) -> Floats:
         for stiffness in SMOOTHEST:
@@ -141,15 +145,20 @@ def through_curve(
         least: dict[ElasticSheet, float] = {}
         best, fewest = boundary, np.inf
         for sheet, x, first in tries():
+            passed = [x]
             for stiffness in STIFFNESSES:
                 if stiffness <= first:
                     x = sheet.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
+                    passed.append(x)
             value = sheet.value(x, STIFFNESSES[-1] * energy.area)
             if not value < LESS * least.get(sheet, np.inf):  # as before, or worse
                 continue
             least[sheet], x = value, released(x)
             if squares(x) < fewest:
                 best, fewest = x, squares(x)
+                for y in passed:
+                    missed = np.abs(lengths.residuals(y)[inner]).max()
+                    recorder.show(residual=float(missed) / unit, vertices=y)
             if is_realized(x):
                 break
         x = best
@@ -158,20 +167,22 @@ def through_curve(
     for _ in range(ROUNDS):
         if is_realized(x):
             break
-        moves = reflections(t, x)
-        for v in _most_missed(lengths, x, inner):
+        moves, best = reflections(t, x), x
+        for v in _doubtful(lengths, x, moves):
             y = x.copy()
             y[v] += moves[v]
             y = settled(y)
-            if squares(y) < BETTER * squares(x):
-                x = y
+            if squares(y) < squares(best):
+                best = y
+            if is_realized(y):
                 break
-        else:
+        if not squares(best) < BETTER * squares(x):
             break
-    return _smoother(t, x, energy.stabilizer) if is_realized(x) else x
+        x = best
+    return _smoother(t, x) if is_realized(x) else x
 
 
-def _smoother(t: Triangulation, x: Floats, form: csr_array) -> Floats:
+def _smoother(t: Triangulation, x: Floats) -> Floats:
     """The surface with each vertex inside that has three neighbors on the smoother side of them.
 
     On both sides it has the lengths.
@@ -180,15 +191,17 @@ def _smoother(t: Triangulation, x: Floats, form: csr_array) -> Floats:
     for v in np.flatnonzero(~t.boundary_vertices & (t.degrees == 3)):
         y = x.copy()
         y[v] += moves[v]
-        if np.sum(y * (form @ y)) < np.sum(x * (form @ x)):
+        if fine_roughness(t, y) < fine_roughness(t, x):
             x = y
     return x
 
 
-def _most_missed(lengths: LengthConstraints, x: Floats, inner: Mask) -> list[int]:
-    """Vertices inside about which the lengths are missed most, the most first."""
+def _doubtful(lengths: LengthConstraints, x: Floats, moves: Floats) -> list[int]:
+    """Vertices inside that may be on the wrong side: shallow ones, and where the lengths are missed most."""
     t = lengths.triangulation
-    missed = np.abs(t.incidence) @ np.where(inner, lengths.residuals(x) ** 2, 0.0)
-    missed = np.where(t.boundary_vertices, -1.0, missed + t.adjacency @ missed)
-    count = min(REFLECTED, int((missed >= 0).sum()))
-    return np.argsort(-missed)[:count].tolist()
+    r = np.where(t.boundary_edges, 0.0, lengths.residuals(x))
+    missed = np.abs(t.incidence) @ r**2
+    missed += t.adjacency @ missed
+    orders = shallow(t, x, lengths.lengths, r, moves), np.argsort(-missed)
+    inside = [order[~t.boundary_vertices[order]][:REFLECTED] for order in orders]
+    return list(dict.fromkeys(np.concatenate(inside).tolist()))

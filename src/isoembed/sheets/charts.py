@@ -1,4 +1,4 @@
-"""Flat charts of the vertex neighborhoods of a polyhedral metric, two rings of triangles each."""
+"""Flat charts of vertex neighborhoods of a polyhedral metric: two rings of triangles, three at a boundary."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 
@@ -18,7 +18,8 @@ class Charts:
     """Coordinates in the plane of the neighbors of each vertex, which is at the origin.
 
     The triangles at a vertex are flattened: inside the surface, angles are scaled so that they add up to a
-    full turn.  Each triangle beyond one of them is unfolded.  Rows are sorted by center.
+    full turn.  Each triangle beyond one of them is unfolded, and at a boundary, where neighbors are on one
+    side only, each triangle beyond those.  Rows are sorted by center.
 
     Attributes
     ----------
@@ -49,7 +50,14 @@ class Charts:
             np.concatenate([corners[after], corners[before[last]]]),
             np.concatenate([near, far[last]]),
         )
-        beyond = _unfolded(corners, across, after, before, side, near, far)
+        links = _Links(corners, across, after, before, side)
+        second, sides = links.unfolded(_Sides(corners, across[after], near, far))
+        third, _ = links.unfolded(sides.of(t.boundary_vertices[sides.centers]))
+        beyond = (
+            np.concatenate([second[0], third[0]]),
+            np.concatenate([second[1], third[1]]),
+            np.concatenate([second[2], third[2]]),
+        )
         return cls._sorted(t.n_vertices, ring, beyond)
 
     @classmethod
@@ -104,24 +112,48 @@ def _polar(r: Floats, angle: Floats) -> Floats:
     return r[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _unfolded(
-    corners: Indices,
-    across: Indices,
-    after: Indices,
-    before: Indices,
-    side: Floats,
-    near: Floats,
-    far: Floats,
-) -> tuple[Indices, Indices, Floats]:
-    """The corner beyond the side across from each corner: center, neighbor and position."""
-    h = np.flatnonzero(across[after] >= 0)
-    g = across[after[h]]  # from the third corner of the face to the second
-    p, q = near[h], far[h]
-    base = q - p
-    length = np.linalg.norm(base, axis=1)
-    to_p, to_q = side[after[g]], side[before[g]]
-    along = (to_p**2 - to_q**2 + length**2) / (2 * length)
-    height = np.sqrt(np.maximum(to_p**2 - along**2, 0.0))
-    u = base / length[:, None]
-    outward = np.stack([u[:, 1], -u[:, 0]], axis=1)
-    return corners[h], corners[before[g]], p + along[:, None] * u + height[:, None] * outward
+@dataclass(frozen=True, eq=False)
+class _Sides:
+    """Sides of triangles in charts, (n,): the half-edges across, -1 if there is none, and the ends.
+
+    The triangle lies to the left of the line from `begins` to `ends`, (n, 2).
+    """
+
+    centers: Indices
+    across: Indices
+    begins: Floats
+    ends: Floats
+
+    def of(self, chosen: Mask) -> _Sides:
+        return _Sides(self.centers[chosen], self.across[chosen], self.begins[chosen], self.ends[chosen])
+
+
+@dataclass(frozen=True, eq=False)
+class _Links:
+    """Half-edges, (3F,): their beginnings, the one across, those after and before, and their lengths."""
+
+    corners: Indices
+    across: Indices
+    after: Indices
+    before: Indices
+    lengths: Floats
+
+    def unfolded(self, sides: _Sides) -> tuple[tuple[Indices, Indices, Floats], _Sides]:
+        """The corner beyond each side, as center, neighbor and position, and the sides beside it."""
+        sides = sides.of(sides.across >= 0)
+        g, p, q = sides.across, sides.begins, sides.ends
+        base = q - p
+        length = np.linalg.norm(base, axis=1)
+        to_p, to_q = self.lengths[self.after[g]], self.lengths[self.before[g]]
+        along = (to_p**2 - to_q**2 + length**2) / (2 * length)
+        height = np.sqrt(np.maximum(to_p**2 - along**2, 0.0))
+        u = base / length[:, None]
+        outward = np.stack([u[:, 1], -u[:, 0]], axis=1)
+        r = p + along[:, None] * u + height[:, None] * outward
+        beside = _Sides(
+            np.tile(sides.centers, 2),
+            np.concatenate([self.across[self.after[g]], self.across[self.before[g]]]),
+            np.concatenate([p, r]),
+            np.concatenate([r, q]),
+        )
+        return (sides.centers, self.corners[self.before[g]], r), beside

@@ -25,6 +25,9 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows
 
 STIFFNESSES = tuple(10.0**-k for k in range(4, 10))  # epsilon over the area, one after the other
+TRIED = 20  # Newton steps at most for each of several starts
+KEPT = 2  # of these, when the sheets are thick
+DISTINCT = 1.0005, 1.05  # times the least energy, from and to which the second is another surface to be found
 THINNER = tuple(10.0**-k for k in range(10, 13))  # the same, where forces were not balanced
 DESCENT = 40  # Newton steps at most for each
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
@@ -66,10 +69,46 @@ def thinned(
     x = start
     held = HeldTriangle.of(x, lengths.triangulation.faces[0])
     sheet = ElasticSheet(lengths, energy.form, held, recorder)
+    recorder.show(vertices=x)
     for stiffness in stiffnesses:
         epsilon = stiffness * energy.area
         x = sheet.relaxed(x, epsilon, DESCENT, SETTLED)
+        recorder.show(vertices=x)
     return LeastBending(x, lengths.residuals(x) / epsilon, np.inf)
+
+
+def most_promising(
+    energy: BendingEnergy,
+    lengths: LengthConstraints,
+    starts: Sequence[Floats],
+    stiffnesses: Sequence[float],
+    recorder: StageRecorder,
+) -> list[Floats]:
+    """The one or two starts from which thick elastic sheets bend least, the best first.
+
+    Parameters
+    ----------
+    energy : BendingEnergy
+    lengths : LengthConstraints
+    starts : sequence of ndarray, shape (V, 3)
+        At least two.
+    stiffnesses : sequence of float
+        Epsilon over the area; the first two are tried.
+    recorder : StageRecorder
+    """
+    kept = [(start, start) for start in starts]
+    for stiffness in stiffnesses[:2]:
+        epsilon = stiffness * energy.area
+        tried = []
+        for start, x in kept:
+            held = HeldTriangle.of(x, lengths.triangulation.faces[0])
+            sheet = ElasticSheet(lengths, energy.form, held, recorder)
+            x = sheet.relaxed(x, epsilon, TRIED, SETTLED)
+            tried.append((sheet.value(x, epsilon), start, x))
+        tried.sort(key=lambda each: each[0])
+        kept = [(start, x) for _, start, x in tried[:KEPT]]
+    (least, best, _), (value, second, _) = tried[:2]
+    return [best, second] if DISTINCT[0] < value / least < DISTINCT[1] else [best]
 
 
 def balanced(
@@ -109,7 +148,7 @@ def balanced(
             break  # at rounding, or no minimum near
         x, y = x + part * d, y + part * dy
         imbalance, residual = float(np.abs(g).max()) / size, float(np.abs(r).max()) / unit
-        recorder.show(residual=residual)
+        recorder.show(residual=residual, vertices=x)
         if imbalance < ROUNDING and residual < EXACT:
             break
     return LeastBending(x, y, imbalance)

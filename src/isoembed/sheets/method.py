@@ -18,31 +18,40 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.method import Method
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
-from isoembed.progress.stages import Log
+from isoembed.progress.stages import Log, StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.boundary_curve import through_curve
+from isoembed.sheets.buckling import buckled
 from isoembed.sheets.convex_cap import check_cap, doubled, upright, with_heights
 from isoembed.sheets.hole_filling import filled
-from isoembed.sheets.least_bending import THINNER, LeastBending, balanced, thinned
+from isoembed.sheets.least_bending import (
+    STIFFNESSES,
+    THINNER,
+    LeastBending,
+    balanced,
+    most_promising,
+    thinned,
+)
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.measured_cap import measured_cap
 from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
+from isoembed.sheets.placement import standard_sheet, turned_about_vertical
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
+from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.measures import face_areas
 
 CONDITIONS = "free", "plane"
 HEIGHTS = 5  # steps in which the boundary is raised
 EXACT = 1e-12  # residual of least bending, in mean edge lengths, that is left as it is
 FLAT = 1e-15  # area of a triangle over the square of the size of a start, which is none
+SAME = 1e-6  # of the energy: surfaces that differ by less are one, or mirror images
+STALLED = 1.01  # times the energy of a surface out of balance, against one in balance
 NOISE = 0.05  # mean edge lengths by which a measured boundary may miss the lengths
 CAP = Evidence(
     "proved",
     "convex cap theorem: the deficits and the exterior angles of the boundary are not negative, and a convex "
     "cap is determined by its metric",
-)
-BENDING = Evidence(
-    "searched", "the bending energy was decreased from one start only: other surfaces may bend less"
 )
 
 
@@ -191,6 +200,8 @@ def _raised(
         x = with_heights(metric, x, 0 * heights, recorder)
         for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if heights.any() else ():
             x = with_heights(metric, x, part * heights, recorder)
+            recorder.show(vertices=x)
+    x = turned_about_vertical(x, loop)
     return _embedding(metric, x, tolerance, log, condition, heights=frozen(heights))
 
 
@@ -229,41 +240,85 @@ def _through(
 def _least_bending(
     metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: Log
 ) -> SheetEmbedding:
-    """A surface of least bending."""
+    """A surface of least bending; beside it one from another start that bends more, if such was found."""
     energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
-    near = None
+    t, near, stiffnesses = metric.triangulation, None, STIFFNESSES
+    starts: list[Floats] = []
+    is_flexible = t.n_edges <= 3 * t.n_vertices - 6
+    is_placed = start is not None
     if start is None:
         start, near = _start(metric, tolerance, log)
-    t = metric.triangulation
-    is_flexible = t.n_edges <= 3 * t.n_vertices - 6
+        if near is None and is_flexible:
+            with log.stage("buckling") as recorder:
+                starts, stiffnesses = buckled(energy, lengths, recorder)
     if near is None and not is_flexible:  # a start that is near leads to the lengths without bending
         with log.stage("Newton on lengths") as recorder:
             x = nearest_with_lengths(lengths, start, recorder)
         if _residual(lengths, x) <= EXACT:
             near = LeastBending(x, np.zeros(t.n_edges), np.inf)
+    sheets = [near] if near is not None else []
     if near is None:
         with log.stage("elastic sheets") as recorder:
-            near = thinned(energy, lengths, start, recorder)
-    found = near
+            best = [start]
+            if starts:
+                best = most_promising(energy, lengths, [start, *starts], stiffnesses, recorder)
+            sheets = [thinned(energy, lengths, x, recorder, stiffnesses) for x in best]
     if is_flexible:
         with log.stage("least bending") as recorder:
-            found = balanced(energy, lengths, near, recorder)
-            for stiffness in THINNER:
-                if found.imbalance < BALANCED:
-                    break
-                near = thinned(energy, lengths, near.vertices, recorder, (stiffness,))
-                found = min(found, balanced(energy, lengths, near, recorder), key=lambda s: s.imbalance)
-    if _residual(lengths, found.vertices) > EXACT:
-        with log.stage("Newton on lengths") as recorder:
-            found = replace(found, vertices=nearest_with_lengths(lengths, found.vertices, recorder))
-    known: dict[str, Any] = {}
-    if is_flexible:
-        known = {
-            "tensions": frozen(found.multipliers),
-            "imbalance": found.imbalance,
-            "uniqueness": BENDING,
-        }
-    return _embedding(metric, found.vertices, tolerance, log, "free", **known)
+            sheets = _balanced(energy, lengths, sheets, recorder)
+    surfaces = []
+    for found in sheets:
+        if _residual(lengths, found.vertices) > EXACT:
+            with log.stage("Newton on lengths") as recorder:
+                found = replace(found, vertices=nearest_with_lengths(lengths, found.vertices, recorder))
+        known: dict[str, Any] = {}
+        if is_flexible:
+            known = {
+                "tensions": frozen(found.multipliers),
+                "imbalance": found.imbalance,
+                "uniqueness": _searched(1 + len(starts)),
+            }
+        x = aligned(found.vertices, start) if is_placed else standard_sheet(t, found.vertices)
+        surfaces.append(_embedding(metric, x, tolerance, log, "free", **known))
+    surfaces.sort(key=_rank)
+    return _beside(surfaces[0], surfaces[1:])._with_stages(log.stages)
+
+
+def _searched(count: int) -> Evidence:
+    """Evidence that a surface bends least, from some starts."""
+    starts = "one start" if count == 1 else f"{count} starts"
+    return Evidence("searched", f"found from {starts}: other surfaces may bend less")
+
+
+def _beside(best: SheetEmbedding, rest: list[SheetEmbedding]) -> SheetEmbedding:
+    """The best of the surfaces with those beside it that are others, turned to where they are nearest."""
+    energy = best.second_form_energy
+    others = [
+        replace(other, vertices=aligned_image(other.vertices, best.vertices))
+        for other in rest
+        if other.converged and abs(other.second_form_energy - energy) > SAME * energy
+    ]
+    return best._with_others(others, best.uniqueness)
+
+
+def _balanced(
+    energy: BendingEnergy, lengths: LengthConstraints, sheets: list[LeastBending], recorder: StageRecorder
+) -> list[LeastBending]:
+    """Surfaces of least bending near elastic sheets; the best sheet is made thinner where that helps."""
+    pairs = [(balanced(energy, lengths, sheet, recorder), sheet) for sheet in sheets]
+    (best, sheet), *rest = sorted(pairs, key=lambda pair: energy.value(pair[0].vertices))
+    for stiffness in THINNER:
+        if best.imbalance < BALANCED:
+            break
+        sheet = thinned(energy, lengths, sheet.vertices, recorder, (stiffness,))
+        best = min(best, balanced(energy, lengths, sheet, recorder), key=lambda s: s.imbalance)
+    return [best, *(found for found, _ in rest)]
+
+
+def _rank(found: SheetEmbedding) -> tuple[bool, float]:
+    """The order of surfaces: those with the lengths first, then by bending."""
+    stalled = found.imbalance is not None and found.imbalance > BALANCED
+    return not found.converged, (STALLED if stalled else 1.0) * found.second_form_energy
 
 
 def _residual(lengths: LengthConstraints, x: Floats) -> float:

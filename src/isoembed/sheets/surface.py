@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from isoembed.aim.vertex_reflections import reflections
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 BALANCED = 1e-6  # imbalance of a minimum
 FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; of one as curved as it is wide it is about 1
+ROUGH = 0.08  # share of the edges: of smooth sheets with K < 0, up to .05 were, of crumpled ones .1 to .25
 TOO_LITTLE = 0.95  # share of the least energy of smooth surfaces below which that of a mesh is an error
 
 
@@ -79,9 +81,8 @@ class SheetSurface(Surface):
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    Deviations and comparisons are about closed surfaces of genus 0 and raise `InvalidMetric`; so does the
-    volume of a surface with boundary.  That has no outside: it is not mirrored, and the sign of its mean
-    curvature depends on the side from which the triangles are counterclockwise.
+    The volume of a surface with boundary raises `InvalidMetric`.  That has no outside: it is not turned over,
+    and the sign of its mean curvature depends on the side from which triangles are counterclockwise.
 
     Parameters
     ----------
@@ -120,7 +121,21 @@ class SheetEmbedding(Embedding):
         return (
             f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
             f"the largest residual is {self.residual:.1e} of the mean edge length, at edge {e} "
-            f"{self.metric.edges[e].tolist()}{self._trust()}"
+            f"{self.metric.edges[e].tolist()}{self._trust()}{self._sides()}"
+        )
+
+    def _sides(self) -> str:
+        """Clause on vertices inside a given curve whose mirror images have the lengths, too."""
+        t = self.triangulation
+        chosen = np.flatnonzero(~t.boundary_vertices & (t.degrees == 3))
+        if self.condition != "curve" or not self.converged or not len(chosen):
+            return ""
+        x, unit = self.vertices / self.metric.unit, self.metric.normalized.mean_length
+        apart = np.linalg.norm(reflections(t, x)[chosen], axis=1) / unit
+        least = int(np.argmin(apart))
+        return (
+            f"; vertex {chosen[least]}, which has three neighbors, has the lengths on the other side of "
+            f"these, too, {apart[least]:.1g} mean edge lengths away: the smoother side was taken"
         )
 
     def _trust(self) -> str:
@@ -139,7 +154,21 @@ class SheetEmbedding(Embedding):
                 f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA = "
                 f"{self.least_second_form_energy:.3g}"
             )
-        said.append("found from one start: other surfaces may bend less")
+        inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
+        if rough.sum() > ROUGH * inside.sum():
+            said.append(
+                f"{rough.sum()} of {inside.sum()} edges inside are rough: the sheet is creased, and its "
+                "energy depends on the mesh; compare it with that of a finer one"
+            )
+        if self.uniqueness is not None:
+            said.append(self.uniqueness.basis)
+        for other in self.others:
+            assert isinstance(other, SheetEmbedding)
+            more = other.second_form_energy / self.second_form_energy
+            said.append(
+                f"another surface, {self.distance(other):.1g} mean edge lengths from this one, has "
+                f"{more:.4g} times its int k1^2 + k2^2 dA"
+            )
         return "".join(f"; {each}" for each in said)
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:

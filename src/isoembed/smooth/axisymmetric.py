@@ -74,13 +74,13 @@ class AxisymmetricEmbedding:
     def of(
         cls, metric: TwoMetric, tolerance: float = 1e-8, *, space: Space = EUCLIDEAN
     ) -> AxisymmetricEmbedding:
-        """From a metric on the sphere.
+        """Embedding of an axisymmetric metric on the sphere.
 
         Parameters
         ----------
         metric : TwoMetric
         tolerance : float
-            How far components may vary along a circle of latitude, over the largest.
+            Largest variation of components along a circle of latitude, over the largest component.
         space : Space
 
         Raises
@@ -138,7 +138,7 @@ class AxisymmetricEmbedding:
         *,
         space: Space = EUCLIDEAN,
     ) -> AxisymmetricEmbedding:
-        """From the components, in units of length^2, as functions of theta between 0 and pi.
+        """Embedding from the components, in units of length^2, as functions of theta between 0 and pi.
 
         Raises
         ------

@@ -65,7 +65,7 @@ class DoubleFourier:
 
     @cached_property
     def condition(self) -> float:
-        """That of the series at the nodes in theta: sqrt(2) if these are cell-centered, more for others."""
+        """Condition number of the series at the nodes in theta: sqrt(2) if cell-centered, more for others."""
         return float(max(np.linalg.cond(series) for series in self._series(self.theta)))
 
     def _series(self, theta: Floats) -> tuple[Floats, Floats]:
@@ -124,7 +124,7 @@ class DoubleFourier:
 
 
 def inner_nodes(theta: ArrayLike) -> Mask:
-    """Which of the angles theta (n,) of a grid are not poles.
+    """Mask of the angles theta (n,) of a grid that are not poles.
 
     Raises
     ------
@@ -237,7 +237,7 @@ def one_dimensional(angles: ArrayLike, name: str) -> Floats:
     Raises
     ------
     InvalidMetric
-        They are no finite numbers in a row; the message names the first that is not finite.
+        They are not finite numbers in a row; the message names the first that is not finite.
     """
     array = np.asarray(angles)
     if array.ndim != 1 or array.size == 0 or array.dtype.kind not in "iuf":

@@ -74,7 +74,7 @@ class SmoothEmbedding:
         yield "hindrance", self.hindrance
 
     def triangulated(self, vertices: int) -> SphereMesh:
-        """A mesh of the metric with so many vertices: the one that the embedding began with, or a new one.
+        """A mesh of the metric with this number of vertices: the one of the start, or a new one.
 
         Raises
         ------
@@ -87,7 +87,7 @@ class SmoothEmbedding:
 
     @property
     def in_own_directions(self) -> SmoothEmbedding:
-        """The same surface and metric as functions of the directions of the harmonics."""
+        """Surface and metric as functions of the directions of the harmonics."""
         if self.coordinates is None:
             return self
         return replace(self, metric=self._metric, coordinates=None, mesh=None)
@@ -239,7 +239,7 @@ class SmoothEmbedding:
 
     @cached_property
     def _metric(self) -> TwoMetric:
-        """As a function of the directions of the harmonics, as all that follows is."""
+        """Metric as a function of the directions of the harmonics, as all that follows is."""
         return metric_in(self.metric, self.coordinates)
 
     def _own(self, u: Floats) -> Floats:

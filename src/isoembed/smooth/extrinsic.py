@@ -37,7 +37,7 @@ class Surface:
 
     @classmethod
     def of(cls, space: Space, points: Floats, vectors: Floats) -> Surface:
-        """From the points (n, 3) and the derivatives (n, 2, 3)."""
+        """Surface from the points (n, 3) and the derivatives (n, 2, 3)."""
         across = np.cross(vectors[:, 0], vectors[:, 1])
         if space.is_euclidean:
             stretch = np.linalg.norm(across, axis=1)

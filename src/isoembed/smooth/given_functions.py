@@ -13,7 +13,7 @@ from isoembed.errors import InvalidParameter
 
 
 def called(what: str, function: Callable[..., Any], *arguments: NDArray[Any]) -> Any:
-    """What the function returns.
+    """Call a function and return its value.
 
     Raises `InvalidParameter`: it raises a TypeError, as functions of single numbers do.
     """
@@ -26,7 +26,7 @@ def called(what: str, function: Callable[..., Any], *arguments: NDArray[Any]) ->
 
 
 def array_of(what: str, given: ArrayLike, *, real: bool = True) -> NDArray[Any]:
-    """What a user or a function gave, as an array of numbers; `InvalidParameter` where it is none."""
+    """Convert what a user or a function gave to an array of numbers, or raise `InvalidParameter`."""
     try:
         array = np.asarray(given)
     except ValueError:

@@ -98,7 +98,7 @@ class GridMetric:
         Raises
         ------
         InvalidMetric
-            The grid is too coarse for it, or it is no smooth tensor.
+            The grid is too coarse for it, or it is not a smooth tensor.
         """
         grid = cls._sampled(metric, n, m)
         grid.at_poles()
@@ -159,12 +159,12 @@ class GridMetric:
         )
 
     def at_poles(self) -> PoleSight:
-        """How the metric looks at the poles.
+        """Behavior of the metric at the poles.
 
         Raises
         ------
         InvalidMetric
-            It is no smooth tensor there; the message says what was seen, and the mistake that explains it.
+            It is not a smooth tensor there; the message says what was seen, and the mistake that explains it.
         """
         return check_series(self._field.theta, self._field.phi, self._field.values)
 

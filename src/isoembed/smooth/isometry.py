@@ -54,7 +54,7 @@ class MetricSamples:
 
     @classmethod
     def of(cls, metric: TwoMetric, n: int, angles: int) -> MetricSamples:
-        """Sample at `n` heights and so many angles about the axis."""
+        """Sample at `n` heights, and at `angles` angles about the axis."""
         u, weights = gauss_rule(n, angles)
         q = metric.tensor(u)
         return cls(u, weights * area_density(q), orthonormal_frame(u, q))

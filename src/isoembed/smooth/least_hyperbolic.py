@@ -53,7 +53,7 @@ class LeastHyperbolic:
 
     @property
     def curvature_error(self) -> float:
-        """By how much the curvature of the space may be off; of Euclidean space, how negative it may be."""
+        """Error of the curvature of the space; for Euclidean space, how negative the curvature may be."""
         if not self.space.is_euclidean:
             return self.error
         return max(0.0, self.error - self._bound)

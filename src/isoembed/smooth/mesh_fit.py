@@ -57,7 +57,7 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
     Raises
     ------
     InvalidMetric
-        The faces are no triangulated sphere, or a triangle is degenerate.
+        The faces are not a triangulated sphere, or a triangle is degenerate.
 
     Notes
     -----
@@ -137,7 +137,7 @@ def _relaxed(fit: VertexFit, faces: Indices) -> VertexFit:
 
 
 def _missed_elsewhere(fit: VertexFit, faces: Indices) -> float:
-    """How far vertices are missed by a fit to the others, over how far they are missed by this one."""
+    """Misfit of vertices to a fit to the others, over their misfit to this one."""
     used = np.ones(len(fit.x))
     used[np.random.default_rng(0).random(len(fit.x)) < 0.1] = 0.0  # a tenth of the vertices is held out
     without = replace(fit, used=used)

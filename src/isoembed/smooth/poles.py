@@ -73,7 +73,7 @@ class PoleSight:
 
 
 def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
-    """How the poles look in Fourier series of h alternatives for components Q (n, m, h, 3) at nodes."""
+    """Behavior at the poles, from Fourier series of h alternatives for components Q (n, m, h, 3) at nodes."""
     n, m, h, _ = Q.shape
     a = DoubleFourier(theta, phi, Q.reshape(n, m, 3 * h)).coefficients
     sizes, orders = np.abs(a), a.shape[1]
@@ -104,7 +104,7 @@ def _seen(taylor: Modes, doubts: Floats, least: float) -> PoleSight:
 
 
 def ring_sights(Q: Floats) -> list[PoleSight]:
-    """How the poles look from rings with h alternatives for components Q (2, s, r, m, h, 3) on them.
+    """Behavior at the poles, from rings with h alternatives for components Q (2, s, r, m, h, 3) on them.
 
     There are the r rings of `RINGS` times each of the s `SCALES`, or the first of them.  A
     conflict is the least of all scales: sharp tips are smooth where they are looked at closely.

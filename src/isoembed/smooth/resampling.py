@@ -70,7 +70,7 @@ def _averages(series: DoubleFourier, derived: Derived, n: int) -> Floats:
 
 
 def _coarser(series: DoubleFourier, less: int) -> DoubleFourier:
-    """The series sampled on so many rows of nodes less, and fewer angles phi in proportion."""
+    """Series sampled on a smaller number of rows of nodes, and on fewer angles phi in proportion."""
     n, m = len(series.theta), len(series.phi)
     rows = n - less
     if is_legendre(series.theta):

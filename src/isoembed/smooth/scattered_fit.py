@@ -160,7 +160,7 @@ class _LeastSquares:
         return cls(coefficients, chosen, misfit, Q, R, root, residuals, following)
 
     def missed(self, u: Floats, values: Floats) -> Floats:
-        """How far values (n,) in the directions u (n, 3) lie above the fit."""
+        """Heights of values (n,) in the directions u (n, 3) above the fit."""
         return values - self.harmonics.values(u) @ self.coefficients
 
     def deviations(self) -> Floats:
@@ -196,7 +196,7 @@ def _is_noise(rest: Floats, u: Floats, values: Floats) -> bool:
 
 
 def _outliers(fit: _LeastSquares, kept: Mask, u: Floats, values: Floats, weights: Floats) -> Mask:
-    """Which of the values (n,) that were kept are outliers."""
+    """Mask of the values (n,), of those that were kept, that are outliers."""
     out = np.zeros(len(u), dtype=bool)
     out[kept] = np.abs(fit.residuals) > _usual(fit, values)
     rest = kept & ~out
@@ -214,6 +214,6 @@ def _outliers(fit: _LeastSquares, kept: Mask, u: Floats, values: Floats, weights
 
 
 def _usual(fit: _LeastSquares, values: Floats) -> float:
-    """What no value is missed by."""
+    """Residual above which a value is an outlier."""
     deviation = 1.4826 * float(np.median(np.abs(fit.residuals)))  # if they are normal, the standard deviation
     return max(OUTLYING * deviation, ROUNDING * float(np.abs(values).max()))

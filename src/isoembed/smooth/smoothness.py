@@ -39,7 +39,8 @@ def _left_out(Q: Floats, sin: Floats) -> Floats:
 EXCHANGED = "q_tt and q_pp look exchanged"
 DEGREES = "they differ by (180 / pi)^2: angles are in radians, not in degrees"
 LATITUDE = (
-    "q_pp vanishes at the equator instead of the poles: theta counts from the north pole and is no latitude"
+    "q_pp vanishes at the equator instead of the poles: "
+    "theta counts from the north pole, not from the equator"
 )
 # What may have been done to the components, how it is undone, and what is said of it.
 MISTAKES: tuple[tuple[Repair, str], ...] = (
@@ -123,7 +124,7 @@ def check_rings(metric: TwoMetric) -> PoleSight:
     Raises
     ------
     InvalidMetric
-        It is no smooth tensor.
+        It is not a smooth tensor.
     """
     if isinstance(metric, AngleMetric):
         _check_seam(metric, WHOLE)
@@ -136,7 +137,7 @@ def check_disc(metric: TwoMetric, zone: Zone) -> None:
     Raises
     ------
     InvalidMetric
-        It is no smooth tensor.
+        It is not a smooth tensor.
     """
     if isinstance(metric, AngleMetric):
         _check_seam(metric, zone)

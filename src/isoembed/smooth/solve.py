@@ -255,7 +255,7 @@ class _Goal:
 
 
 def _about(coordinates: SphereMap | None) -> str:
-    """What theta is in sentences about the surface of revolution, where it is not from z."""
+    """Clause that defines theta in sentences about the surface of revolution, if it is not from z."""
     if coordinates is None:
         return ""
     axis = coordinates.forward(np.array([[0.0, 0.0, 1.0]]))[0]
@@ -354,7 +354,7 @@ def _is_obstructed(profile: AxisymmetricEmbedding, error: float) -> bool:
 
 
 def _search(best: SmoothEmbedding) -> Evidence:
-    """What was searched for the surface."""
+    """Evidence of the search for the surface."""
     return Evidence(
         "searched",
         f"maps in spherical harmonics up to degree {best.harmonics.degree}, from one start; that none was "

@@ -92,7 +92,7 @@ def _fall(values: Floats, samples: int) -> float:
     """Sum of the coefficients beyond degree 2 n over the last of n.
 
     Where they fall geometrically that goes on.  Else they are taken to fall half as fast as before n; each is
-    the largest of so many samples, and of a narrow and a wide band the one that falls less counts.
+    the largest of these samples, and of a narrow and a wide band the one that falls less counts.
     """
     n = len(values)
     rate = _rate(values)

@@ -143,7 +143,7 @@ class SphereMap:
 
 
 def metric_in(metric: TwoMetric, coordinates: SphereMap | None) -> TwoMetric:
-    """The same metric as a function of the new directions, if there are any; errors are handed on."""
+    """Metric as a function of the new directions, if there are any; its errors are kept."""
     if coordinates is None:
         return metric
     error = getattr(metric, "error", None)

@@ -196,7 +196,7 @@ class SphereTransform:
         return result
 
     def _by_order(self, coefficients: Floats) -> list[Floats]:
-        """For each order the complex coefficients as real numbers, (degrees, 2 c)."""
+        """Complex coefficients of each order as real numbers, (degrees, 2 c)."""
         parts, begin = [], 0
         for m in range(self.harmonics.order + 1):
             count = self.harmonics.degree - m + 1

@@ -66,7 +66,7 @@ def _polished(metric: TwoMetric, u: Floats, axis: Floats) -> Floats:
 
     def changes(axis: Floats) -> Floats:
         axis = axis / np.linalg.norm(axis)
-        # Angles that are no fractions of a turn.
+        # Angles that are not fractions of a turn.
         values = [_invariants(metric, _turned(u, axis, angle)) for angle in (0.0, 1.1, 2.9)]
         return np.diff(values, axis=0).ravel()
 

@@ -58,7 +58,7 @@ class SphereMesh:
         return float(angles.min()), float(angles.max())
 
     def measured(self, metric: TwoMetric) -> PolyhedralMetric:
-        """The same triangles with the lengths of their edges in another metric.
+        """Copy with the lengths of the edges in another metric.
 
         Raises
         ------
@@ -110,7 +110,7 @@ def triangulate_metric(
     InvalidParameter
         Neither or both of `vertices` and `size` are given, there would be fewer than 12 vertices or more than
         ten million, or so few that triangles have no area, `size` is not positive, `grading` is negative, or
-        `zone` is none.
+        `zone` is invalid.
     InvalidMetric
         The metric is not positive definite somewhere; the message names theta, phi and the value.  Or it is
         not smooth at the poles; the message says what is seen there.

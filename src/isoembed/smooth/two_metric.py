@@ -6,7 +6,7 @@ vectors is sqrt(v . q v).  No coordinate is singular anywhere; theta and phi app
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -91,24 +91,39 @@ def components_at(metric: AngleMetric, theta: Floats, phi: Floats) -> Floats:
     InvalidParameter
         The function takes no arrays, or returns no real numbers.
     """
+    return _evaluated(metric.components, ("q_tt", "q_tp", "q_pp"), ("theta", "phi"), theta, phi)
+
+
+def _evaluated(
+    components: Callable[[Floats, Floats], Any],
+    names: tuple[str, str, str],
+    coordinates: tuple[str, str],
+    first: Floats,
+    second: Floats,
+) -> Floats:
+    """Values (3, n) of a function of two coordinates (n,); raises as `components_at`."""
     what = "the function for the metric"
-    given = called(what, metric.components, theta, phi)
+    given = called(what, components, first, second)
     if not isinstance(given, tuple | list | np.ndarray) or len(given) != 3:
         shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
         count = f" of length {len(given)}" if isinstance(given, tuple | list) else shape
         raise InvalidMetric(
-            f"{what} returns a {type(given).__name__}{count}, not the three q_tt, q_tp and q_pp"
+            f"{what} returns a {type(given).__name__}{count}, not the three {', '.join(names[:2])} and "
+            f"{names[2]}"
         )
-    q = np.empty((3, *theta.shape))
-    for name, component, values in zip(("q_tt", "q_tp", "q_pp"), given, q, strict=True):
+    q = np.empty((3, *first.shape))
+    for name, component, values in zip(names, given, q, strict=True):
         array = array_of(what, component)
-        if array.shape not in ((), (1,), theta.shape):
-            raise InvalidMetric(f"{name} has the shape {array.shape} for angles of shape {theta.shape}")
+        if array.shape not in ((), (1,), first.shape):
+            raise InvalidMetric(
+                f"{name} has the shape {array.shape} for {' and '.join(coordinates)} of shape {first.shape}"
+            )
         values[...] = array
         if not np.isfinite(values).all():
             i = int(np.argmin(np.isfinite(values)))
             raise InvalidMetric(
-                f"{name} is {values[i]} at theta = {theta[i]:.6g}, phi = {phi[i]:.6g}: it must be finite"
+                f"{name} is {values[i]} at {coordinates[0]} = {first[i]:.6g}, {coordinates[1]} = "
+                f"{second[i]:.6g}: it must be finite"
             )
     return q
 
@@ -143,8 +158,7 @@ class ChartMetric:
             The function returns what is not finite or not positive; the message names x and y.
         """
         x, y = self.coordinates(u).T
-        given = np.stack(np.broadcast_arrays(*self.components(x, y), x)[:3])
-        xx, xy, yy = given.astype(np.float64)
+        xx, xy, yy = _evaluated(self.components, ("g_xx", "g_xy", "g_yy"), ("x", "y"), x, y)
         good = are_definite(xx, xy, yy)
         if not good.all():
             i = int(np.argmin(good))
@@ -190,7 +204,7 @@ class PulledBack:
 
 
 def check_two_metric(given: object) -> None:
-    """Refuse with an `InvalidMetric` what is no metric, such as a function."""
+    """Refuse with an `InvalidMetric` what is not a metric, such as a function."""
     if not callable(getattr(given, "tensor", None)):
         advice = (
             "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"
@@ -228,7 +242,7 @@ def angle_components(u: Floats, q: Floats) -> Floats:
 
 
 def are_definite(tt: Floats, tp: Floats, pp: Floats) -> Mask:
-    """Which components in an orthogonal frame, of one shape, are finite and those of a positive metric."""
+    """Mask of components in an orthogonal frame, of one shape, that are finite and positive definite."""
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         finite = np.isfinite(tt) & np.isfinite(tp) & np.isfinite(pp)
         return finite & (tt > 0) & (pp > 0) & (np.abs(tp) / np.sqrt(tt) < np.sqrt(pp))

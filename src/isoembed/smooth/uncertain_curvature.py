@@ -18,7 +18,7 @@ from isoembed.smooth.two_metric import TwoMetric
 
 @runtime_checkable
 class DeviatingMetric(TwoMetric, Protocol):
-    """A metric that tells what it may be off by."""
+    """A metric with an error estimate."""
 
     def deviations(self, u: Floats) -> tuple[Floats, ...]:
         """Changes (N, n, 3, 3) of the tensor at u (n, 3), for each independent source of errors.
@@ -167,5 +167,5 @@ def _by_degree(degrees: Indices, squares: Floats) -> Floats:
 
 
 def _pairs(squares: Floats) -> Floats:
-    """Each degree with the one before."""
+    """Pairs of each degree and the one before."""
     return squares + np.concatenate([[0.0], squares[:-1]])

@@ -83,7 +83,7 @@ class VertexFit:
 
     @property
     def weights(self) -> Floats:
-        """Of the vertices (V,)."""
+        """Weights of the vertices (V,)."""
         return self.angles * self.used
 
     @property
@@ -111,13 +111,13 @@ class VertexFit:
         return self.is_determined
 
     def raised(self, degree: int) -> VertexFit:
-        """The same in harmonics of another degree."""
+        """Fit in harmonics of another degree."""
         harmonics = Harmonics(degree, degree)
         coefficients = resized(self.coefficients, self.harmonics, harmonics)
         return replace(self, harmonics=harmonics, coefficients=coefficients)
 
     def moved(self, change: Floats) -> VertexFit:
-        """With coefficients that differ by a change (size, 3)."""
+        """Fit with coefficients that differ by a change (size, 3)."""
         return replace(self, coefficients=self.coefficients + change)
 
     def nearer(self) -> VertexFit:
@@ -125,7 +125,7 @@ class VertexFit:
         return self.moved(self._least_along(self.missed))
 
     def corrected(self, faces: Indices) -> VertexFit:
-        """The same surface with the vertices moved to where it is nearest to them."""
+        """Fit of the same surface with the vertices at their nearest points on it."""
         e, images = self._tangents
         q = images @ images.transpose(0, 2, 1)
         pulled = np.einsum("nai,ni->na", images, self.missed)
@@ -176,7 +176,7 @@ class VertexFit:
         return np.asarray(cho_solve((self._triangle, False), pulled))
 
     def _least_along(self, vectors: Floats) -> Floats:
-        """The same with a low weight of what is along the surface; iterations after a change by R."""
+        """Least squares with a low weight of the parts along the surface, iterated after a change by R."""
         R, n = self._triangle, self.normals
 
         def weighted(v: Floats) -> Floats:

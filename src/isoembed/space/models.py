@@ -24,7 +24,7 @@ NAMES: Mapping[str, Mapping[Model, str]] = {
     "spherical": {"ambient": "sphere", "conformal": "stereographic", "projective": "gnomonic"},
     "euclidean": {"ambient": "cartesian", "conformal": "cartesian", "projective": "cartesian"},
 }
-"""What the models are called in each space."""
+"""Names of the models in each space."""
 
 
 def to_model(space: Space, x: Floats, model: Model) -> Floats:

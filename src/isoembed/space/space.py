@@ -75,7 +75,7 @@ class Space:
         return math.inf if self.is_euclidean else 1 / self.root
 
     def scaled(self, factor: float) -> Space:
-        """The same space in another unit: every length times this factor."""
+        """Space in another unit: every length times this factor."""
         if self.is_euclidean:
             return self
         with np.errstate(all="ignore"):  # a curvature beyond the floats is refused as infinite
@@ -153,7 +153,7 @@ class Space:
         return x + a * (w - k * product / (1 + height))[..., None]
 
     def seen_from(self, a: Floats, x: Floats) -> Floats:
-        """Where points x (..., n) are when points a (..., n) have been moved to the origin.
+        """Positions of points x (..., n) after points a (..., n) have been moved to the origin.
 
         Their directions there are right even where, on the sphere, they have left the half about it.
         """
@@ -221,5 +221,5 @@ def Spherical(k: float = 1.0) -> Space:  # noqa: N802
 
 def _positive(k: float) -> float:
     if not isinstance(k, numbers.Real) or not 0 < k < math.inf:
-        raise InvalidParameter(f"the curvature of space is to be {k!r}, not a positive finite number")
+        raise InvalidParameter(f"the curvature of space must be a positive finite number, not {k!r}")
     return float(k)

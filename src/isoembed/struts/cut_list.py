@@ -106,7 +106,7 @@ class CutList:
 
 
 def _first_fit(sizes: Floats, counts: Indices) -> Indices:
-    """How many struts of each type are cut from each bar, (bars, types), of falling sizes in bars."""
+    """Numbers of struts of each type in each bar, (bars, types), by first fit; sizes in bars, descending."""
     rests: list[float] = []
     bars: list[list[int]] = []
     for t, (size, count) in enumerate(zip(sizes.tolist(), counts.tolist(), strict=True)):

@@ -9,7 +9,7 @@ from isoembed.space import EUCLIDEAN, Space
 def best_rotation(points: Floats, onto: Floats, weights: Floats | None = None) -> Floats:
     """The rotation R (3, 3) for which centered points (n, 3), as ``points @ R``, are nearest to others.
 
-    The sum of squared distances is least, with weights (n,) where they are given.  Reflections are none.
+    The sum of squared distances is least, with weights (n,) where they are given.  Reflections are excluded.
     Kabsch, Acta Cryst. A32 (1976).
     """
     left, _, right = np.linalg.svd((points if weights is None else points * weights[:, None]).T @ onto)
@@ -37,6 +37,12 @@ def aligned(vertices: Floats, onto: Floats, space: Space = EUCLIDEAN) -> Floats:
     center = onto.mean(axis=0)
     x = vertices - vertices.mean(axis=0)
     return x @ best_rotation(x, onto - center) + center
+
+
+def aligned_image(vertices: Floats, onto: Floats) -> Floats:
+    """Vertices in R^3 as `aligned`, or those of the mirror image, (V, 3), whichever are nearer."""
+    images = aligned(vertices, onto), aligned(vertices * [1.0, 1.0, -1.0], onto)
+    return min(images, key=lambda x: float(np.linalg.norm(x - onto)))
 
 
 def distance(vertices: Floats, others: Floats, space: Space = EUCLIDEAN) -> float:

@@ -77,7 +77,7 @@ class VertexCells:
 
 
 def _changes(triangulation: Triangulation, values: Floats) -> Floats:
-    """How much values, (V,), smoothed, change from a vertex to the next, smoothed."""
+    """Changes of smoothed values, (V,), from a vertex to the next, smoothed."""
     adjacency, a, b = triangulation.adjacency, *triangulation.edges.T
     for _ in range(10):  # the logarithm of the stretch is smoothed
         values = (adjacency @ values + values) / (triangulation.degrees + 1)

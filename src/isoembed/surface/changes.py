@@ -15,7 +15,7 @@ LOCAL = ("vertices", "normals", "dihedral_angles", "mean_curvature")
 
 
 def root_mean_square(values: Floats) -> float:
-    """Of numbers that are not negative, however large: their squares need not be finite."""
+    """Root mean square of nonnegative numbers, however large: their squares need not be finite."""
     top = float(values.max())
     return top * float(np.sqrt(np.mean((values / top) ** 2))) if 0.0 < top < np.inf else top
 
@@ -45,7 +45,7 @@ class Changes:
     integrated_mean_curvature: float
 
     def scaled(self, unit: float) -> Self:
-        """In another unit: every length, and error of one, times this factor."""
+        """Changes in another unit: every length, and error of a length, times this factor."""
         return replace(
             self,
             vertices=unit * self.vertices,

@@ -49,7 +49,7 @@ def cone_volumes(faces: Indices, vertices: Floats, space: Space) -> Floats:
 
 
 def _feet(x: Floats, space: Space) -> tuple[Floats, Floats]:
-    """Of triangles (F, 3, 3) the feet y_F in projective coordinates, (F, 3), and ``sn(p)^2``, (F,)."""
+    """Feet y_F of triangles (F, 3, 3) in projective coordinates, (F, 3), and ``sn(p)^2``, (F,)."""
     k, w = space.curvature, space.heights(x[:, 0])
     first, second = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
     falls = []  # of w, along both sides

@@ -102,7 +102,7 @@ def turning_errors(triangulation: Triangulation, vertices: Floats, space: Space 
 
 
 def _curved_folds(t: Triangulation, vertices: Floats, space: Space) -> tuple[Floats, Floats]:
-    """As `_folds`, by the directions of the corners of both triangles at the first end of each edge."""
+    """Folds as of `_folds`, by the directions of the corners of both triangles at one end of each edge."""
     halfedges = t.edge_halfedges
     across = t.faces.ravel()[halfedges - halfedges % 3 + (halfedges + 2) % 3]  # third corners
     a, b, left, right = vertices[np.column_stack([t.edges, across]).T]

@@ -85,7 +85,7 @@ class Variation:
         First derivatives of the dihedral angles.
     area, volume, integrated_mean_curvature : tuple of float
         First and second derivatives of the area, the volume and int H dA = 1/2 sum l theta, of which
-        ``sum l dtheta`` is no part (Schlaefli).
+        ``sum l dtheta`` is not a part (Schlaefli).
     """
 
     velocity: Floats
@@ -96,7 +96,7 @@ class Variation:
     integrated_mean_curvature: tuple[float, float]
 
     def scaled(self, unit: float) -> Variation:
-        """In another unit: every length, and change of one, times this factor."""
+        """Derivatives in another unit: every length, and change of a length, times this factor."""
         return Variation(
             velocity=unit * self.velocity,
             acceleration=unit * self.acceleration,
@@ -151,6 +151,30 @@ def volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space
     return np.stack([np.bincount(corners, column) for column in thirds.T], axis=1)
 
 
+def integral_gradients(triangulation: Triangulation, vertices: Floats) -> Floats:
+    """Derivatives of area, volume and int H dA = 1/2 sum l theta by the vertices, (3, V, 3).
+
+    ``sum l dtheta`` is what the faces at the boundary contribute: elsewhere it is zero (Schlaefli).
+    """
+    t, corners = triangulation, vertices[triangulation.faces]
+    sides = np.roll(corners, -1, axis=1) - corners
+    N = face_normals(t.faces, vertices)
+    size = np.linalg.norm(N, axis=1)[:, None]
+    n = N / size
+    grown = np.cross(n[:, None], np.roll(sides, -1, axis=1)) / 2
+    outer = np.where((t.sides_across < 0).reshape(-1, 3, 1), sides, 0.0).sum(axis=1)
+    q = np.cross(outer, n) / (2 * size)
+    second, third = np.cross(corners[:, 2] - corners[:, 0], q), np.cross(q, corners[:, 1] - corners[:, 0])
+    bent = np.stack([-second - third, second, third], axis=1)
+    area, bending = (
+        np.stack([np.bincount(t.faces.ravel(), each) for each in rates.reshape(-1, 3).T], axis=1)
+        for rates in (grown, bent)
+    )
+    along = vertices[t.edges[:, 0]] - vertices[t.edges[:, 1]]
+    along *= (dihedral_angles(t, vertices) / np.linalg.norm(along, axis=1) / 2)[:, None]
+    return np.stack([area, volume_gradient(t, vertices), bending + t.incidence @ along])
+
+
 def normal_rates(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats]:
     """Face normals N = (b - a) x (c - a), (F, 3), and their derivatives if the vertices move with v."""
     first, second, third = (x[t.faces[:, k]] for k in range(3))
@@ -161,14 +185,17 @@ def normal_rates(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats
 
 
 def dihedral_rates(t: Triangulation, x: Floats, v: Floats) -> Floats:
-    """Derivatives of the dihedral angles, (E,): each face turns about the edge by its own rate."""
+    """Derivatives of the dihedral angles, (E,): each face turns about the edge by its own rate.
+
+    On a boundary they are 0.
+    """
     N, rates = normal_rates(t, x, v)
     size = np.linalg.norm(N, axis=1, keepdims=True)
     n, dn = N / size, rates / size
     start, end = t.edges.T
     along = x[end] - x[start]
     along /= np.linalg.norm(along, axis=1, keepdims=True)
-    left, right = t.edge_halfedges.T // 3
+    left, right = t.edge_flanks.T // 3
     turns = [np.einsum("ei,ei->e", dn[f], np.cross(along, n[f])) for f in (left, right)]
     return np.asarray(turns[1] - turns[0])
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, cast
 
 import numpy as np
 
@@ -29,15 +29,29 @@ from isoembed.surface.derivatives import (
     LengthDerivatives,
     Variation,
     dihedral_rates,
+    integral_gradients,
     normal_rates,
     volume_gradient,
 )
+from isoembed.surface.measures import edge_lengths
 
 NONLINEAR = 0.1
 """Nonlinearity of the volume above which it is not determined to first order.  In trials it was below .04, or
 above .14 and the deviations wrong by factors of 2 to 30."""
 
 PROBES = 400  # random errors with which the deviations at vertices, faces and edges are estimated
+
+
+class Derivatives(Protocol):
+    """Derivatives of the vertices of a surface by its lengths."""
+
+    def jvp(self, changes: Floats) -> Floats:
+        """Derivative of the vertices, (V, 3), along a change of the lengths, (E,)."""
+        ...
+
+    def vjp(self, gradient: Floats) -> Floats:
+        """The transpose of `jvp`: (..., E) from (..., V, 3)."""
+        ...
 
 
 @short_repr
@@ -50,7 +64,8 @@ class IntegralDeviation:
     Attributes
     ----------
     area, volume, integrated_mean_curvature : float
-        To first order.  The volume's is infinite where the surface is not infinitesimally rigid.
+        To first order.  The volume's is infinite where the surface is not infinitesimally rigid, and NaN of
+        surfaces with boundary.
     correlation : ndarray, shape (3, 3)
         Of the errors of the three; NaN beside one that has no error, or an infinite one.
     volume_nonlinearity : float
@@ -74,7 +89,7 @@ class IntegralDeviation:
         missed: Floats,
         derivatives: LengthDerivatives | None,
     ) -> IntegralDeviation:
-        """From errors of the lengths, as of `Deviation.of`; derivatives are None if J is singular."""
+        """Deviation by errors of the lengths, as in `Deviation.of`; derivatives are None if J is singular."""
         space, t = metric.space, metric.triangulation
         volume_rates, nonlinearity = np.full(len(errors), np.inf), np.inf
         if derivatives is not None:
@@ -91,6 +106,29 @@ class IntegralDeviation:
         if not space.is_euclidean:
             integral_rates = integral_rates - space.curvature * volume_rates
         rates = np.array([area_derivative(metric), volume_rates, integral_rates])
+        return cls.from_rates(rates, errors, shared, missed, nonlinearity)
+
+    @classmethod
+    def of_sheet(
+        cls,
+        derivatives: Derivatives,
+        triangulation: Triangulation,
+        vertices: Floats,
+        errors: Floats,
+        shared: Indices,
+        missed: Floats,
+    ) -> IntegralDeviation:
+        """Deviation of a surface in R^3 with boundary or handles, whose lengths need not be those given."""
+        rates = derivatives.vjp(integral_gradients(triangulation, vertices))
+        if not triangulation.is_closed:
+            rates[1] = np.nan
+        return cls.from_rates(rates, errors, shared, missed, np.nan)
+
+    @classmethod
+    def from_rates(
+        cls, rates: Floats, errors: Floats, shared: Indices, missed: Floats, nonlinearity: float
+    ) -> IntegralDeviation:
+        """Deviation from the derivatives of the three integrals by the lengths, (3, E)."""
         with np.errstate(invalid="ignore"):
             each = np.where(errors > 0, errors * rates, 0.0)
             smoothed = np.where(missed != 0, missed * rates, 0.0).sum(axis=1)
@@ -104,7 +142,7 @@ class IntegralDeviation:
         return cls(by_area, by_volume, by_integral, correlation, float(nonlinearity))
 
     def scaled(self, unit: float) -> IntegralDeviation:
-        """In another unit: every length, and error of one, times this factor."""
+        """Deviation in another unit: every length, and error of a length, times this factor."""
         return IntegralDeviation(
             unit * (unit * self.area),
             unit * (unit * (unit * self.volume)),
@@ -154,7 +192,7 @@ class Deviation(Changes):
 
     @property
     def relative_error(self) -> float:
-        """What the estimate may add to each entry of the arrays, or take: its relative standard deviation.
+        """Relative standard deviation of the estimate of each entry of the arrays.
 
         It is that of the worst case, in which many edges contribute alike.
         """
@@ -163,7 +201,7 @@ class Deviation(Changes):
     @classmethod
     def of(
         cls,
-        derivatives: LengthDerivatives,
+        derivatives: Derivatives,
         metric: PolyhedralMetric,
         vertices: Floats,
         errors: Floats,
@@ -179,14 +217,17 @@ class Deviation(Changes):
         than the errors, each is taken once instead, and the result is exact.
         """
         t = metric.triangulation
-        integrals = IntegralDeviation.of(metric, vertices, errors, shared, missed, derivatives)
+        if t.is_sphere:
+            closed = cast(LengthDerivatives, derivatives)
+            integrals = IntegralDeviation.of(metric, vertices, errors, shared, missed, closed)
+        else:
+            integrals = IntegralDeviation.of_sheet(derivatives, t, vertices, errors, shared, missed)
         n = int(shared.max()) + 1
         exact = n <= PROBES
         sums = [np.zeros(n) for n in (len(vertices), t.n_faces, t.n_edges, len(vertices))]
         for draw in _units(n) if exact else _signs(n):
-            dl = errors * draw[shared]
-            moved = derivatives.jvp(dl)
-            for total, square in zip(sums, _squares(t, vertices, metric.lengths, dl, moved), strict=True):
+            moved = derivatives.jvp(errors * draw[shared])
+            for total, square in zip(sums, _squares(t, vertices, moved), strict=True):
                 total += square
         probes = 0 if exact else PROBES
         at_vertices, at_faces, at_edges, of_curvature = (np.sqrt(total / max(probes, 1)) for total in sums)
@@ -224,17 +265,17 @@ def _signs(n: int) -> Iterator[Floats]:
         yield rng.choice([-1.0, 1.0], n)
 
 
-def _squares(
-    t: Triangulation, x: Floats, lengths: Floats, dl: Floats, v: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Squares of what changes dl and velocities v do to vertices, normals, dihedral angles and H."""
+def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Squares of what velocities v do to vertices, normals, dihedral angles and H."""
     N, rates = normal_rates(t, x, v)
     size = np.linalg.norm(N, axis=1)
     n = N / size[:, None]
     along = np.einsum("fi,fi->f", n, rates)  # twice the rate of the area
     turned = np.linalg.norm(rates - along[:, None] * n, axis=1) / size
     bent = dihedral_rates(t, x, v)
-    quarters = np.repeat((dl * dihedral_angles(t, x) + lengths * bent) / 4, 2)
+    (a, b), lengths = t.edges.T, edge_lengths(t.edges, x)
+    grown = np.einsum("ei,ei->e", x[a] - x[b], v[a] - v[b]) / lengths
+    quarters = np.repeat((grown * dihedral_angles(t, x) + lengths * bent) / 4, 2)
     integrals = np.bincount(t.edges.ravel(), quarters)
     shares = np.bincount(t.faces.ravel(), np.repeat(along / 6, 3))
     areas = vertex_areas(t, x)

@@ -36,7 +36,7 @@ class Estimate:
 
     @property
     def digits(self) -> int:
-        """How many digits that are."""
+        """Number of digits of `rounded`."""
         if not (isfinite(self.value) and self.value and 0.0 < self.error < inf):
             return MOST
         known = log10(abs(self.value)) - log10(self.error)
@@ -54,5 +54,5 @@ class Estimate:
 
 
 def percent(fraction: float, digits: int = 2) -> str:
-    """A fraction in percent, to so many digits and without an exponent unless it is tiny: "110 %"."""
+    """A fraction in percent, to a number of digits and without an exponent unless it is tiny: "110 %"."""
     return f"{float(f'{100.0 * fraction:.{digits}g}'):.15g} %"

@@ -38,7 +38,7 @@ class TriangleFaces:
 
     @property
     def sides(self) -> Indices:
-        """How many sides each face has."""
+        """Number of sides of each face."""
         return frozen(np.full(len(self.triangulation.faces), 3))
 
     @property
@@ -108,7 +108,7 @@ class FlatFaces(TriangleFaces):
 
     @cached_property
     def sides(self) -> Indices:
-        """How many sides each face has, flat vertices on its outline left aside."""
+        """Number of sides of each face, not counting flat vertices on its outline."""
         flat = self.flat[np.concatenate(self.polygons)]
         ends = np.cumsum([len(polygon) for polygon in self.polygons])
         return frozen(np.diff(np.cumsum(~flat)[ends - 1], prepend=0).astype(np.int64))
@@ -213,14 +213,14 @@ def coplanar_faces(
     if error:
         bent = (angles > FLAT_ANGLE + bend_errors(t, vertices, space, error)) | t.boundary_edges
         wide = flat_faces(t, bent[t.face_edges.ravel()])
-        # Many small bends may lead around a surface that is smooth: that is no face.
+        # Many small bends may lead around a surface that is smooth: that is not a face.
         curved = _heights(t, vertices, wide) > 2 * error
         found = np.unique(np.where(curved, len(faces) + found, wide), return_inverse=True)[1]
     return found if found.any() else faces  # of a needle all is doubtful, and a closed surface is no face
 
 
 def _heights(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:
-    """For each triangle, how far the vertices of its face are from the plane of the face, shape (F,)."""
+    """Half the extent of each triangle's face normal to its plane, shape (F,)."""
     normals = np.column_stack([np.bincount(faces, n) for n in face_normals(t.faces, vertices).T])
     sizes = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = normals / np.maximum(sizes, np.finfo(np.float64).tiny)

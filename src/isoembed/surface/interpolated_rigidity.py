@@ -69,7 +69,7 @@ class InterpolatedRigidity:
 
     @cached_property
     def pattern(self) -> csc_array:
-        """Which of the chosen vertices are coupled, (C, C)."""
+        """Sparsity pattern of the coupling of the chosen vertices, (C, C)."""
         stencils = self._stencils.pattern
         products = csc_array(stencils.T @ stencils)
         products.sort_indices()

@@ -7,11 +7,6 @@ import cython
 import numpy as np
 from cython.cimports.libc.math import sqrt
 
-if cython.compiled:
-    pass
-else:
-    pass
-
 Int = cython.typedef(cython.longlong)
 ConstInt = cython.typedef(cython.const[cython.longlong])
 Real = cython.typedef(cython.double)
@@ -123,7 +118,7 @@ def projected(
 ):
     """Targets in the tangent planes at points, in their units, (nnz, 2).
 
-    Not in polar charts: these are no smooth coordinates of a surface that is curved otherwise than a sphere.
+    Not in polar charts: these are not smooth coordinates of a surface that is curved otherwise than a sphere.
     """
     x: Real
     y: Real

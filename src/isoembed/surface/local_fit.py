@@ -80,7 +80,7 @@ class Surroundings(NamedTuple):
 
     @classmethod
     def of(cls, triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Surroundings:
-        """Of the vertices, (V, 3)."""
+        """Surroundings of the vertices, (V, 3)."""
         adjacency, edges = triangulation.adjacency, triangulation.edges
         normals = vertex_normals(triangulation.faces, to_model(space, vertices, "conformal"))
         lengths = edge_lengths(edges, vertices) if space.is_euclidean else space.distances(*vertices[edges.T])
@@ -90,7 +90,7 @@ class Surroundings(NamedTuple):
         return cls(graph, vertices, normals, units, heights, space.curvature)
 
     def in_order(self, order: Indices) -> Surroundings:
-        """The same surface, its vertices numbered in another order."""
+        """Surroundings with the vertices numbered in another order."""
         indptr, indices, _ = permuted(*self.graph, order, False)
         tables = (self.vertices[order], self.normals[order], self.units[order], self.heights[order])
         return Surroundings((indptr, indices), *tables, self.curvature)
@@ -109,7 +109,7 @@ def edge_lengths_about(triangulation: Triangulation, lengths: Floats) -> Floats:
 
 
 def sums_at_ends(triangulation: Triangulation, values: Floats | Mask) -> Floats:
-    """At each vertex the sum of the values of its edges, (V,)."""
+    """Sum of the values of the edges at each vertex, (V,)."""
     return cast(Floats, np.bincount(triangulation.edges.ravel(), np.repeat(values, 2)))
 
 

@@ -1,4 +1,4 @@
-"""Edge lengths, normals, area and volume; outward orientation, by positive volume."""
+"""Edge lengths, normals, area and volume; outward orientation: the mirror image of positive volume."""
 
 import numpy as np
 

@@ -11,7 +11,7 @@ SAME = 1e-6  # relative difference below which skews and distances are equal
 
 
 def standard_position(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Move a closed surface rigidly to a place that its shape and the numbers of its vertices determine.
+    """Move a surface rigidly to a place that its shape and the numbers of its vertices determine.
 
     The centroid of its area, in curved space the center of its vertices, is at the origin, and its principal
     axes are those of the coordinates, longest first.  Rounding of the vertices moves the result by some
@@ -64,13 +64,17 @@ def principal_axes(points: Floats, moments: Floats) -> Floats:
         if across.shape[1] > 1:
             turned, _ = np.linalg.qr(np.column_stack([farthest, np.eye(across.shape[1])]))
             axes[:, equal] @= turned
-        along = points @ axes[:, k]
-        skew = (along**3).sum()
-        tails_alike = abs(skew) <= SAME * (np.abs(along) ** 3).sum()
-        if (along[_farthest(np.abs(along))] if tails_alike else skew) < 0:
+        if points_backward(points @ axes[:, k]):
             axes[:, k] *= -1.0
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     return axes
+
+
+def points_backward(along: Floats) -> bool:
+    """Whether the heavier tail of coordinates along an axis, (n,), or else the farthest, is negative."""
+    skew = (along**3).sum()
+    tails_alike = abs(skew) <= SAME * (np.abs(along) ** 3).sum()
+    return bool((along[_farthest(np.abs(along))] if tails_alike else skew) < 0)
 
 
 def _farthest(distances: Floats) -> int:

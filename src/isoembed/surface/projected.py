@@ -41,7 +41,7 @@ class Projected:
 
     @classmethod
     def of(cls, space: Space, vertices: Floats) -> Projected:
-        """Those of vertices x, (V, 3)."""
+        """Projective coordinates of vertices x, (V, 3)."""
         w = space.heights(vertices)
         return cls(space, vertices, w, vertices if space.is_euclidean else vertices / w[:, None])
 

@@ -19,16 +19,16 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import OutOfMemory, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, analyze, dissect
 from isoembed.linalg.dissection import Dissection
 from isoembed.linalg.superlu import checked_lu
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity_matrix import DIAGONAL_SHIFT, RigidityMatrix, coupled_edges
-from isoembed.surface.two_level import TwoLevel
+from isoembed.surface.rigidity_matrix import RigidityMatrix, coupled_edges
 
 MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
+DIAGONAL_SHIFT = 1e-10  # relative, added to J^T J: it fixes the motions that change no edge
 
 
 def length_residuals(
@@ -36,7 +36,7 @@ def length_residuals(
 ) -> Floats:
     """``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``, shape (E,): to first order, the error of each length.
 
-    In hyperbolic and spherical space the squares are those of chords, and sn(l) is in the place of l.
+    In hyperbolic and spherical space the squares are those of chords, and sn(l) replaces l.
     """
     a, b = triangulation.edges.T
     if not space.is_euclidean:
@@ -87,8 +87,6 @@ class LinearizedLengths:
 class LengthSystem:
     """J J^T of one triangulation: its pattern is analyzed once, its values change with the vertices.
 
-    Where its factors need more memory than is free, steps are made by conjugate gradients on J^T J instead.
-
     Parameters
     ----------
     triangulation : Triangulation
@@ -115,19 +113,14 @@ class LengthSystem:
         SingularMatrix
             The surface is not infinitesimally rigid and mu is 0.
         OutOfMemory
-            Not even the factors of the coarse matrix of `two_level` fit into the memory that is free.
+            The factors need more memory than is free.
         """
         r, surface = residuals[self._order], Projected.of(self.space, vertices)
         J = self._matrix(surface, lengths)
         damping = mu * self._mean_diagonal(J)
         if self._by_vertices:
             return surface.motion(self._step_by_vertices(surface, J, r, damping))
-        try:
-            linear = LinearizedLengths(J, self._factor(J, damping), self._order)
-        except OutOfMemory:
-            two_level = TwoLevel(J, surface.positions, self._dissection, damping)
-            # relative; where K < 0, hundreds of iterations are needed
-            return surface.motion(two_level.step(r, 1e-10, 500).x)
+        linear = LinearizedLengths(J, self._factor(J, damping), self._order)
         d = J.forces(linear.solve(r))
         if mu == 0:
             # Refined through J: refining the solution of J J^T alone would not reduce this residual.
@@ -234,7 +227,7 @@ class LengthSystem:
         return VertexSystem(self.triangulation)
 
     def _step_by_vertices(self, surface: Projected, J: RigidityMatrix, r: Floats, damping: float) -> Floats:
-        """The same step by factors of J^T J; without damping, by those of J with a triangle held.
+        """Newton step by factors of J^T J; without damping, by those of J with a triangle held.
 
         J then is square, and its factors lose half as many digits as those of J^T J.
         """
@@ -306,7 +299,7 @@ class HeldTriangle(HeldVertices):
 
     @classmethod
     def of(cls, vertices: Floats, corners: Indices) -> HeldTriangle:
-        """That of a surface."""
+        """Hold the triangle with these corners."""
         x, y, z = vertices[corners]
         along, normal = y - x, np.cross(y - x, z - x)
         along, normal = along / np.linalg.norm(along), normal / np.linalg.norm(normal)

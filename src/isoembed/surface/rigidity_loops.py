@@ -6,11 +6,6 @@ from __future__ import annotations
 import cython
 import numpy as np
 
-if cython.compiled:
-    pass
-else:
-    pass
-
 Int = cython.typedef(cython.longlong)
 ConstInt = cython.typedef(cython.const[cython.longlong])
 Int32 = cython.typedef(cython.int)

@@ -13,8 +13,6 @@ from isoembed.arrays import Floats, Indices32
 from isoembed.linalg.memory import OutOfMemory, require_memory
 from isoembed.surface.rigidity_loops import couplings, edge_rows, gram_values, length_rates, vertex_forces
 
-DIAGONAL_SHIFT = 1e-10  # relative, added to J^T J: it fixes the motions that change no edge
-
 
 @dataclass(frozen=True, eq=False)
 class RigidityMatrix:

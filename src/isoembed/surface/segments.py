@@ -31,7 +31,7 @@ class Segments(NamedTuple):
 
     @classmethod
     def none(cls) -> Segments:
-        """No pieces."""
+        """Empty set of segments."""
         return cls(frozen(np.empty((0, 2, 3))), frozen(np.empty((0, 2), dtype=np.int64)))
 
     @classmethod

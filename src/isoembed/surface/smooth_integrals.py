@@ -9,7 +9,7 @@ its edges tell to leading order, with lambda the barycentric coordinates,
 and the polyhedron is the surface moved by -f along its normals.  Steiner's variations of the three integrals
 in f are what the polyhedron lacks; the next ones are of fourth order in the edge length.  Odd orders cancel
 between neighboring triangles.  In space of curvature k the polyhedron has straight edges and flat faces
-there, and the same variations but that of the integral of H, in which ``det B - k`` is in the place of K.
+there, and the same variations but that of the integral of H, in which ``det B - k`` replaces K.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class SmoothIntegrals:
 
     c what is added in each triangle and d the part of it that is lost when the curvatures are fitted by
     cubics instead of quartics: the error of the fits, in its mean and from triangle to triangle, and the size
-    of the next order of the expansion.  It is no bound.  On smooth surfaces that the mesh resolves it is
+    of the next order of the expansion.  It is not a bound.  On smooth surfaces that the mesh resolves it is
     1 to 50 times the error, or more where errors happen to cancel; where curvatures change by their own size
     within an edge it means little.  Where there are too few vertices for a fit, as in solids with a dozen, it
     is the whole times the squared deficits there over their sum.
@@ -262,7 +262,7 @@ class SmoothIntegrals:
 
     @cached_property
     def _cubic(self) -> Bulges:
-        """The same to lower accuracy: it only says how far the other can be trusted."""
+        """Bulges to lower accuracy, which only show how far the others can be trusted."""
         return Bulges.of(self.triangulation, self._points, CUBIC, self._scaled_space)
 
     @cached_property

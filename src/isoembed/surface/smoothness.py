@@ -90,7 +90,7 @@ class QuinticResiduals:
 
     @classmethod
     def of(cls, triangulation: Triangulation, vertices: Floats) -> QuinticResiduals:
-        """Those in the charts of a surface."""
+        """Residuals in the charts of a surface."""
         order, surface = in_spatial_order(triangulation, vertices)
         blocks = list(_residuals(surface, 5))
         degrees = np.concatenate([np.diff(block.indptr) for block in blocks])
@@ -155,7 +155,7 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats, ordered: Orde
 
 
 def _robust_mean(values: Floats) -> float:
-    """Of sizes; few large ones do not outweigh all others."""
+    """Robust mean of sizes: few large ones do not outweigh all others."""
     return float(np.mean(values**ROBUST_EXPONENT) ** (1 / ROBUST_EXPONENT))
 
 

@@ -7,11 +7,6 @@ import cython
 import numpy as np
 from cython.cimports.libc.math import sqrt
 
-if cython.compiled:
-    pass
-else:
-    pass
-
 Int = cython.typedef(cython.longlong)
 ConstInt = cython.typedef(cython.const[cython.longlong])
 ConstInt32 = cython.typedef(cython.const[cython.int])

@@ -99,7 +99,7 @@ class Surface:
 
     @property
     def seams(self) -> Segments:
-        """Where sides of paper were glued: nowhere, unless the surface is that of a `ConvexPolyhedron`."""
+        """Seams where sides of paper were glued: none unless the surface is that of a `ConvexPolyhedron`."""
         return Segments.none()
 
     @cached_property
@@ -161,7 +161,7 @@ class Surface:
             The surface is in hyperbolic or spherical space, where directions at different points differ.
         """
         if not self.space.is_euclidean:
-            raise InvalidParameter(f"normals are those of surfaces in R^3, not in {self.space!r}")
+            raise InvalidParameter(f"normals need surfaces in R^3, not in {self.space!r}")
         normals = measures.face_normals(self.faces, self._normalized)
         with np.errstate(invalid="ignore"):  # a triangle without area has none: NaN
             return frozen(normals / np.linalg.norm(normals, axis=1, keepdims=True))

@@ -47,7 +47,7 @@ def test_points_that_are_no_surface_around_a_center():
     cases = [
         (np.vstack([u, 2.0 * u[7]]), (), r"x: the points 7 and 100, .* are in one direction .* star-shaped"),
         (np.vstack([u[:4], [[0.0, 0.0, 0.0]], u[4:]]), (), "point 4 is at the center"),
-        (u[:3], (), "3 points: that is no surface"),
+        (u[:3], (), "3 points: that is not a surface"),
         (np.where(np.arange(100)[:, None] == 5, np.inf, u), (), "point 5 is not finite"),
         (
             u[u[:, 2] < 0.3],

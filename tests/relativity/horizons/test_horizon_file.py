@@ -75,11 +75,11 @@ def bad_arrays():
             InvalidMetric,
             "there are 31 points, but 30 in faces",
         ),
-        "empty": ({"points": np.empty((0, 3))}, FileError, "s.npz: 0 points: that is no surface"),
+        "empty": ({"points": np.empty((0, 3))}, FileError, "s.npz: 0 points: that is not a surface"),
         "empty, triangles": (
             {"points": np.empty((0, 3)), "faces": faces},
             FileError,
-            "s.npz: 0 points: that is no surface",
+            "s.npz: 0 points: that is not a surface",
         ),
         "plane": (
             {"points": points * [1.0, 1.0, 0.0]},
@@ -251,7 +251,7 @@ def test_other_files(tmp_path):
     ("value", "sentence"),
     [
         ("no_such_module:FORMAT", "cannot be loaded from no_such_module:FORMAT: ModuleNotFoundError: "),
-        ("math:pi", "is math:pi, which is no HorizonFormat"),
+        ("math:pi", "is math:pi, which is not a HorizonFormat"),
     ],
 )
 def test_broken_formats_of_others(value, sentence, tmp_path, monkeypatch):

@@ -136,7 +136,7 @@ def flat(group):
         (volume_data, "not the points of 3 x 3 x 17 grid"),
         (folded, r"the surface folds over at point \d+, .*: it is not star-shaped about \("),
         (not_finite, "point 20 is not finite"),
-        (empty, r"AhA at t = 0\): 0 points: that is no surface"),
+        (empty, r"AhA at t = 0\): 0 points: that is not a surface"),
         (flat, r"AhA at t = 0\): the 153 points lie in a plane"),
     ],
 )

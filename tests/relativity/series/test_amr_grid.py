@@ -62,6 +62,12 @@ def test_errors_fall_as_the_eighth_power_of_the_spacing(tmp_path):
     assert (np.log2(worst[0] / worst[1]) > [7.0, 6.0, 7.0]).all()
 
 
+def test_the_least_diameter_is_20_spacings_of_the_coarsest_level_there(nested):
+    geometry = read_slice(nested)
+    assert geometry.least_diameter(sphere(1.0)) == pytest.approx(20 * 0.25)
+    assert geometry.least_diameter(sphere(3.5)) == pytest.approx(20 * 0.5)
+
+
 def test_stated_errors_cover(nested):
     geometry, x = read_slice(nested), sphere(2.0)
     stated = np.abs(geometry.error(lambda slice_: slice_.metric(x).reshape(len(x), 9).T)).max(axis=0)

@@ -114,8 +114,8 @@ def test_what_is_no_moment(moment, sentence):
 @pytest.mark.parametrize(
     ("moment", "sentence"),
     [
-        ((None, [1.0], None), "the horizon of moment 0 is a list, which is none"),
-        ((None, SPHERE, 1.0), "the slice of moment 0 is a float, which is none"),
+        ((None, [1.0], None), "moment 0: expected a horizon, not list"),
+        ((None, SPHERE, 1.0), "moment 0: expected a slice, not float"),
     ],
 )
 def test_what_is_no_horizon_and_no_slice(moment, sentence):

@@ -38,6 +38,13 @@ def test_convergence(nodes):
     assert np.all(np.array(misses[2]) < [1e-5, 2e-4, 1e-5])
 
 
+@pytest.mark.parametrize(("n", "along"), [((4, 4, 4), 1 / 12 * np.pi * 2.6), ((9, 9, 3), 0.5)])
+def test_the_least_diameter_is_12_distances_between_nodes(n, along):
+    """In the shell of 24 elements, 1.6 < r < 2.6, the nodes are on the half circle, or on the radius."""
+    grid = ElementGrid(shell(HOLE, n=n))
+    assert grid.least_diameter(X) == pytest.approx(12 * along, rel=0.1)
+
+
 def test_polynomials_are_exact():
     """Of a cube that is sheared and stretched, with other numbers of nodes along each axis."""
     nodes = (gauss_lobatto(4), gauss(5), gauss_lobatto(3))

@@ -140,8 +140,11 @@ class TestRefusals:
                 lambda u: u * [1, 1, -1],
                 "the map turns the sphere inside out: it encloses the volume -4.18879",
             ),
-            (lambda u: u * [1, 1, 0], "the map is no immersion: "),
-            (lambda u: np.stack([u[:, 0], u[:, 1] ** 2, u[:, 2]], axis=1), "the map is no immersion: its"),
+            (lambda u: u * [1, 1, 0], "the map is not an immersion: "),
+            (
+                lambda u: np.stack([u[:, 0], u[:, 1] ** 2, u[:, 2]], axis=1),
+                "the map is not an immersion: its",
+            ),
             (lambda u: u[:, :2], r"the map has the shape \(200, 2\) for 200 directions, not \(200, 3\)"),
             (lambda u: np.where(u > 0.9, np.nan, u), "the map is .*nan.* in the direction .* is not finite"),
             (lambda u: u * (1 + np.abs(u[:, :1])), "the map is not smooth enough for harmonics"),

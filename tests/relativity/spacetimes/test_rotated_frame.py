@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from gridded import sampled
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
 from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
 from isoembed.relativity.spacetimes.schwarzschild import BrillLindquist, IsotropicSchwarzschild
@@ -24,6 +25,20 @@ def test_a_tilted_hole_in_a_frame_of_its_own():
     ((_, at),) = framed.black_holes
     assert at == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
     assert not framed.time_symmetric
+
+
+def test_the_box_of_a_grid_in_another_frame():
+    grid = sampled(KerrSchild(1.0, SPIN), 9, 2.0, center=X[0])
+    moved = Translated(grid, (1.0, 0.0, 0.0))
+    np.testing.assert_allclose(moved.box, np.add(grid.box, (1.0, 0.0, 0.0)))
+    low, high = RotatedFrame(moved, np.zeros(3), ROTATION).box
+    corners = np.array(
+        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    )
+    apart = corners @ ROTATION.T - X[0] - (1.0, 0.0, 0.0)
+    np.testing.assert_allclose(np.linalg.norm(apart, axis=1), 2.0)
+    assert moved.notes == grid.notes
+    assert moved.least_diameter(X) == grid.least_diameter(X) == 20 * 0.5
 
 
 def test_the_expansion_does_not_depend_on_the_frame():

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.relativity.horizons.finder import find_horizon
 from isoembed.relativity.spacetimes.checks import check_slice
 from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild
 from isoembed.relativity.spacetimes.schwarzschild import (
@@ -15,9 +16,11 @@ from isoembed.relativity.spacetimes.schwarzschild import (
     IsotropicSchwarzschild,
     PainleveGullstrand,
 )
+from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.three_geometry import (
     AnalyticCallable,
     CallableGeometry,
+    ThreeGeometry,
     complex_step,
     stationary_curvature,
 )
@@ -39,6 +42,56 @@ def outside(n=20, least=2.0, most=6.0):
     rng = np.random.default_rng(3)
     u = np.concatenate([rng.normal(size=(n, 3)), np.eye(3), -np.eye(3)])
     return u / np.linalg.norm(u, axis=1, keepdims=True) * rng.uniform(least, most, size=(len(u), 1))
+
+
+class Own(ThreeGeometry):
+    """A slice of another package."""
+
+    time_symmetric = False
+
+    def __init__(self):
+        self.hole = KerrSchild(1.0, (0.0, 0.0, 0.5))
+
+    def metric(self, x):
+        return self.hole.metric(x)
+
+    def gradient(self, x):
+        return self.hole.gradient(x)
+
+    def extrinsic_curvature(self, x):
+        return self.hole.extrinsic_curvature(x)
+
+    def error(self, quantity):
+        return np.zeros_like(quantity(self))
+
+
+class Boxed(Own):
+    """With all that a slice may say of itself."""
+
+    notes = ("it was made by hand",)
+    box = np.full(3, -4.0), np.full(3, 4.0)
+
+    def least_diameter(self, x):
+        return 0.1
+
+
+def test_slices_of_other_packages():
+    horizon = find_horizon(Own(), StarSurface.sphere((0.0, 0.0, 0.0), 2.5))
+    assert horizon.area == pytest.approx(8 * np.pi * Own().hole.horizon, rel=1e-10)
+    assert horizon.data().notes == ()
+    with pytest.raises(InvalidParameter, match="does not say where its black holes are"):
+        find_horizon(Own())
+    boxed = find_horizon(Boxed())
+    assert boxed.area == pytest.approx(horizon.area, rel=1e-10)
+    assert Boxed.notes[0] in boxed.data().notes
+
+
+def test_what_is_not_derived_is_refused():
+    class Alike:
+        metric = gradient = extrinsic_curvature = error = lambda x: x
+
+    with pytest.raises(InvalidParameter, match=r"is a Alike, not a ThreeGeometry: derive its class from"):
+        StarSurface.sphere((0.0, 0.0, 0.0), 2.5).data(Alike())
 
 
 @pytest.mark.parametrize("name", GEOMETRIES)

@@ -49,7 +49,7 @@ class Document:
 
     @property
     def text(self) -> str:
-        """All of the page."""
+        """Text of the whole page."""
         assets = files("isoembed.plot") / "browser"
         style, script, page = ((assets / f"page.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
         parts = {
@@ -69,7 +69,7 @@ class Document:
 
 
 def _hash(text: str) -> str:
-    """What the page's policy knows its own style and script by."""
+    """Hash by which the page's policy recognizes its own style and script."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
 
 

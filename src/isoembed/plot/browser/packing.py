@@ -47,5 +47,5 @@ class Packed:
 
     @property
     def text(self) -> str:
-        """All of it in base64."""
+        """The packed arrays in base64."""
         return base64.b64encode(self._bytes).decode("ascii")

@@ -34,7 +34,7 @@ def thinned(stages: Sequence[str], limit: int) -> list[int]:
 
 
 def _evenly(n: int, count: int, *, inner: bool = False) -> list[int]:
-    """So many of 0 .. n - 1, with both ends; or without them, counted from 0."""
+    """Choose `count` of 0 .. n - 1 evenly, with both ends; or inner ones of them, counted from 0."""
     if count == 1:
         return [n - 1]
     chosen = np.rint(np.linspace(0, n - 1, count)).astype(int).tolist()

@@ -32,7 +32,7 @@ class Abscissa:
 
     @classmethod
     def of(cls, table: SeriesTable) -> Abscissa:
-        """What is known of a run."""
+        """Time if it is known in a run, or else the iteration, or else the position."""
         for column, symbol, label in (
             ("time", "t = ", "time  $t$"),
             ("iteration", "iteration ", "iteration"),
@@ -45,7 +45,7 @@ class Abscissa:
         return cls("", "position ", "position in the series")
 
     def of_series(self, part: SeriesTable) -> Floats:
-        """Where the rows of one series are; NaN where it is not known."""
+        """Abscissae of the rows of one series; NaN where unknown."""
         return part[self.column] if self.column else np.arange(len(part.rows), dtype=np.float64)
 
     def written(self, values: Floats) -> list[str]:

@@ -102,7 +102,7 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
 
 
 def _poses(shown: Sequence[Scene]) -> list[Pose]:
-    """Where the viewer looks, and how much is seen: nothing leaves the picture, and it does not jump."""
+    """Centers and sizes of the views: nothing leaves the picture, and it does not jump."""
     calm = round(0.5 * 0.12 * len(shown))  # the part of the film within which the picture grows or shrinks
     boxes = _filled([_box(scene) for scene in shown])
     low, high = boxes[:, :3], boxes[:, 3:]
@@ -134,7 +134,7 @@ def _filled(boxes: Sequence[Floats | None]) -> Floats:
 
 
 def _around(values: Floats, calm: int) -> Floats:
-    """Each value with so many before and after it, along a last axis."""
+    """Windows of the values with `calm` of them before and after each, along a last axis."""
     padded = np.pad(values, [(calm, calm)] + [(0, 0)] * (values.ndim - 1), "edge")
     return np.lib.stride_tricks.sliding_window_view(padded, 2 * calm + 1, axis=0)
 

@@ -23,11 +23,11 @@ SYMBOLS = {
 }
 """Labels of the columns of a table, in TeX between dollar signs."""
 AXIS = {"axis": ("axis_x", "axis_y", "axis_z")}
-"""What one panel shows together."""
+"""Columns that one panel shows together."""
 CURVATURE = "mean curvature  $H = (k_1 + k_2)/2$,  1/length"
-"""What the colors of pictures of horizons show."""
+"""Label of the colors in pictures of horizons."""
 FACTS = {"irreducible_mass": "Mᵢᵣᵣ", "christodoulou_mass": "M", "dimensionless_spin": "χ"}
-"""What is written of a horizon beside it, as plain text."""
+"""Symbols of the numbers written beside a horizon, as plain text."""
 COLORS = ("#0072b2", "#d55e00", "#1c2430", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
 

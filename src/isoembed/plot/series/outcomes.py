@@ -22,7 +22,7 @@ MARKS: dict[str, dict[str, Any]] = {
     REFUSED: {"marker": "s", "color": WRONG, "markersize": 4, "markerfacecolor": "none"},
     FAILED: {"marker": "v", "color": WRONG, "markersize": 5},
 }
-"""Marks of what is no embedding, by status."""
+"""Marks of what is not an embedding, by status."""
 
 
 def draw_outcomes(

@@ -33,7 +33,7 @@ FIELDS = {
     "angular_momentum_density": ("angular momentum", "density of the angular momentum", "", "linear"),
     "residual": ("residual", "relative error of lengths", "", "log"),
 }
-"""What a page shows of the data at the vertices, if all horizons have it: name, label, unit and scale."""
+"""Data at the vertices that a page shows if all horizons have them: name, label, unit and scale."""
 
 
 MAX_FRAMES = 200  # times on the slider; of more, evenly many are taken
@@ -124,7 +124,7 @@ NO_FACES, NO_VERTICES = np.empty((0, 3), dtype=np.int64), np.empty((0, 3))
 
 
 def _most(shown: Sequence[Scene], fields: int) -> int:
-    """How many scenes a page takes."""
+    """Largest number of scenes on a page."""
     sizes = [
         len(one.vertices) * (6 + 2 * fields) + one.faces.size * (2 if len(one.vertices) < 2**14 else 4)
         for scene in shown
@@ -135,7 +135,7 @@ def _most(shown: Sequence[Scene], fields: int) -> int:
 
 
 def _pose(shown: Sequence[Scene]) -> Pose:
-    """All of the horizons before the viewer, as they lie in their slices."""
+    """Pose of all horizons before the viewer, as they lie in their slices."""
     horizons = [one for scene in shown for one in scene.shown]
     low = np.min([one.vertices.min(axis=0) for one in horizons], axis=0)
     high = np.max([one.vertices.max(axis=0) for one in horizons], axis=0)
@@ -145,7 +145,7 @@ def _pose(shown: Sequence[Scene]) -> Pose:
 
 
 def _told(scene: Scene) -> list[str]:
-    """What is written of the horizons beside the time."""
+    """Text on the horizons beside the time."""
     rows = [one.row for one in scene.shown] + list(scene.lost)
     return [f"{row.series}: {known_of(row, ', ')}" for row in sorted(rows, key=lambda row: row.place)]
 

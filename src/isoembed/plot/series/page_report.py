@@ -37,7 +37,7 @@ def run_report_html(placed: PlacedHorizons) -> str:
 
 
 def run_caption(placed: PlacedHorizons, first: Scene, last: Scene) -> str:
-    """How much there is, in one line."""
+    """Numbers of horizons and embedded surfaces, and the first and last moment, in one line."""
     rows, names = placed.table.rows, placed.table.series
     words = [
         f"{len(names):,} horizon{'s' if len(names) > 1 else ''}: {len(placed.horizons):,} of {len(rows):,} "

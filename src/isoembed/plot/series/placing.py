@@ -79,7 +79,7 @@ class PlacedHorizons:
 
     @property
     def note(self) -> str:
-        """What a picture tells of distances, if they are not those of coordinates."""
+        """Note on the distances in a picture, if they are not those of coordinates."""
         if abs(self.stretch - 1.0) <= 0.05:  # a picture does not show less
             return ""
         return f"distances of centers: coordinates \N{MULTIPLICATION SIGN} {self.stretch:.2f}"

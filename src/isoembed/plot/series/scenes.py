@@ -33,7 +33,7 @@ class Scene:
 
     @property
     def shells(self) -> tuple[PlacedHorizon, ...]:
-        """Those that hold others, which are seen through them, from the innermost one outward."""
+        """Horizons that enclose others, which are seen through them, from the innermost one outward."""
         found = [one for one in self.shown if any(one.holds(other) for other in self.shown)]
         return tuple(sorted(found, key=lambda one: one.radius))
 
@@ -58,7 +58,7 @@ def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
 
 
 def evenly(shown: Sequence[Scene], most: int) -> tuple[Scene, ...]:
-    """At most so many scenes, with the first and the last."""
+    """Choice of at most `count` scenes, with the first and the last."""
     chosen = np.rint(np.linspace(0, len(shown) - 1, min(most, len(shown)))).astype(int)
     return tuple(shown[k] for k in chosen.tolist())
 

@@ -72,7 +72,7 @@ class Energies:
         None without an embedding.
     irreducible_mass : Estimate
     christodoulou_mass : Estimate or None
-        None where the angular momentum is not known, or the surface is no horizon.
+        None where the angular momentum is not known, or the surface is not a horizon.
     dimensionless_spin : Estimate or None
         J over the square of the Christodoulou mass.
     hawking, brown_york, liu_yau : Estimate or None

@@ -55,7 +55,7 @@ def mesh_energies(
     ------
     InvalidParameter
         Arrays have other shapes, the momentum has no mean curvature beside it, or the unit of length is such
-        that the area is no number.
+        that the area is not a number.
     """
     n = embedding.triangulation.n_vertices
     given = {"mean curvature": mean_curvature, "momentum": momentum}
@@ -143,7 +143,7 @@ def mesh_deviation(
 
 
 def _values(energies: Energies) -> dict[str, float]:
-    """Those of the energies that are known."""
+    """Values of the energies that are known."""
     found = ((each.name, getattr(energies, each.name)) for each in fields(energies))
     return {name: estimate.value for name, estimate in found if isinstance(estimate, Estimate)}
 
@@ -193,7 +193,7 @@ class _Noise:
         return cls(squares, squared, (float(of_most[0]), float(of_most[1])))
 
     def of_root(self, squared: Floats) -> Floats:
-        """By how much the mean of the root of k^2 - p^2 (V,) is off."""
+        """Error of the root of k^2 - p^2 (V,), in the mean."""
         low, middle, high = (
             np.sqrt(np.maximum(squared + shift, 0.0)) for shift in (-self.squared, 0.0, self.squared)
         )

@@ -226,7 +226,7 @@ class _Nodes:
         return values, notes
 
     def _shift(self, k: float, p: float) -> Floats:
-        """By how much errors of k and p change ``k^2 - p^2``, to first order."""
+        """Change of ``k^2 - p^2`` by errors of k and p, to first order."""
         assert self.k is not None
         return 2.0 * (np.abs(self.k) * k + np.abs(self.p) * p)
 

@@ -82,7 +82,7 @@ def _space_lines(space: dict[str, Any] | None) -> Iterator[str]:
 
 
 def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
-    """What the file or the finder, and the expansion say of a horizon."""
+    """Lines on a horizon, from its file or the finder, and on its expansion."""
     if "points" in horizon:
         moment = "".join(
             f"{name} {horizon[name]:.9g}: " for name in ("time", "iteration") if horizon[name] is not None

@@ -83,7 +83,7 @@ class TimeFunction:
         return tau
 
     def in_coordinates(self, coordinates: SphereMap | None) -> TimeFunction:
-        """The same function of the directions v of a map u = F(v), or of u itself, in harmonics of these.
+        """Time function of the directions v of a map u = F(v), or of u itself, in harmonics of these.
 
         Raises
         ------

@@ -141,7 +141,7 @@ class Functional:
         )
 
     def with_time(self, harmonics: Harmonics) -> Functional:
-        """The same for time functions in other harmonics, of no higher degree."""
+        """Functional for time functions in other harmonics, of no higher degree."""
         return replace(self, tau=replace(self.tau, harmonics=harmonics))
 
     def embedded(self, tau: Floats, start: Floats) -> EmbeddedTime:
@@ -157,7 +157,7 @@ class Functional:
         return np.asarray((self.frames @ self.tau.gradients(_whole(tau)))[:, :, 0])
 
     def slope(self, tau: Floats) -> Slope:
-        """What E is made of, for tau (m,)."""
+        """Terms of E, for tau (m,)."""
         gradient = self.gradient(tau)
         laplacian = traced(self.frames, self.tau.hessians(_whole(tau)))[:, 0]
         laplacian -= np.einsum("na,na->n", self.drift, gradient)
@@ -210,7 +210,7 @@ class EmbeddedTime:
     X: Floats
 
     def refined(self) -> EmbeddedTime:
-        """The same with an X whose metric is nearer, where one more linear solve finds it."""
+        """Embedding with an X whose metric is nearer, where one more linear solve finds it."""
         f = self.functional
         X = _nearer(f.system, f.frames, self.X, f.stretch(self.tau))
         return self if X is self.X else EmbeddedTime(f, self.tau, X)
@@ -271,7 +271,7 @@ class EmbeddedTime:
 
     @cached_property
     def _off(self) -> Floats:
-        """By how much the metric (n, 3) of X is too large, as `strains` has it."""
+        """Excess of the metric (n, 3) of X, as `strains` has it."""
         f = self.functional
         return strains(f.tangents(self.X)) - f.stretch(self.tau)
 

@@ -177,7 +177,7 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
 
 
 def _check_size(patch: _Patch, file: InputFile) -> None:
-    """As many rows as the header says, with or without the ghost zones around them."""
+    """Check that there are as many rows as the header says, with or without ghost zones around them."""
     rho, sigma = patch.sizes.get("n_rho", 0), patch.sizes.get("n_sigma", 0)
     rows, zones = len(patch.rows), range(9)  # at most eight ghost zones on each side of a patch
     allowed = {(rho + 2 * ghosts) * (sigma + 2 * ghosts) for ghosts in zones} if rho and sigma else {rows}
@@ -194,7 +194,7 @@ def _axis(name: str) -> tuple[int, int]:
 
 
 def _overhang(name: str, arrow: Floats) -> float:
-    """By how much ghost zones reach beyond 45 degrees from the middle of a patch, in degrees."""
+    """Reach of ghost zones beyond 45 degrees from the middle of a patch, in degrees."""
     axis, sign = _axis(name)
     others = np.abs(np.delete(arrow, axis, axis=1))
     return max(0.0, float(np.degrees(np.max(np.arctan2(others.T, sign * arrow[:, axis])))) - 45.0)

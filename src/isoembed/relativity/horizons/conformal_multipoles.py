@@ -57,7 +57,7 @@ DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32), (16, 24, 32, 48, 64, 96, 128)
 AROUND = 16
 """Angles of nodes where the metric is symmetric about z: harmonics of the order 1 are needed."""
 SETTLED, ROUNDING = 1e-12, 1e-13
-"""Change of the multipoles by more harmonics that is none, and rounding in them."""
+"""Changes of the multipoles with more harmonics that count as converged, and as rounding."""
 STEPS, SHORTEST = 50, 2.0**-20
 """Newton's steps at most, and the shortest part of one that is tried."""
 
@@ -128,7 +128,7 @@ def multipole_lines(report: dict[str, Any]) -> Iterator[str]:
 
 
 def checked_order(n: SupportsIndex) -> int:
-    """The highest degree of multipoles; `InvalidParameter` where it is none."""
+    """The highest degree of multipoles; `InvalidParameter` if it is not valid."""
     return checked_count("the highest degree of multipoles", n, 1, ORDERS)
 
 
@@ -145,7 +145,7 @@ def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMu
     Raises
     ------
     InvalidParameter
-        n is no degree.
+        n is not a degree.
     InvalidMetric
         The metric is not positive definite, or so far from round that its conformal sphere was not found.
 
@@ -204,7 +204,7 @@ class _Sphere:
         return _Sphere(scale * d / rho - b, scale * rate @ self.slope)
 
     def turned(self, R: Floats) -> _Sphere:
-        """The same one in the frame of a rotation R (3, 3)."""
+        """The map in the frame of a rotation R (3, 3)."""
         return _Sphere(self.n @ R.T, R @ self.slope)
 
     def balanced(self, dA: Floats) -> _Sphere:

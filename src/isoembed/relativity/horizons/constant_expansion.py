@@ -62,7 +62,7 @@ class ConstantExpansionSurface:
         return 0.5 * self.expansion * self.areal_radius
 
     def displaced(self, distance: float) -> StarSurface:
-        """Prediction of the leaf whose fastest point is so many mean radii further out."""
+        """Prediction of the leaf whose fastest point is this number of mean radii further out."""
         return self.of_mean(self.surface.coefficients[0] * (1.0 + distance / self.speed))
 
     def of_mean(self, mean: float) -> StarSurface:
@@ -127,7 +127,7 @@ def constant_expansion_surface(
 
 def hole_heights(geometry: ThreeGeometry, surface: StarSurface) -> Floats:
     """Signed distances (n,) of the black holes of a slice from a surface, along rays, positive outside."""
-    at = np.array([position for _, position in getattr(geometry, "black_holes", ())]).reshape(-1, 3)
+    at = np.array([position for _, position in geometry.black_holes]).reshape(-1, 3)
     away = at - np.array(surface.center)
     distance = np.linalg.norm(away, axis=1)
     away[distance == 0.0] = (0.0, 0.0, 1.0)

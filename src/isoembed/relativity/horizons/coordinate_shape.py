@@ -88,7 +88,7 @@ class CoordinateShape:
         Raises
         ------
         FileError
-            The points are no surface around the center; the message names the file.
+            The points are not a surface around the center; the message names the file.
         """
         check_solid(points, source)
         center = middle(points) if center is None else center
@@ -153,7 +153,7 @@ def triangulate_star_shaped(
     if inside.any():
         raise FileError(
             f"{source}: point {int(np.argmax(inside))} is at the center: "
-            f"that is no surface around {_triple(center)}"
+            f"that is not a surface around {_triple(center)}"
         )
     u = arrow / r[:, None]
     first = representatives(u, same)
@@ -201,11 +201,11 @@ def check_solid(points: Floats, source: str) -> None:
     if bad.any():
         raise FileError(f"{source}: point {int(np.argmax(bad))} is not finite")
     if len(points) < 4:
-        raise FileError(f"{source}: {len(points)} points: that is no surface, which has at least 4")
+        raise FileError(f"{source}: {len(points)} points: that is not a surface, which has at least 4")
     dimension = _dimension(points)
     if dimension < 3:
         where = ("are one point", "lie on a line", "lie in a plane")[dimension]
-        raise FileError(f"{source}: the {len(points)} points {where}: that is no closed surface")
+        raise FileError(f"{source}: the {len(points)} points {where}: that is not a closed surface")
 
 
 def middle(points: Floats) -> Floats:

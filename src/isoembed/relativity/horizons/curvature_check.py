@@ -29,7 +29,7 @@ SPIN_COEFFICIENTS = ("nprho", "npmu", "npsigma", "nplambda")
 @short_repr
 @dataclass(frozen=True)
 class CurvatureCheck:
-    """How far the curvature in a file is from that of the metric in use.
+    """Difference between the curvature in a file and that of the metric in use.
 
     Attributes
     ----------

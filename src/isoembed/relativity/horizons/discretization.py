@@ -74,7 +74,7 @@ class Discretization:
         return float(np.sqrt(self.transform.weights @ at.local.density / (4.0 * np.pi)))
 
     def equations(self, at: Iterate) -> Equations:
-        """Those for changes of f that change the expansion as asked for."""
+        """Equations for changes of f that change the expansion as asked for."""
         return Equations(self.transform, LowDegrees.of(self.transform), linearized(self.family, at.local))
 
 
@@ -93,7 +93,7 @@ class LowDegrees:
     @staticmethod
     @lru_cache(maxsize=1)
     def of(transform: SphereTransform) -> LowDegrees:
-        """All that a transform has if they are few, and otherwise some."""
+        """All harmonics of a transform if they are few, and otherwise those of low degree."""
         T, harmonics = transform, transform.harmonics
         # Up to so many harmonics, with symmetry about the z-axis more, equations are solved directly.
         if harmonics.size > (300, 1100)[int(harmonics.order == 0)]:
@@ -158,7 +158,7 @@ class Equations:
         return np.asarray(found)
 
     def matrix(self) -> Floats:
-        """That of the low degrees (s, s)."""
+        """Matrix of the low degrees (s, s)."""
         low = self.low
         theta = self._changed(low.values, low.slopes, low.hessians)
         if self.free:
@@ -178,7 +178,7 @@ class Equations:
 
     @cached_property
     def _diagonal(self) -> Floats:
-        """That of the equations, as if the surface were a round sphere."""
+        """Diagonal of the equations, as if the surface were a round sphere."""
         degrees = self.transform.harmonics.labels[0]
         mean = self.transform.weights @ (self.linear.scale * self.linear.zeroth) / (4.0 * np.pi)
         laplacian = degrees * (degrees + 1.0)

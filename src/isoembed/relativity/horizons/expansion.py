@@ -23,7 +23,7 @@ CLOSE = 0.01  # largest displacement, over the radius: a tenth of the Kijowski-L
 @short_repr
 @dataclass(frozen=True)
 class ExpansionTest:
-    """What the expansion of outgoing light rays says of a surface as a horizon.
+    """Test of a surface as a horizon, by the expansion of outgoing light rays.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class ExpansionTest:
         ``theta_+ = k - p`` in absolute value; 0 on a horizon.
     expansion_error : float
     displacement : float
-        By how much the horizon is displaced from the surface, over its radius: the part of
+        Displacement of the horizon from the surface, over its radius: the part of
         ``(k^2 - p^2) A / 16 pi`` in harmonics of degree 0, 1 and 2.  In Schwarzschild, in any slice, that is
         1 - 2 M / R for a sphere of areal radius R.
     displacement_error : float
@@ -120,7 +120,7 @@ def classify_horizon(
     ----------
     data : SurfaceData
     marginal : bool, optional
-        Whether it is one; by default `expansion_test` decides.  Without a mean curvature it is none.
+        Whether it is one; by default `expansion_test` decides.  Without a mean curvature it is not one.
     test : ExpansionTest, optional
         That of the data, if it is at hand.
     """

@@ -21,7 +21,7 @@ STEP = 1.0 / 256.0  # of differences of sixth order along the displacement, over
 
 @dataclass(frozen=True, eq=False)
 class LinearizedExpansion:
-    """How the expansion changes when f does: ``second . Hess df + first . grad df + zeroth df``.
+    """Linearization of the expansion in f: ``second . Hess df + first . grad df + zeroth df``.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Horizon finder: marginally outer trapped surfaces and surfaces of constant expansion."""
+"""Horizon finder: marginally outer trapped surfaces, and the evidence that no other one encloses them."""
 
 from __future__ import annotations
 
@@ -19,22 +19,20 @@ from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.normal_image import foliated_inwards
 from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
-from isoembed.relativity.spacetimes.checks import check_geometry
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
-from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry
 
 NODES = (16, 32)  # heights and angles at which a guess is tried
 # First spheres, over the guess: small ones for grids and among holes, large ones around fast holes.
 RADII = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0)
-SPACINGS = 20  # across a horizon; with 10 none is found, with 14 its area has 5 digits
 FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
 """Exceptions that end a search."""
 
 
 def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> FoundHorizon:
-    """Marginally outer trapped surface that no other one is found to enclose, or the one near a guess.
+    """Find the outermost marginally outer trapped surface, or the one near a guess.
 
     Parameters
     ----------
@@ -249,7 +247,7 @@ def _holes_inside(geometry: ThreeGeometry, surface: Surface) -> frozenset[int]:
     jet = surface.jet(u)
     normals = np.cross(jet.first[:, 0], jet.first[:, 1])
     inside = []
-    for i, (_, position) in enumerate(getattr(geometry, "black_holes", ())):
+    for i, (_, position) in enumerate(geometry.black_holes):
         away = jet.x - np.array(position)
         flux = np.einsum("ni,ni->n", away, normals) / np.linalg.norm(away, axis=1) ** 3
         if abs(weights @ flux) > 2.0 * np.pi:
@@ -276,7 +274,7 @@ def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:
 def _inside_sphere(geometry: ThreeGeometry, place: Place) -> FoundHorizon:
     """The horizon inside a large sphere around the holes of a place."""
     why = "none of the spheres encloses all holes"
-    at = [position for _, position in getattr(geometry, "black_holes", ())]
+    at = [position for _, position in geometry.black_holes]
     extent = max((math.dist(at[i], place.center) for i in place.holes), default=0.0)
     for factor in RADII:
         if factor * place.radius <= extent:
@@ -392,14 +390,12 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
 
 def _too_coarse(geometry: ThreeGeometry, surface: Surface) -> str:
     """A sentence on the grid of a slice, where a surface is small for it."""
-    while hasattr(geometry, "geometry"):  # in another frame
-        geometry = geometry.geometry
-    spacing = getattr(geometry, "spacing", None)
-    if spacing is None or (across := 2.0 * surface.mean_radius / max(spacing)) >= SPACINGS:
+    least = geometry.least_diameter(surface.points(gauss_rule(*NODES)[0]))
+    if (diameter := 2.0 * surface.mean_radius) >= least:
         return ""
     return (
-        f".\nThe grid has {across:.3g} spacings across this surface, and {SPACINGS} are needed: use a finer "
-        "grid around the hole"
+        f".\nThis surface has a diameter of {diameter:.3g} in coordinates, and the grid resolves horizons "
+        f"of at least {least:.3g}: use a finer grid around the hole"
     )
 
 
@@ -451,10 +447,9 @@ def _places(geometry: ThreeGeometry) -> Iterator[Place]:
     their mass: in Brill-Lindquist's slices a common horizon ends at .77 of it.  Raises `InvalidParameter`:
     the slice does not say where its holes are.
     """
-    holes = tuple(getattr(geometry, "black_holes", ()))
-    box = getattr(geometry, "box", None)
-    if box is not None:
-        low, high = (np.array(corner) for corner in box)
+    holes, box = geometry.black_holes, geometry.box
+    if not holes and box is not None:
+        low, high = box
         x, y, z = (0.5 * (low + high)).tolist()
         yield Place((x, y, z), 0.9 * 0.5 * float((high - low).min()))  # room to the edge of the grid
         return
@@ -492,7 +487,7 @@ def _around(holes: Sequence[tuple[float, Sequence[float]]], group: frozenset[int
 
 
 def _linked(masses: np.ndarray, at: np.ndarray) -> bool:
-    """Whether the holes hang together by distances that are not too long."""
+    """Whether the holes are connected by distances of at most twice their total mass."""
     # Holes that are farther apart than twice their mass have no common horizon.
     near = np.linalg.norm(at[:, None] - at[None], axis=2) <= 2.0 * masses.sum()
     reached = near[0]

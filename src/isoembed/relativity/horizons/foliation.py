@@ -223,7 +223,7 @@ def least_expansion(
     symmetric : bool
         About z: slice and surface.
     settled : float
-        Relative change of the least expansion with the degree that is none.
+        Relative change of the least expansion with the degree that counts as zero.
     """
     highest = HIGHEST_DEGREES[int(symmetric)]
     family, largest, smallest = _family(geometry, outer, inner, symmetric)

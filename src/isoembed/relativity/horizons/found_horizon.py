@@ -108,7 +108,7 @@ def horizon_near(
 
 
 def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.0) -> FoundHorizon:
-    """The same from an image of the sphere; see `horizon_near`."""
+    """Horizon from an image of the sphere; see `horizon_near`."""
     found = refined(geometry, start, expansion)
     at, discretization = found.solution.iterate, found.discretization
     surface = found.image.surface(_shifts(found, geometry, expansion))

@@ -92,7 +92,7 @@ def horizon_data(
         Axis of the angular momentum that is reported besides the one that is found, in the coordinates of a
         slice.
     marginal : bool, optional
-        Whether it is a horizon; by default `expansion_test` decides, and a metric without k is none.
+        Whether it is a horizon; by default `expansion_test` decides, and a metric without k is not one.
     name : str
 
     Raises

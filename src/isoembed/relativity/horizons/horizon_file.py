@@ -73,7 +73,7 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
     FileError
         The file cannot be read, or holds no closed surface.
     InvalidMetric
-        What it holds as a metric, or as the triangles of a closed surface, is none.
+        The metric, or the triangles of a closed surface, that it holds are invalid.
     """
     with opened(path) as file:
         added = (loaded(point, HorizonFormat) for point in entry_points(group="isoembed.horizon_formats"))
@@ -96,7 +96,7 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
 def _read_polydata(file: InputFile) -> CoordinateShape:
     data = read_polydata(file)
     if len(data.polygons) == 0:
-        raise FileError(f"{file} has no polygons: it is no surface")
+        raise FileError(f"{file} has no polygons: it is not a surface")
     return CoordinateShape.star_shaped(data.points, str(file), polygons=data.polygons, fields=data.fields)
 
 

@@ -25,7 +25,7 @@ from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_symmetric_about_z
 
 HIGHEST_DEGREES = (128, 2048)
-"""Without and with symmetry about the z-axis; 1 : 100 takes the last one near the end of the horizon."""
+"""Degrees without and with symmetry about the z-axis; the mass ratio 1 : 100 needs the last one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ class RadialImage(Image):
 
 
 def root_mean_square(f: Floats) -> float:
-    """That of functions with coefficients (N, size), over the sphere."""
+    """Root mean square over the sphere of functions with coefficients (N, size)."""
     return float(np.sqrt(np.mean(np.sum(f**2, axis=1)) / (4.0 * np.pi)))
 
 
@@ -151,7 +151,7 @@ def _is_upright(surface: Surface) -> bool:
 
 
 def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
-    """The same surface about its centroid, as right as its harmonics are, if the center is off it."""
+    """Surface about its centroid, as accurate as its harmonics, if the center is off it."""
     degree = surface.harmonics.degree
     n = 2 * degree + 4
     u, weights = gauss_rule(n, 2 * n if surface.harmonics.order else 1)
@@ -166,7 +166,7 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
 
 
 def about(surface: StarSurface, center: Sequence[float]) -> StarSurface:
-    """The same surface about another center, as right as its harmonics are."""
+    """Surface about another center, as accurate as its harmonics."""
     off = np.subtract(center, surface.center)
     degree = surface.harmonics.degree
     # From the new center: the ray off + t u meets the surface.

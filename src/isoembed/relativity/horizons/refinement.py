@@ -18,7 +18,7 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 
 class End(Enum):
-    """How a refinement in degree ended."""
+    """Reason for the end of a refinement in degree."""
 
     RESOLVED = "the residual is rounding, or the error of the slice"
     STALLED = "higher degrees do not reduce the residual"
@@ -51,7 +51,7 @@ class Image(ABC):
     @property
     @abstractmethod
     def degree(self) -> int:
-        """Of the harmonics."""
+        """Degree of the harmonics."""
 
     @property
     @abstractmethod
@@ -60,7 +60,7 @@ class Image(ABC):
 
     @abstractmethod
     def finer(self) -> Image:
-        """The same in the next degree, or the highest."""
+        """The image in the next degree, or the highest."""
 
     @abstractmethod
     def solved(

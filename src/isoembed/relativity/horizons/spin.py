@@ -211,7 +211,7 @@ class _Trial:
         )
 
     def angle(self, other: _Trial) -> float:
-        """Between the axes of two."""
+        """Angle between the axes of two trials."""
         return float(np.arctan2(np.linalg.norm(np.cross(self.axis, other.axis)), self.axis @ other.axis))
 
     def unexplained(self, before: _Trial) -> float:

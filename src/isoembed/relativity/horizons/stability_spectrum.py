@@ -115,7 +115,7 @@ def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> Stabilit
     Raises
     ------
     InvalidParameter
-        The horizon is no FoundHorizon, or n is no number of eigenvalues.
+        The horizon is not a FoundHorizon, or n is not a number of eigenvalues.
 
     Notes
     -----
@@ -162,7 +162,7 @@ def spectrum_lines(report: dict[str, Any]) -> Iterator[str]:
 
 
 def checked_eigenvalues(n: SupportsIndex) -> int:
-    """The number of eigenvalues that is asked for; `InvalidParameter` where it is none."""
+    """The number of eigenvalues that is asked for; `InvalidParameter` if it is not valid."""
     return checked_count("the number of eigenvalues", n, 1, MOST)
 
 

@@ -19,7 +19,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.io.files import FileError
 from isoembed.relativity.series.refined_grid import Block, Component, Layout, Level
-from isoembed.relativity.spacetimes.cartesian_grid import ERROR_FACTOR, STENCIL, CartesianGrid, wider
+from isoembed.relativity.spacetimes.cartesian_grid import ACROSS, ERROR_FACTOR, STENCIL, CartesianGrid, wider
 from isoembed.relativity.spacetimes.checks import refuse_points, written
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 
@@ -61,8 +61,8 @@ class PatchSource(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class AMRGrid:
-    """A slice on refinement levels: a `ThreeGeometry`.
+class AMRGrid(ThreeGeometry):
+    """A slice on refinement levels.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class AMRGrid:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What must be known to read the numbers of surfaces in it."""
+        """See `ThreeGeometry`."""
         first, last = self._levels[0], self._levels[-1]
         if first is last:
             return ()
@@ -93,7 +93,7 @@ class AMRGrid:
 
     @property
     def box(self) -> tuple[Floats, Floats]:
-        """Corners of the box in which the coarsest level can be interpolated, each (3,)."""
+        """See `ThreeGeometry`: that in which the coarsest level can be interpolated."""
         level = self._levels[0]
         low, high = level.ends
         room = BEFORE - 1
@@ -118,6 +118,11 @@ class AMRGrid:
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """See `ThreeGeometry`: as of `CartesianGrid`."""
         return np.asarray(ERROR_FACTOR * (quantity(_Wider(self)) - quantity(self)))
+
+    def least_diameter(self, x: Floats) -> float:
+        """See `ThreeGeometry`: 20 spacings of the coarsest level that is interpolated there."""
+        coarsest = min(number for (number, *_), _ in self._located(x))
+        return ACROSS * float(self._levels[coarsest].spacing.max())
 
     def _values(self, field: str, x: Floats, shape: tuple[int, ...], more: bool = False) -> Floats:
         out = np.empty((len(x), *shape))

@@ -100,7 +100,7 @@ class AMReXSlice(PatchSlice):
 
 @dataclass(frozen=True)
 class _Header:
-    """What the header of a plot file says.
+    """Header of a plot file.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class _Level:
 
     @classmethod
     def read(cls, path: Path, count: int) -> _Level:
-        """Read a file ``Cell_H``, of a plot file with so many variables."""
+        """Read a file ``Cell_H`` of a plot file with this number of variables."""
         lines = _lines(path)
         try:
             if (version := next(lines).strip()) != CELL_VERSION:
@@ -212,7 +212,7 @@ class _Level:
             raise FileError(f"{path} is cut short or damaged") from None
 
     def values(self, box: int, columns: list[int], part: tuple[slice, ...]) -> Floats:
-        """Some of the variables on a part of a box, (n, nx, ny, nz)."""
+        """Values of some variables on a part of a box, (n, nx, ny, nz)."""
         path, start = self.places[box]
         nx, ny, nz = shape = (self.high[box] - self.low[box] + 1 + 2 * self.ghosts).tolist()
         i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(part, self.ghosts.tolist(), strict=True))

@@ -118,13 +118,13 @@ class _File:
 
     @property
     def cells(self) -> list[int]:
-        """Of a block, without ghost zones, along each axis."""
+        """Numbers of cells of a block along each axis, without ghost zones."""
         given = self.parameters
         return [int(given.get(f"meshblock/nx{a}", given[f"mesh/nx{a}"])) for a in "123"]
 
     @property
     def levels(self) -> Indices:
-        """Of the blocks."""
+        """Levels of the blocks."""
         return np.asarray(self.heads["place"][:, 3], dtype=np.int64)
 
     @classmethod
@@ -278,7 +278,7 @@ class _Data:
 
 @lru_cache(maxsize=64)
 def _coarsening(cells: int, levels: int) -> Floats:
-    """Matrix that takes values at the centers of cells to those of cells that are so many levels coarser.
+    """Matrix that takes values at the centers of cells to those of cells that are some levels coarser.
 
     Each of these lies halfway between two of the former.  The interpolation is that of `CartesianGrid`,
     one-sided at the ends of the block.

@@ -18,11 +18,12 @@ from isoembed.relativity.series.shape_sources import ShapeFile
 from isoembed.relativity.series.slice_files import SliceFile
 from isoembed.relativity.series.source import HeldShape, HeldSlice, ShapeSource, SliceSource
 from isoembed.relativity.spacetimes.checks import vector
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.runs import Result, Store, run
 from isoembed.space import EUCLIDEAN, Space
 
 SERIES = "horizon"
-"""Of moments that do not say which."""
+"""Name of the series of moments that do not give one."""
 
 
 def embed_series(
@@ -70,7 +71,7 @@ def embed_series(
     Raises
     ------
     InvalidParameter
-        An option is wrong, a moment is none, or two have the same label.
+        An option or a moment is invalid, or two moments have the same label.
     FileError
         The folder cannot be made.
 
@@ -122,7 +123,7 @@ def _shape(position: int, given: Any) -> ShapeSource:
     if isinstance(given, str | os.PathLike):
         return ShapeFile(os.fspath(given))
     if not isinstance(given, GivenHorizon):
-        raise InvalidParameter(f"the horizon of moment {position} is a {type(given).__name__}, which is none")
+        raise InvalidParameter(f"moment {position}: expected a horizon, not {type(given).__name__}")
     return HeldShape(given)
 
 
@@ -133,6 +134,6 @@ def _slice(position: int, given: Any) -> SliceSource | None:
         return SliceFile(os.fspath(given))
     if isinstance(given, Mapping):
         return GridDataSlice(given)
-    if not hasattr(given, "extrinsic_curvature"):
-        raise InvalidParameter(f"the slice of moment {position} is a {type(given).__name__}, which is none")
+    if not isinstance(given, ThreeGeometry):
+        raise InvalidParameter(f"moment {position}: expected a slice, not {type(given).__name__}")
     return HeldSlice(given)

@@ -21,12 +21,12 @@ NUMBER = re.compile(
 
 @dataclass(frozen=True)
 class NameParts:
-    """What the name of a file says.
+    """Parts of the name of a file.
 
     Attributes
     ----------
     series : str
-        What is left of the name without the number and the ending: "AhA" of ``AhA_0012.vtk``.
+        The name without the number and the ending: "AhA" of ``AhA_0012.vtk``.
     iteration : int or None
     time : float or None
     """
@@ -63,7 +63,7 @@ def is_pattern(text: str) -> bool:
 def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
     """Files whose names a pattern makes, with the iteration and the time in them.
 
-    Raises `InvalidParameter`: the pattern has other fields, or a format that is none.
+    Raises `InvalidParameter`: the pattern has other fields, or an invalid format.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def entries_in(folder: str | os.PathLike[str]) -> list[Path]:
 
 
 def listing_of(folder: str | os.PathLike[str]) -> str:
-    """What files are in a folder, in words, for refusals."""
+    """Clause that lists the files in a folder, for error messages."""
     if not os.path.isdir(folder):
         return f"there is no folder {folder}"
     names = [path.name for path in files_in(folder)]

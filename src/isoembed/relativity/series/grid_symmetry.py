@@ -36,7 +36,7 @@ class AxisMap:
     sign: tuple[int, int, int] = (1, 1, 1)
 
     def entry(self, six: int) -> tuple[int, int]:
-        """Which of the six entries of the old matrix the new entry is, and its sign."""
+        """Index of the new entry among the six entries of the old matrix, and its sign."""
         a, b = PAIRS[six]
         return int(ENTRY[self.source[a], self.source[b]]), self.sign[a] * self.sign[b]
 

@@ -36,7 +36,7 @@ MESH = ("vertices", "faces")
 
 @dataclass(frozen=True)
 class HorizonOptions:
-    """What is done with all horizons of a series.
+    """Options for all horizons of a series.
 
     Attributes
     ----------
@@ -45,18 +45,18 @@ class HorizonOptions:
     wang_yau : bool
         Whether to find the least Wang-Yau energy, too.
     axis : three floats, optional
-        About which the angular momentum is reported besides the one that is found.
+        Additional axis about which the angular momentum is reported.
     marginal : bool, optional
         Whether the surfaces are horizons; by default the expansion of each decides.
     space : Space or "hyperbolic"
-        That they are embedded in; see `isoembed.relativity.embed_surface`.
+        Space that they are embedded in; see `isoembed.relativity.embed_surface`.
     multipoles : int, optional
         The highest l of multipoles (l, m) of horizons; see `isoembed.relativity.conformal_multipoles`.
 
     Raises
     ------
     InvalidParameter
-        There are too few or too many vertices, the axis is none, or l is out of range.
+        There are too few or too many vertices, the axis is invalid, or l is out of range.
     """
 
     vertices: int = 1000
@@ -103,7 +103,7 @@ class HorizonTask:
         return {"name": self.moment.shape.name, "moment": self._when(None)}
 
     def digest(self) -> str:
-        """Of the contents of the shape and the slice, of the time, and of the options."""
+        """Digest of the contents of the shape and the slice, of the time, and of the options."""
         moment = self.moment
         there = {
             "moment": [moment.series, moment.time, moment.iteration],
@@ -146,7 +146,7 @@ class HorizonTask:
     def _embedded(
         self, data: SurfaceData, before: Result | None
     ) -> tuple[EmbeddedSurface, tuple[Floats, Indices]]:
-        """From the one before of the same series, on its mesh, or, where that fails, from a new mesh."""
+        """Embedding from the one before in the series, on its mesh; if that fails, from a new mesh."""
         if before is not None and before.report["moment"]["series"] == self.moment.series:
             try:
                 surface = embed_surface(data, space=self.options.space, start=Start.restored(before.arrays))
@@ -170,7 +170,7 @@ class HorizonTask:
         return Result(self.label, report["status"], report, arrays)
 
     def _when(self, file: CoordinateShape | None) -> dict[str, Any]:
-        """Which moment it is, where necessary as the file says."""
+        """Series, time and iteration of the moment, where necessary as the file says; and its sources."""
         moment = self.moment
         return {
             "series": moment.series,

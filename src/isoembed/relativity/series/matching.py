@@ -128,7 +128,7 @@ def _refuse(one: SliceSource, other: SliceSource, when: str) -> None:
 
 
 def _room(lists: Sequence[np.ndarray]) -> float:
-    """By how much times of one moment may differ, from lists each of which has them as one file says them."""
+    """Tolerance for times of one moment, from lists each of which has the times as one file says them."""
     scale = max(_largest(times) for times in lists)
     steps = np.concatenate([np.diff(np.unique(times)) for times in lists])
     steps = steps[steps > SAME_TIME * scale]

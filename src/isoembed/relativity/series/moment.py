@@ -54,7 +54,7 @@ class Moment:
     Raises
     ------
     InvalidParameter
-        The time is no finite number.
+        The time is not a finite number.
     """
 
     series: str

@@ -62,7 +62,7 @@ def moments(
         There is no such file or folder, no horizon in them, no slice for any of them, or no geometry for
         horizons that are known by their coordinates.
     InvalidParameter
-        Two horizons or two slices are of the same moment, or a pattern is none.
+        Two horizons or two slices are of the same moment, or a pattern is invalid.
     """
     simulated: dict[str, Simulation] = {}
 

@@ -77,7 +77,7 @@ class PatchSlice(ABC):
 
 
 def best_of_moments(found: Iterable[tuple[int, ListedFile]], incomplete: int) -> list[ListedFile]:
-    """Of the slices of each moment those with the variables that are best to have.
+    """Slices with the best variables among those of each moment.
 
     The folder of a run has other output of the same moments: constraints, or plots of a few variables.
 

@@ -104,7 +104,7 @@ def _is_of(known: HorizonFormat, path: str | Path) -> bool:
 
 
 def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> Moment:
-    """A coordinate file with its time: its number counts outputs of the finder, and is no iteration."""
+    """A coordinate file with its time: its number counts outputs of the finder, and is not an iteration."""
     table, parts = stats_path(path), NAME.fullmatch(Path(path).name)
     if table is None or parts is None:
         raise FileError(f"{path} has no table stats_AH<number>.dat, which says its time and its origin")
@@ -167,7 +167,7 @@ def _times_in(folder: Path) -> dict[int, float]:
     """Times by iteration, the first two columns of the tables of the finders in a folder, of one run."""
     times: dict[int, float] = {}
     for path in sorted(path for name in DIAGNOSTICS for path in folder.glob(f"{name}*{SHAPE}")):
-        with contextlib.suppress(OSError):  # a horizon without a time, which is no fault of its own file
+        with contextlib.suppress(OSError):  # a horizon without a time, which is not a fault of its own file
             lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
             rows = (line.split(maxsplit=2)[:2] for line in lines)
             times |= {int(row[0]): float(row[1]) for row in rows if NUMBERS.fullmatch(" ".join(row))}

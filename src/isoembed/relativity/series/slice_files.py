@@ -207,8 +207,7 @@ def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
 def slices_of_pattern(pattern: str) -> list[ListedSlice[SliceSource]]:
     """Slices in the files whose names a pattern like ``slices/gxx.{iteration}.h5`` makes.
 
-    Raises `InvalidParameter`: it is no pattern: see `isoembed.relativity.series.file_names.matching_files`;
-    `FileError`: there is no such file.
+    Raises `InvalidParameter`: it is not a pattern, see `matching_files`; `FileError`: there is no such file.
     """
     found = matching_files(pattern)
     if not found:

@@ -20,11 +20,11 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 class Source(Protocol[T_co]):
-    """Something to read, by what says where it is."""
+    """Source of data that can be read, with its name and a digest."""
 
     @property
     def name(self) -> str:
-        """For messages and reports: the path, and what of the file."""
+        """Name for messages and reports: the path, and the part of the file."""
         ...
 
     def digest(self) -> str:
@@ -35,7 +35,7 @@ class Source(Protocol[T_co]):
         ...
 
     def read(self) -> T_co:
-        """What is there.
+        """Read the data.
 
         Raises `FileError` or `InvalidMetric`: it cannot be read, changes meanwhile, or is not what it should
         be; one sentence says why.
@@ -52,15 +52,15 @@ class SliceSource(Protocol):
 
     @property
     def name(self) -> str:
-        """As of `Source`."""
+        """See `Source.name`."""
         ...
 
     def digest(self) -> str:
-        """As of `Source`: of the whole slice."""
+        """Digest of the whole slice: see `Source.digest`."""
         ...
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
-        """So much of the slice as a surface needs.
+        """Read the part of the slice that a surface needs.
 
         Raises `FileError`: as of `Source`; or the slice does not cover the box.
 
@@ -77,7 +77,7 @@ class FileSlice(SliceSource, Protocol):
     """A slice in a file, which can be had without a surface."""
 
     def whole(self) -> ThreeGeometry:
-        """All of the slice.  Raises `FileError`: as of `Source`."""
+        """Read the whole slice.  Raises `FileError`: see `Source.read`."""
         ...
 
 
@@ -97,7 +97,7 @@ class HeldShape:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the shape."""
         known = (self.called, *(getattr(self.shape, each, "") for each in ("source", "name")))
         return next(filter(None, known), HELD)
 
@@ -123,7 +123,7 @@ class HeldSlice:
 
     @property
     def name(self) -> str:
-        """What kind of slice it is."""
+        """Name of the type of the slice."""
         return type(self.geometry).__name__
 
     def digest(self) -> str:
@@ -140,7 +140,7 @@ class HeldSlice:
 
 @dataclass(frozen=True)
 class MissingSlice:
-    """No slice where there must be one.
+    """A slice that is missing where there must be one.
 
     Attributes
     ----------
@@ -152,7 +152,7 @@ class MissingSlice:
 
     @property
     def name(self) -> str:
-        """What is missing."""
+        """Words for the missing slice."""
         return "no slice"
 
     def digest(self) -> str:
@@ -160,7 +160,7 @@ class MissingSlice:
         return hashlib.sha256(self.why.encode()).hexdigest()
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
-        """Nothing.  Raises `FileError`: always."""
+        """Raise `FileError`, always."""
         raise FileError(self.why)
 
 

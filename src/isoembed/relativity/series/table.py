@@ -52,7 +52,7 @@ def _units() -> dict[str, str]:
 UNITS = _units()
 """Columns of numbers, in their order, and their units: geometric ones, G = c = 1."""
 ERRORS = {name: f"{name}_error" for name in ESTIMATES} | dict.fromkeys(AXIS, "axis_error")
-"""Where the errors of a column are."""
+"""Columns that hold the errors of other columns."""
 TEXTS = ("status", "reason", "label")
 """Columns of texts, which are the last ones."""
 WHOLE = ("iteration", "degree")
@@ -100,7 +100,7 @@ class Row:
 
     @property
     def place(self) -> tuple[Any, ...]:
-        """What rows are sorted by: the series, with ah2 before ah10, the time and the iteration."""
+        """Sort key of the rows: the series, with ah2 before ah10, the time and the iteration."""
         words = re.split(r"(\d+)", self.series)
         natural = [(int(word), "") if word.isdecimal() else (-1, word) for word in words]
         when = [self.numbers.get(name, np.inf) for name in ("time", "iteration")]

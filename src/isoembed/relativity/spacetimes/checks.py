@@ -12,7 +12,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 
 
 def positive_number(what: str, value: float) -> float:
-    """The value as a positive finite number; `InvalidParameter` where it is none."""
+    """The value as a positive finite number; `InvalidParameter` if it is not one."""
     number = numbers(value)
     if number.ndim != 0 or not (isfinite(number) and number > 0.0):
         raise InvalidParameter(f"{what} must be positive, not {value}")
@@ -35,15 +35,6 @@ def numbers(given: ArrayLike) -> Floats:
         return np.array(np.nan) if array.dtype.kind == "c" else array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         return np.array(np.nan)
-
-
-def check_geometry(given: object) -> None:
-    """Refuse with an `InvalidParameter` what is no slice, such as a function."""
-    if not callable(getattr(given, "extrinsic_curvature", None)):
-        advice = "AnalyticCallable and CallableGeometry make one of a function" if callable(given) else ""
-        raise InvalidParameter(
-            f"the slice is a {type(given).__name__}, not a ThreeGeometry: {advice}".rstrip(": ")
-        )
 
 
 def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:

@@ -34,7 +34,7 @@ def central_differences(
 
 @dataclass(frozen=True)
 class Disagreement:
-    """Where a derivative of a matrix differs the most from a central difference.
+    """Largest difference of a derivative of a matrix from a central difference.
 
     Attributes
     ----------

@@ -42,7 +42,7 @@ class HarmonicMap:
 
     @property
     def degree(self) -> int:
-        """Of the harmonics."""
+        """Degree of the harmonics."""
         return self.harmonics.degree
 
     @property
@@ -56,7 +56,7 @@ class HarmonicMap:
         return float(np.sqrt(np.sum(self.coefficients[1:] ** 2) / (4.0 * np.pi)))
 
     def in_degree(self, degree: int, *, symmetric: bool | None = None) -> HarmonicMap:
-        """The same map, cut off or filled up with zeros."""
+        """Map in another degree, truncated or padded with zeros."""
         new = coordinate_harmonics(degree, self.symmetric if symmetric is None else symmetric)
         return HarmonicMap(new, resized(self.coefficients, self.harmonics, new))
 
@@ -82,7 +82,7 @@ class HarmonicMap:
         return HarmonicMap(self.harmonics, T.analysis(x))
 
     def reparametrized(self) -> HarmonicMap:
-        """The same surface, nearly, in coordinates in which it needs fewer harmonics.
+        """Nearly the same surface in coordinates in which it needs fewer harmonics.
 
         With symmetry, by the length of the meridian.  Otherwise high degrees are damped, but only along the
         surface: of Veerapaneni, Rahimian, Biros and Zorin, J. Comput. Phys. 230 (2011) 5610.

@@ -187,7 +187,7 @@ class KerrNewmanSurface(ABC):
 
 @dataclass(frozen=True)
 class KerrNewmanHorizon(KerrNewmanSurface):
-    """The outer horizon r = r_+.  Beyond `smarr_limit` it is no surface of revolution in R^3.
+    """The outer horizon r = r_+.  Beyond `smarr_limit` it is not a surface of revolution in R^3.
 
     Attributes
     ----------

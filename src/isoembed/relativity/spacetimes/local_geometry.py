@@ -46,7 +46,7 @@ class SliceFields:
 
 
 class ComplexFields(NamedTuple):
-    """The same at complex points, for derivatives by the complex step."""
+    """Fields of a slice at complex points, for derivatives by the complex step."""
 
     gamma: Numbers
     gradient: Numbers

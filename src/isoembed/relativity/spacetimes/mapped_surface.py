@@ -57,7 +57,7 @@ class MappedSurface(Surface):
     Raises
     ------
     InvalidParameter
-        The map is no immersion, or turns the sphere inside out; the message names a direction.
+        The map is not an immersion, or turns the sphere inside out; the message names a direction.
     """
 
     harmonics: Harmonics
@@ -98,7 +98,7 @@ class MappedSurface(Surface):
         ------
         InvalidParameter
             Points are not finite, harmonics up to degree 128 miss them by more than a millionth, or the map
-            is no immersion; the message says which.
+            is not an immersion; the message says which.
 
         Notes
         -----
@@ -135,9 +135,9 @@ class MappedSurface(Surface):
         Raises
         ------
         InvalidParameter
-            A vertex is not finite, or the surface that fits is no immersion: the mesh is too coarse for it.
+            A vertex is not finite, or the fitted surface is not an immersion: the mesh is too coarse for it.
         InvalidMetric
-            The faces are no triangulated sphere, or a triangle is degenerate; the message names it.
+            The faces are not a triangulated sphere, or a triangle is degenerate; the message names it.
         """
         x, triangles = checked_points(vertices), Triangulation(faces)
         triangles.check_sphere()
@@ -236,12 +236,12 @@ class _Nodes:
 
     @property
     def area(self) -> float:
-        """In the coordinates."""
+        """Area in the coordinates."""
         return float(self.weights @ self.densities)
 
     @property
     def centroid(self) -> Floats:
-        """Of the area."""
+        """Centroid of the area."""
         return np.asarray((self.weights * self.densities) @ self.x / self.area)
 
     @property
@@ -255,13 +255,13 @@ def _check_immersion(nodes: _Nodes) -> None:
     """Refuse maps that are singular, folded or inside out."""
     if nodes.singular is not None:
         raise InvalidParameter(
-            "the map is no immersion: its differential is singular in the direction "
+            "the map is not an immersion: its differential is singular in the direction "
             + written(nodes.singular)
         )
     if nodes.turned is not None:
         raise InvalidParameter(
-            f"the map is no immersion: its normal turns around near the direction {written(nodes.turned)}, "
-            "where it is folded or has an edge"
+            f"the map is not an immersion: its normal turns around near the direction "
+            f"{written(nodes.turned)}, where it is folded or has an edge"
         )
     if nodes.volume <= 0.0:
         raise InvalidParameter(

@@ -1,6 +1,5 @@
 """Slices of black holes without spin in closed form: one of Schwarzschild, several at rest, or in motion."""
 
-from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -12,17 +11,8 @@ from isoembed.relativity.spacetimes.checks import positive_number, refuse_points
 from isoembed.relativity.spacetimes.three_geometry import AnalyticGeometry, Numbers
 
 
-class _Holes(AnalyticGeometry):
-    """A slice that says where its black holes are."""
-
-    @property
-    @abstractmethod
-    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
-        """The mass and the position of each."""
-
-
 @dataclass(frozen=True)
-class OneHole(_Holes):
+class OneHole(AnalyticGeometry):
     """A slice with one black hole, of a mass M that is the unit of length."""
 
     mass: float
@@ -32,11 +22,11 @@ class OneHole(_Holes):
 
     @property
     def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
-        """The mass and the position of each."""
-        return ((self.mass, getattr(self, "position", (0.0, 0.0, 0.0))),)
+        """See `ThreeGeometry`: one at the origin."""
+        return ((self.mass, (0.0, 0.0, 0.0)),)
 
 
-class _Punctures(_Holes):
+class _Punctures(AnalyticGeometry):
     """Holes of given masses at given positions, ``psi = 1 + sum_k m_k / (2 |x - x_k|)``."""
 
     def conformal_factor(self, x: Numbers) -> Numbers:
@@ -96,7 +86,7 @@ class BrillLindquist(_Punctures):
 
     @property
     def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
-        """The mass and the position of each."""
+        """See `ThreeGeometry`."""
         return tuple(zip(self.masses, self.positions, strict=True))
 
 
@@ -174,6 +164,11 @@ class BoostedSchwarzschild(OneHole):
             raise InvalidParameter(f"the speed must be less than that of light, 1, not {speed:.6g}")
 
     @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """See `ThreeGeometry`."""
+        return ((self.mass, self.position),)
+
+    @property
     def time_symmetric(self) -> bool:
         """See `ThreeGeometry`."""
         return not any(self.velocity)
@@ -230,7 +225,7 @@ class BoostedSchwarzschild(OneHole):
 
 
 @dataclass(frozen=True)
-class Superposed(_Holes):
+class Superposed(AnalyticGeometry):
     """Several slices added: ``gamma = delta + sum (gamma_k - delta)``, ``K = sum K_k``.  No solution.
 
     The constraints of Einstein's equations are violated by products of what the holes do to one another: of
@@ -261,8 +256,8 @@ class Superposed(_Holes):
 
     @property
     def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
-        """The mass and the position of each."""
-        return tuple(each for hole in self.holes for each in getattr(hole, "black_holes", ()))
+        """See `ThreeGeometry`."""
+        return tuple(each for hole in self.holes for each in hole.black_holes)
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`; x may be complex."""

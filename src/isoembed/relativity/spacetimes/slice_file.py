@@ -44,14 +44,14 @@ AROUND = 10  # spacings read around a box: five points for the interpolation, th
 
 @dataclass(frozen=True)
 class Instant:
-    """When a slice of a file is.
+    """Time of a slice of a file.
 
     Attributes
     ----------
     iteration : int or None
         Of the simulation, where the file says it.
     time : float or None
-        Where the file says it.
+        As the file says it.
     index : int or None
         Its position on the axis of time, if there is one.
     """
@@ -113,7 +113,7 @@ def slice_arrays(path: str | os.PathLike[str], index: int | None) -> Iterator[tu
 
 
 def instants(path: str | os.PathLike[str]) -> list[Instant]:
-    """When the slices of a file are, in its order; empty if it has none.
+    """Times of the slices of a file, in its order; empty if it has none.
 
     Raises `FileError`: the file cannot be read, or its times are not those of its slices.
     """

@@ -16,7 +16,7 @@ from isoembed.relativity.spacetimes.jet import Jet, SurfaceFamily, in_angle_fram
 from isoembed.relativity.spacetimes.point_cloud import checked_points, seen_from
 from isoembed.relativity.spacetimes.surface import ON_SURFACE, Surface, as_directions
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
-from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry
 from isoembed.reprs import short_repr
 from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.harmonics import Harmonics
@@ -189,14 +189,15 @@ class StarSurface(Surface):
         InvalidParameter
             The surface passes through a black hole of the slice: no node may fall on it.
         """
-        for _, position in getattr(geometry, "black_holes", ()):
+        check_geometry(geometry)
+        for _, position in geometry.black_holes:
             away = np.subtract(position, self.center)
             distance = float(np.linalg.norm(away))
             if distance > 0.0:
                 (r,) = self.radius(away[None] / distance)
                 if abs(r - distance) <= ON_SURFACE * distance:
                     raise InvalidParameter(
-                        f"the surface passes through the black hole at {written(position)}"
+                        f"the surface passes through the black hole at {written(np.array(position))}"
                     )
         return super().data(geometry, axis, marginal, name)
 

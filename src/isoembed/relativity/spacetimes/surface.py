@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.spacetimes.checks import check_geometry, numbers, vector
+from isoembed.relativity.spacetimes.checks import numbers, vector
 from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.surface_errors import SURE, SurfaceErrors
-from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
@@ -51,7 +51,7 @@ class Surface(ABC):
     @property
     @abstractmethod
     def mean_radius(self) -> float:
-        """Its size in the coordinates of the slice, a length."""
+        """Size in the coordinates of the slice, a length."""
 
     @abstractmethod
     def jet(self, u: Floats) -> Jet:
@@ -172,7 +172,7 @@ class Surface(ABC):
             marginal=marginal,
             shape=self.points,
             name=name,
-            notes=(*self.notes, *getattr(geometry, "notes", ())),
+            notes=(*self.notes, *geometry.notes),
             axis=about,
             torque=moving(lambda u: self.local_geometry(geometry, u).torque(center), errors.torque),
         )
@@ -223,7 +223,7 @@ def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:
 
 
 def as_directions(u: ArrayLike) -> Floats:
-    """The directions as an array (n, 3); `InvalidParameter` where they are none."""
+    """The directions as an array (n, 3); `InvalidParameter` if they are not directions."""
     array = numbers(u)
     if array.ndim != 2 or array.shape[1] != 3:
         raise InvalidParameter(f"directions must be unit vectors (n, 3), not an array {array.shape}")

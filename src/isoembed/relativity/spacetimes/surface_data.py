@@ -84,8 +84,8 @@ class SurfaceData:
     Raises
     ------
     InvalidParameter
-        What is given for k, p or K(., n) is no function, and the metric is on no grid; or the relative error
-        is negative or not a number.
+        k, p or K(., n) is not a function, and the metric is not on a grid; or the relative error is negative
+        or not a number.
     InvalidMetric
         Arrays do not fit the grid, hold what is not finite, or their grid is too coarse for them.
     """
@@ -171,7 +171,7 @@ class SurfaceData:
         return cls(GridMetric(theta, phi, *q), k, p, j, name=name)  # type: ignore[arg-type] # arrays: see above
 
     def in_coordinates(self, coordinates: SphereMap) -> SurfaceData:
-        """The same surface as functions of the new directions v of a map u = F(v), with the same errors."""
+        """Data as functions of the new directions v of a map u = F(v), with the same errors."""
 
         def scalar(function: Callable[[Floats], Floats] | None) -> Callable[[Floats], Floats] | None:
             return _composed(function, lambda f, v: f(coordinates.forward(v)))
@@ -197,7 +197,7 @@ class SurfaceData:
 
     @property
     def _metric_error(self) -> Uncertainty:
-        """What the metric says of its own lengths: those of grids and of surfaces in slices do."""
+        """Error of the lengths that the metric itself states, as on grids and for surfaces in slices."""
         error = getattr(self.metric, "error", None)
         return error if isinstance(error, Uncertainty) else EXACT
 
@@ -208,7 +208,7 @@ class SurfaceData:
             return given
         if not isinstance(self.metric, GridMetric):
             raise InvalidParameter(
-                f"the {field} is a {type(given).__name__}: with a metric that is on no grid it must be a "
+                f"the {field} is a {type(given).__name__}: with a metric that is not on a grid, it must be a "
                 "function of unit vectors u (n, 3)"
             )
         if field != "normal_momentum":

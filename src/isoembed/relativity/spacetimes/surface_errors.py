@@ -19,7 +19,7 @@ SURE = 3.0  # standard deviations, in a stated error
 
 @dataclass(frozen=True)
 class SurfaceErrors:
-    """How uncertain the data of a surface are because the surface or its slice is.
+    """Uncertainty of the data of a surface by that of the surface or its slice.
 
     Attributes
     ----------
@@ -76,11 +76,9 @@ class SurfaceErrors:
             averaged=0.3,  # errors of truncation average out in part
             scattered=0.03,
         )
-        if noisy := getattr(own, "deviating", None):
-            base = _quantities(local, center, unit)
-            changes = [quantities(other) - base for other in noisy(local.jet.x)]
-            if changes:
-                errors += cls._of(local, SURE * np.array(changes), weights, unit)
+        base = _quantities(local, center, unit)
+        if changes := [quantities(other) - base for other in own.deviating(local.jet.x)]:
+            errors += cls._of(local, SURE * np.array(changes), weights, unit)
         return errors
 
     @classmethod

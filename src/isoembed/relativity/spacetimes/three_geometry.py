@@ -8,9 +8,9 @@ Signs are those of Alcubierre and of Baumgarte and Shapiro:
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,26 +33,53 @@ Numbers = NDArray[Any]
 COMPLEX_STEP = 1e-30  # its square is nothing beside 1
 
 
-class ThreeGeometry(Protocol):
-    """A spacelike slice, in Cartesian coordinates x, y, z of any kind."""
+class ThreeGeometry(ABC):
+    """A spacelike slice, in Cartesian coordinates x, y, z of any kind.
+
+    Classes of slices are derived from it.  They define `time_symmetric`, `metric`, `gradient`,
+    `extrinsic_curvature` and `error`; the other members have defaults, for slices without black holes at
+    known positions, without a boundary and without a grid.
+    """
 
     @property
+    @abstractmethod
     def time_symmetric(self) -> bool:
         """Whether the extrinsic curvature vanishes everywhere."""
-        ...
 
+    @property
+    def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
+        """The mass and the position of each black hole; by default none are known.
+
+        Searches for horizons begin at spheres around them, and surfaces may not pass through them.
+        """
+        return ()
+
+    @property
+    def box(self) -> tuple[Floats, Floats] | None:
+        """Lower and upper corner, each (3,), of the box in which the slice is given; None: there is none.
+
+        Without black holes, searches for horizons begin at the largest sphere in it.
+        """
+        return None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes needed to interpret the numbers of surfaces in the slice; by default none."""
+        return ()
+
+    @abstractmethod
     def metric(self, x: Floats) -> Floats:
         """``gamma_ij`` (n, 3, 3) at the points x (n, 3)."""
-        ...
 
+    @abstractmethod
     def gradient(self, x: Floats) -> Floats:
         """``d_k gamma_ij`` (n, 3, 3, 3) at the points x (n, 3), in the order [point, k, i, j]."""
-        ...
 
+    @abstractmethod
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """``K_ij`` (n, 3, 3) at the points x (n, 3)."""
-        ...
 
+    @abstractmethod
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
         """Errors of a quantity that is computed from the slice, with their signs as far as they are known.
 
@@ -66,10 +93,31 @@ class ThreeGeometry(Protocol):
         -------
         ndarray, shape (c, n)
         """
-        ...
+
+    def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
+        """Samples of the slice, near the points x (n, 3), under the noise of its data; by default none."""
+        yield from ()
+
+    def least_diameter(self, x: Floats) -> float:
+        """The diameter, in coordinates, of the smallest horizon that a grid resolves at the points x (n, 3).
+
+        By default 0: there is no grid.  Failed searches for smaller horizons say that the grid is too coarse.
+        """
+        return 0.0
 
 
-class AnalyticGeometry(ABC):
+def check_geometry(given: object) -> None:
+    """Refuse with an `InvalidParameter` what is no slice, such as a function."""
+    if not isinstance(given, ThreeGeometry):
+        advice = (
+            "AnalyticCallable and CallableGeometry make one of a function"
+            if callable(given)
+            else "derive its class from ThreeGeometry"
+        )
+        raise InvalidParameter(f"the slice is a {type(given).__name__}, not a ThreeGeometry: {advice}")
+
+
+class AnalyticGeometry(ThreeGeometry):
     """A slice whose metric is a formula that holds for complex coordinates: it has exact derivatives."""
 
     @property
@@ -94,7 +142,7 @@ class AnalyticGeometry(ABC):
         return np.zeros_like(quantity(self))
 
 
-class DerivedGeometry:
+class DerivedGeometry(ThreeGeometry):
     """What a slice on a grid, interpolated otherwise, has of the grid itself."""
 
     grid: ThreeGeometry
@@ -109,7 +157,7 @@ class DerivedGeometry:
         return self.grid.error(quantity)
 
 
-class _Callables:
+class _Callables(ThreeGeometry):
     """A slice given by functions of x (n, 3)."""
 
     gamma: Callable[[Numbers], ArrayLike]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
@@ -14,7 +14,7 @@ from isoembed.relativity.spacetimes.checks import vector
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 
-class _Transformed(ABC):
+class _Transformed(ThreeGeometry):
     """A slice made of another one, ``geometry``; the messages of that name its own points."""
 
     geometry: ThreeGeometry
@@ -26,9 +26,21 @@ class _Transformed(ABC):
 
     @property
     def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
-        """The mass and the position of each, where the slice says that."""
-        holes = getattr(self.geometry, "black_holes", ())
-        return tuple((mass, self._here(np.array(at)).tolist()) for mass, at in holes)
+        """See `ThreeGeometry`."""
+        return tuple((mass, self._here(np.array(at)).tolist()) for mass, at in self.geometry.black_holes)
+
+    @property
+    def box(self) -> tuple[Floats, Floats] | None:
+        """See `ThreeGeometry`."""
+        if self.geometry.box is None:
+            return None
+        low, high = self.geometry.box
+        return self._here(low), self._here(high)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """See `ThreeGeometry`."""
+        return self.geometry.notes
 
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
@@ -46,8 +58,16 @@ class _Transformed(ABC):
         """See `ThreeGeometry`."""
         return self.geometry.error(lambda slice_: quantity(self._of(slice_)))
 
+    def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
+        """See `ThreeGeometry`."""
+        return map(self._of, self.geometry.deviating(self._there(x)))
+
+    def least_diameter(self, x: Floats) -> float:
+        """See `ThreeGeometry`."""
+        return self.geometry.least_diameter(self._there(x))
+
     def _of(self, geometry: ThreeGeometry) -> Self:
-        """The same made of another slice."""
+        """The same transformation of another slice."""
         return replace(self, geometry=geometry)  # type: ignore[type-var] # subclasses are dataclasses
 
     @abstractmethod
@@ -76,11 +96,6 @@ class Translated(_Transformed):
     def __post_init__(self) -> None:
         object.__setattr__(self, "center", vector("the center", self.center))
 
-    def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
-        """Slices that this one might be near the points x (n, 3), but for noise; none without any."""
-        own = getattr(self.geometry, "deviating", None)
-        yield from map(self._of, own(self._there(x)) if own else ())
-
     def _there(self, x: Floats) -> Floats:
         return x - np.array(self.center)
 
@@ -103,6 +118,15 @@ class RotatedFrame(_Transformed):
     geometry: ThreeGeometry
     origin: Floats
     rotation: Floats
+
+    @property
+    def box(self) -> tuple[Floats, Floats] | None:
+        """See `ThreeGeometry`: the cube in the largest sphere of the other box."""
+        if self.geometry.box is None:
+            return None
+        low, high = self.geometry.box
+        center, half = self._here(0.5 * (low + high)), 0.5 * (high - low).min() / np.sqrt(3.0)
+        return center - half, center + half
 
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
