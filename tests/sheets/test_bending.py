@@ -61,6 +61,7 @@ def test_the_form_is_a_smooth_function_of_the_lengths():
     assert abs(after - 2 * at + before) < 1e-3 * abs(after - before)
 
 
+@pytest.mark.slow
 def test_the_boundary_does_not_bend_less_than_its_curvature_takes():
     """|II|^2 >= 2 |K|: of a free hyperbolic disc up to the error of the mesh."""
     points, faces = discs.hexagonal(8)

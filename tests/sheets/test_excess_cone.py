@@ -13,6 +13,7 @@ def test_elastic_curves_of_small_surplus(waves):
     assert elastic_curve(1e-3, waves)[0] == pytest.approx(2 * (waves**2 - 1) * 1e-3, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_the_energy_grows_with_the_logarithm_of_the_radius():
     energies, [height, angle] = [], elastic_curve(1.0)
     for rings in (6, 12):

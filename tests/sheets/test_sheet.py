@@ -140,6 +140,7 @@ def test_hyperbolic_disc():
     assert 0.97 * 6.825 < found.second_form_energy < 7.774  # of a coarse mesh
 
 
+@pytest.mark.slow
 def test_forces_are_balanced_on_irregular_meshes_of_negative_curvature():
     points, faces = discs.irregular(200)
     edges = PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0), faces).edges
@@ -194,7 +195,7 @@ def test_given_heights():
     assert distance(found.vertices, vertices) < 1e-11
 
 
-@pytest.mark.parametrize("bump", [0.0, 0.1])
+@pytest.mark.parametrize("bump", [0.0, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_torus(bump):
     x, faces = discs.torus(24, 12, bump)
     metric = PolyhedralMetric.from_mesh(x, faces)
