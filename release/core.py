@@ -18,6 +18,15 @@ from pathlib import Path
 from check import ROOT, environment, run
 
 ABOVE = ("autodiff", "cli", "papercraft", "plot", "relativity", "runs", "struts")
+BY_NAME = (
+    "aim/test_resuming.py::test_control_c_leaves_a_checkpoint_in_a_real_process",  # the command
+    "gluing/test_unfolding.py::test_faces_of_rounded_solids_stay_whole",  # SVG
+    "io/test_drawn_net.py::test_the_solid_comes_back_from_the_file",
+    "io/test_drawn_net.py::test_solids_with_rounded_coordinates_come_back_with_their_faces",
+    "io/test_registry.py::test_formats_of_installed_packages",  # the command
+    "sheets/test_sheet.py::test_pictures_and_pages",  # pictures
+)
+"""Tests that need a package left out without importing it."""
 SUPPORT = ROOT / "tests" / "support"
 
 
@@ -80,7 +89,9 @@ def main() -> None:
         programs = environment(Path(temporary) / "environment")
         run(programs / "python", "-m", "pip", "install", "--quiet", ".[test]", folder=sources)
         shutil.rmtree(sources / "src")  # the installed core, not its sources
-        print(run(programs / "python", "-m", "pytest", "-q", *sys.argv[1:], *tests, folder=sources), end="")
+        without = [f"--deselect=tests/{name}" for name in BY_NAME]
+        pytest = programs / "python", "-m", "pytest", "-q", *without
+        print(run(*pytest, *sys.argv[1:], *tests, folder=sources), end="")
 
 
 if __name__ == "__main__":

@@ -108,7 +108,7 @@ def solve(
     mesh = metric.triangulation if isinstance(metric, PolyhedralMetric) else None
     if mesh and mesh.n_faces == 2 and mesh.is_closed and not method.takes_doubly_covered:
         raise InvalidParameter(
-            f"the metric is a triangle covered twice, which the method {method.name!r} does not embed: "
+            f"the metric is a doubly covered triangle, which the method {method.name!r} does not embed: "
             'take the method "alexandrov"'
         )
     if mesh and not method.takes_boundary:

@@ -102,7 +102,7 @@ def test_caps(call):
         assert call("embed", "cap.npz", "--boundary", condition, "-o", f"{name}.npz")[0] == 0
     status, out, _ = call("compare", "free.npz", "flat.npz", "cap.npz")
     assert status == 3
-    assert "because proofs about two surfaces are those of closed surfaces of genus 0" in out
+    assert "because proofs about two surfaces need closed surfaces of genus 0" in out
     assert "int H dA" in out and "volume" not in out
     report = strict(call("compare", "free.npz", "flat.npz", "--json")[1])
     assert report["difference"]["volume"] is None

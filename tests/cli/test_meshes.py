@@ -67,4 +67,4 @@ def test_tolerances_that_are_none(call, apart, arguments, sentence):
 def test_lengths_are_not_merged(call):
     call("surface", "ellipsoid", "--vertices", "12", "-o", "a.npz")
     status, _, complaint = call("inspect", "a.npz", "--merge")
-    assert status == 2 and "a.npz holds lengths: vertices are merged where they are all" in complaint
+    assert status == 2 and "a.npz holds lengths: merging applies to files" in complaint

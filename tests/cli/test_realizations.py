@@ -80,7 +80,7 @@ def test_the_input_is_not_overwritten(call, files):
     assert call("embed", "m.npz", "-o", "realization-1.ply")[0] == 0
     status, _, err = call("realizations", "realization-1.ply", "m.npz", "-o", ".")
     assert status == 2
-    assert "realization-1.ply would take the place of the input: take another folder" in err
+    assert "realization-1.ply would overwrite the input: take another folder" in err
 
 
 def test_which_of_them_is_the_answer(call, files):

@@ -69,7 +69,7 @@ def test_few_digits_are_fitted(call):
     [
         (["dome.obj", "-o", "a.txt"], "a.txt has the ending '.txt', not one of .csv .json"),
         (["dome.obj", "-o", "dome.obj"], "dome.obj has the ending '.obj', not one of .csv .json"),
-        (["dome.obj", "--tolerance", "-1"], "argument --tolerance: -1 is not a length from 0 on"),
+        (["dome.obj", "--tolerance", "-1"], "argument --tolerance: -1 is not a non-negative length"),
         (["dome.obj", "--stock", "x"], "argument --stock: 'x' is not a number"),
         (["dome.obj", "--stock", ".5"], "a strut of type B is 0.618034 long: none is cut from a bar of 0.5"),
         (["dome.obj", "--hub-radius", "3"], "hubs of radius 3 overlap: struts of type A are 0.546533 long"),

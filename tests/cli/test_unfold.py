@@ -105,7 +105,7 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             "--paper is for nets on pages (.svg .pdf .dxf .html)",
         ),
         (["cube.ply", "-o", "a.json", "--numbers"], "--numbers is for nets on pages (.svg .pdf .dxf .html)"),
-        (["cube.ply", "-o", "a.svg", "--scale", "3", "--size", "3"], "give one of them"),
+        (["cube.ply", "-o", "a.svg", "--scale", "3", "--size", "3"], "not both"),
         (["cube.ply", "-o", "a.svg", "--paper", "A9"], "paper is 'A9', not one of A0, A1,"),
         (
             ["cube.ply", "-o", "a.svg", "--scale", "300"],

@@ -121,10 +121,10 @@ def test_what_is_refused(pair):
     other = isoembed.Embedding(
         isoembed.PolyhedralMetric.from_mesh(x, faces), x, method="given", tolerance=1e-10
     )
-    with pytest.raises(InvalidParameter, match="other triangles"):
+    with pytest.raises(InvalidParameter, match="the same triangles"):
         isoembed.compare(pair[0], other)
     x, faces = triangulate(Ellipsoid((3.0, 2.0, 1.0)), 60)
     curved = isoembed.PolyhedralMetric.from_mesh(x / 9, faces, curvature=-1)
     bent = isoembed.Embedding(curved, x / 9, method="given", tolerance=1e-10)
-    with pytest.raises(InvalidParameter, match="comparisons are those of surfaces in R"):
+    with pytest.raises(InvalidParameter, match="comparisons need surfaces in R"):
         isoembed.compare(bent, bent)

@@ -273,7 +273,7 @@ def test_gaussian_curvature_has_a_unit_and_is_that_of_a_sphere():
 
 def test_normals_are_of_flat_space():
     metric = PolyhedralMetric.from_mesh(*zoo.icosphere(1)).in_space(isoembed.Hyperbolic())
-    with pytest.raises(isoembed.InvalidParameter, match="normals are those of surfaces in R"):
+    with pytest.raises(isoembed.InvalidParameter, match="normals need surfaces in R"):
         isoembed.embed(metric).normals  # noqa: B018
 
 

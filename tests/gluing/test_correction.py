@@ -147,12 +147,12 @@ def test_no_tolerance_is_advised_that_does_not_help():
 
 @pytest.mark.parametrize("tolerance", [-1.0, np.nan, np.inf, "a", True])
 def test_a_tolerance_is_a_length(tolerance):
-    with pytest.raises(InvalidParameter, match="not a length from 0 on"):
+    with pytest.raises(InvalidParameter, match="not a non-negative length"):
         glue([TRIANGLE] * 4, corners=NAMES, tolerance=tolerance)
 
 
 def test_curved_polygons_are_not_corrected():
-    with pytest.raises(InvalidParameter, match="a tolerance is for polygons of the plane"):
+    with pytest.raises(InvalidParameter, match="a tolerance requires polygons in the plane"):
         glue([TRIANGLE] * 4, corners=NAMES, tolerance=0.1, curvature=-1.0)
 
 

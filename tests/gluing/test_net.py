@@ -240,7 +240,7 @@ def test_a_polygon_lost_in_rounding_is_refused(monkeypatch):
 @pytest.mark.parametrize(
     ("sides", "sentence"),
     [
-        (None, "what is glued is told either by the sides or by the names of the corners"),
+        (None, "give either the sides that are glued or the names of the corners"),
         (17, "the sides are 17, not a list of pairs"),
         ([(0, 1, 2)], "sides[0] is (0, 1, 2), not a pair of sides or runs"),
         ([((0, 1), 3)], "sides[0] glues 3, which is neither a side (polygon, side) nor a run"),

@@ -240,7 +240,7 @@ def test_deficits_below_the_noise_are_refused_by_name():
 
 @pytest.mark.parametrize("noise", [-1e-9, np.nan, np.inf])
 def test_noise_is_a_number_of_radians(noise):
-    with pytest.raises(InvalidParameter, match=r"^the noise is .*, not a number of radians from 0 on$"):
+    with pytest.raises(InvalidParameter, match=r"^the noise is .*, not a non-negative number of radians$"):
         repaired(grid_cube(1), noise)
 
 

@@ -187,7 +187,7 @@ def test_a_refusal_names_a_paper_of_the_same_series(paper, named):
 def test_a_size_is_that_of_a_known_solid():
     net = replace(unfold(solid(*zoo.cube())), vertices=None)
     with pytest.raises(
-        isoembed.InvalidParameter, match="the size is that of a solid, and this net knows none"
+        isoembed.InvalidParameter, match="a size needs the solid, which this net does not have"
     ):
         laid_out(net, size=100.0)
 

@@ -46,7 +46,7 @@ def test_each_face_has_its_number_on_the_net_and_on_the_solid(name):
 
 def test_faces_of_no_solid_have_no_numbers():
     with pytest.raises(
-        InvalidParameter, match="numbers are those of the faces of a solid, and this net knows none"
+        InvalidParameter, match="numbers need the faces of a solid, which this net does not have"
     ):
         drawn(replace(net_of(*zoo.cube()), vertices=None), numbers=True)
 

@@ -223,7 +223,7 @@ def test_names_of_papers_in_any_case(typed, name):
         ),
         ({"paper": "roll:70"}, "paper is 'roll:70': less than 80 mm has no room for margins and ruler"),
         ({"size": 0.0}, "size is 0.0, not a positive finite number of mm"),
-        ({"size": 10.0, "scale": 2.0}, "there are a scale of 2 mm and a size of 10 mm: give one of them"),
+        ({"size": 10.0, "scale": 2.0}, "give either a scale, here 2 mm, or a size, here 10 mm, not both"),
         ({"scale": "big"}, "scale is 'big', not a positive finite number of mm"),
         ({"material": "leather"}, "material is 'leather', not an isoembed.papercraft.Material"),
         ({"scale": -1.0}, "scale is -1.0, not a positive finite number of mm"),

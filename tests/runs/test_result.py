@@ -37,7 +37,7 @@ def test_one_without_an_answer_says_why():
     ("tables", "message"),
     [
         ({"label": "a", "status": "b"}, "has no 'report'"),
-        ({"label": "a", "status": "b", "report": "{"}, "its report is no JSON"),
+        ({"label": "a", "status": "b", "report": "{"}, "its report is not JSON"),
         ({"label": np.array([1]), "status": "b", "report": "{}"}, "has no 'label'"),
     ],
 )

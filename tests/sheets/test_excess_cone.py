@@ -15,12 +15,12 @@ def test_elastic_curves_of_small_surplus(waves):
 
 def test_the_energy_grows_with_the_logarithm_of_the_radius():
     energies, [height, angle] = [], elastic_curve(1.0)
-    for rings in (5, 10):
+    for rings in (6, 12):
         metric, start = cone_metric(rings, 1.0)
         found = embed(metric, boundary="free", start=start)
         assert found.residual < 1e-13 and found.imbalance < 1e-8
         energies.append(found.second_form_energy)
-    assert (energies[1] - energies[0]) / np.log(2) == pytest.approx(height, rel=0.01)
+    assert (energies[1] - energies[0]) / np.log(2) == pytest.approx(height, rel=0.05)
     rim = found.vertices[metric.triangulation.boundaries[0]] - found.vertices[0]
     axis = np.cross(rim, np.roll(rim, -1, axis=0)).sum(axis=0)
     heights = np.arcsin(rim @ axis / np.linalg.norm(axis))

@@ -281,8 +281,8 @@ def test_the_text():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"tolerance": -1.0}, "tolerance is -1.0, not a length from 0 on"),
-        ({"stock": np.inf}, "stock is inf, not a length from 0 on"),
+        ({"tolerance": -1.0}, "tolerance is -1.0, not a non-negative length"),
+        ({"stock": np.inf}, "stock is inf, not a non-negative length"),
         (
             {"hub_radius": 0.4},
             "hubs of radius 0.4 overlap: struts of type A are 0.546533 long",

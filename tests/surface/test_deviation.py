@@ -152,7 +152,7 @@ def test_what_is_refused():
         isoembed.Sensitivity(found).deviation(np.nan)
     x, faces = triangulate(Ellipsoid((3.0, 2.0, 1.0)), 60)
     curved = isoembed.PolyhedralMetric.from_mesh(x / 9, faces, curvature=-1)
-    with pytest.raises(InvalidParameter, match="deviations are those of surfaces in R"):
+    with pytest.raises(InvalidParameter, match="deviations need surfaces in R"):
         isoembed.Sensitivity(isoembed.Embedding(curved, x / 9, method="given", tolerance=1e-10)).deviation(
             1e-3
         )

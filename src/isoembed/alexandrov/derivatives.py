@@ -81,7 +81,7 @@ class GivenLengthDerivatives:
         metric, t = body.metric.normalized, body.triangulation
         if not metric.space.is_euclidean:
             raise InvalidParameter(
-                f"derivatives by given lengths are those of polyhedra in R^3, not in {body.space!r}"
+                f"derivatives by given lengths need polyhedra in R^3, not in {body.space!r}"
             )
         if len(paths.ends) != t.n_edges:
             raise InvalidParameter(f"{len(paths.ends)} edges were given, and the polyhedron has {t.n_edges}")

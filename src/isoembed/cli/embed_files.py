@@ -57,7 +57,7 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
     inputs = {task.path.resolve(): task.path for task in tasks}
     for name in (TABLE, *(f"{task.label}{end}" for task in tasks for end in (SURFACE, REPORT))):
         if (same := inputs.get((folder / name).resolve())) is not None:
-            raise UsageError(f"{folder / name} would take the place of the input {same}: take another folder")
+            raise UsageError(f"{folder / name} would overwrite the input {same}: take another folder")
     tally = carried_out(tasks, Store.made(folder), options, lambda result: _write(folder, result))
     table = None if options.shard else str(options.output / TABLE)
     if table:  # of parts, others are at work: the whole makes it

@@ -81,7 +81,7 @@ def _write(options: argparse.Namespace, found: Realizations) -> list[Path]:
     inputs = {path.resolve() for path in (options.surface, options.metric)}
     for path in paths:
         if path.resolve() in inputs:
-            raise UsageError(f"{path} would take the place of the input: take another folder")
+            raise UsageError(f"{path} would overwrite the input: take another folder")
     if paths:
         options.output.mkdir(parents=True, exist_ok=True)
     write_atomically(

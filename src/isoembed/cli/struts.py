@@ -109,5 +109,5 @@ def _length(text: str) -> float:
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
     if not 0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not a length from 0 on")
+        raise argparse.ArgumentTypeError(f"{text} is not a non-negative length")
     return value

@@ -114,9 +114,9 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
         checked_embedding(each)
     for each in (first, second):
         if not each.space.is_euclidean:
-            raise InvalidParameter(f"comparisons are those of surfaces in R^3, not in {each.space!r}")
+            raise InvalidParameter(f"comparisons need surfaces in R^3, not in {each.space!r}")
     if not np.array_equal(first.faces, second.faces):
-        raise InvalidParameter("the surfaces have other triangles, or in another order")
+        raise InvalidParameter("the surfaces do not have the same triangles in the same order")
     t, unit, mean_length = first.triangulation, first.metric.unit, first.metric.normalized.mean_length
     if not t.is_closed:
         x, own = first.vertices / first.metric.unit, second.vertices / first.metric.unit
@@ -202,7 +202,7 @@ def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
 def _obstacle(first: Embedding, second: Embedding) -> str:
     """Reason why nothing is proven of two surfaces; empty if it is."""
     if not first.triangulation.is_sphere:
-        return "proofs about two surfaces are those of closed surfaces of genus 0"
+        return "proofs about two surfaces need closed surfaces of genus 0"
     lengths, others = first.metric.lengths, second.metric.lengths
     if not np.array_equal(lengths, others):
         e = int(np.argmax(lengths != others))

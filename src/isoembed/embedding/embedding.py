@@ -164,7 +164,7 @@ class Embedding:
         """
         from isoembed.embedding.sensitivity import OF_A_NUMBER
 
-        self.triangulation.check_sphere("error bars are those of", OF_A_NUMBER)
+        self.triangulation.check_sphere("error bars need", OF_A_NUMBER)
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:

@@ -69,7 +69,7 @@ class Sensitivity:
     @property
     def _closed(self) -> LengthDerivatives:
         """J and its factors, of a closed surface of genus 0; raises InvalidMetric of others."""
-        self._metric.triangulation.check_sphere("second derivatives and bounds are those of", OF_A_NUMBER)
+        self._metric.triangulation.check_sphere("second derivatives and bounds need", OF_A_NUMBER)
         return cast(LengthDerivatives, self._derivatives)
 
     def jvp(self, changes: ArrayLike) -> Floats:
@@ -259,9 +259,7 @@ class Sensitivity:
         """
         metric = self._metric
         if not metric.space.is_euclidean:
-            raise InvalidParameter(
-                f"second derivatives are those of surfaces in R^3, not in {metric.space!r}"
-            )
+            raise InvalidParameter(f"second derivatives need surfaces in R^3, not in {metric.space!r}")
         unit, lengths = metric.unit, metric.normalized.lengths
         dl = checked(changes, lengths.shape, "changes") / unit
         if dl.ndim > 1:
@@ -374,5 +372,5 @@ class Sensitivity:
     def _flat_errors(self, errors: ArrayLike) -> Floats:
         """Errors of the lengths of a surface in R^3 in the normalized unit, (E,), checked."""
         if not self._metric.space.is_euclidean:
-            raise InvalidParameter(f"deviations are those of surfaces in R^3, not in {self._metric.space!r}")
+            raise InvalidParameter(f"deviations need surfaces in R^3, not in {self._metric.space!r}")
         return checked_errors(self._metric, errors) / self._metric.unit

@@ -203,7 +203,7 @@ def _check_apart(points: Floats, faces: list[list[int]], outer: list[list[int]])
             if own.isdisjoint(outer[k]) and is_inside(v, corners):
                 raise InvalidMetric(
                     f"there is an outline inside of another, at {_at(v)}: sheets with holes cannot be glued, "
-                    "and frames are to be removed"
+                    "and frames must be removed"
                 )
 
 

@@ -211,7 +211,7 @@ def glue(
         raise InvalidMetric("there are no polygons")
     sheets = [Polygon.of(polygon, p, space, model) for p, polygon in enumerate(polygons)]
     if (sides is None) == (corners is None):
-        raise InvalidParameter("what is glued is told either by the sides or by the names of the corners")
+        raise InvalidParameter("give either the sides that are glued or the names of the corners")
     try:
         return _glued(sheets, sides, corners, Tolerance.of(sheets, tolerance), any_surface)
     except UnequalLengths as error:

@@ -49,15 +49,15 @@ class Tolerance:
         Raises
         ------
         InvalidParameter
-            The given one is not a length from 0 on, or the polygons are not of the plane.
+            The given one is not a non-negative length, or the polygons are not of the plane.
         """
         if given is not None and (
             isinstance(given, bool) or not isinstance(given, numbers.Real) or not 0 <= given < math.inf
         ):
-            raise InvalidParameter(f"the tolerance is {given!r}, not a length from 0 on")
+            raise InvalidParameter(f"the tolerance is {given!r}, not a non-negative length")
         if not sheets[0].space.is_euclidean:  # where coordinates are no lengths
             if given is not None:
-                raise InvalidParameter("a tolerance is for polygons of the plane, which can be corrected")
+                raise InvalidParameter("a tolerance requires polygons in the plane, which can be corrected")
             return cls.exact(len(sheets))
         side = min(float(sheet.sides.mean()) for sheet in sheets)
         values = [np.abs(sheet.corners[sheet.corners != 0]) for sheet in sheets]

@@ -66,7 +66,7 @@ def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
         why = f"{type(error).__name__}: {error}"
         raise FileError(f"the format {point.name!r} cannot be loaded from {point.value}: {why}") from error
     if not isinstance(found, kind):
-        raise FileError(f"the format {point.name!r} is {point.value}, which is no {kind.__name__}")
+        raise FileError(f"the format {point.name!r} is {point.value}, which is not a {kind.__name__}")
     return found
 
 

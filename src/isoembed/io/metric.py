@@ -203,7 +203,7 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         tables = {**tables, **_precision(tables, name)}
     if "lengths" in tables:
         if merge is not None:
-            raise FileError(f"{name} holds lengths: vertices are merged where they are all that there is")
+            raise FileError(f"{name} holds lengths: merging applies to files with vertices only")
         return tables
     merge = 0.0 if merge is None and repeated else merge
     said = {key: tables[key] for key in ("curvature", "precision", "rounding_error") if key in tables}

@@ -122,7 +122,7 @@ def repaired(
         The noise is negative or not finite.
     """
     if not (math.isfinite(noise) and noise >= 0):
-        raise InvalidParameter(f"the noise is {noise!r}, not a number of radians from 0 on")
+        raise InvalidParameter(f"the noise is {noise!r}, not a non-negative number of radians")
     given = GluedMetric.of(metric)
     before = given.deficits
     rounding = deficit_rounding(given)

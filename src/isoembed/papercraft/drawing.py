@@ -162,14 +162,14 @@ def drawn(
     """
     vertices = unfolding.vertices
     if numbers and vertices is None:
-        raise InvalidParameter("numbers are those of the faces of a solid, and this net knows none")
+        raise InvalidParameter("numbers need the faces of a solid, which this net does not have")
     if not isinstance(material := material or Material(), Material):
         raise InvalidParameter(f"material is {material!r}, not an isoembed.papercraft.Material")
     beyond = _beyond(material)
     layout = laid_out(unfolding, paper, scale=scale, size=size, beyond=beyond)
     if material.thickness:
         if numbers:
-            raise InvalidParameter("numbers of faces are for thin sheets: give no thickness")
+            raise InvalidParameter("numbers of faces cannot be combined with a thickness")
         thick = thickened(layout.unfolding, material, layout.scale)
         layout = laid_out(thick, paper, scale=layout.scale, beyond=beyond)
     unfolding, places = layout.unfolding, layout.places

@@ -67,7 +67,7 @@ class Material:
         positive = ("spacing", "hole", "dash", "gap")
         for name in (field.name for field in fields(self) if field.type is float):
             value = getattr(self, name)
-            least = "above 0" if name in positive else "from 0 on"
+            least = "above 0" if name in positive else "of at least 0"
             if not is_number(value) or not 0 <= value < math.inf or (name in positive and value == 0):
                 raise InvalidParameter(f"{name} is {value!r}, not a number {least}")
         if self.allowance and self.joints == "tabs":

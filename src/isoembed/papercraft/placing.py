@@ -119,14 +119,14 @@ def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
             raise InvalidParameter(f"{name} is {value!r}, not a positive finite number of mm")
     if len(given) == 2:
         raise InvalidParameter(
-            f"there are a scale of {scale:g} mm and a size of {size:g} mm: give one of them"
+            f"give either a scale, here {scale:g} mm, or a size, here {size:g} mm, not both"
         )
     return given[0] if given else None
 
 
 def _extent(unfolding: Unfolding) -> float:
     if unfolding.vertices is None:
-        raise InvalidParameter("the size is that of a solid, and this net knows none: give a scale")
+        raise InvalidParameter("a size needs the solid, which this net does not have: give a scale")
     return float(np.ptp(unfolding.vertices, axis=0).max())
 
 

@@ -87,6 +87,6 @@ class Result:
         try:
             report = json.loads(text)
         except ValueError as error:
-            raise FileError(f"{path} is not a result: its report is no JSON: {error}") from None
+            raise FileError(f"{path} is not a result: its report is not JSON: {error}") from None
         arrays = {name.removeprefix(ARRAY): table for name, table in tables.items() if name.startswith(ARRAY)}
         return cls(label, status, report, arrays)

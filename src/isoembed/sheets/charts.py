@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 
@@ -53,7 +53,11 @@ class Charts:
         links = _Links(corners, across, after, before, side)
         second, sides = links.unfolded(_Sides(corners, across[after], near, far))
         third, _ = links.unfolded(sides.of(t.boundary_vertices[sides.centers]))
-        beyond = tuple(map(np.concatenate, zip(second, third, strict=True)))
+        beyond = (
+            np.concatenate([second[0], third[0]]),
+            np.concatenate([second[1], third[1]]),
+            np.concatenate([second[2], third[2]]),
+        )
         return cls._sorted(t.n_vertices, ring, beyond)
 
     @classmethod
@@ -120,7 +124,7 @@ class _Sides:
     begins: Floats
     ends: Floats
 
-    def of(self, chosen: Indices) -> _Sides:
+    def of(self, chosen: Mask) -> _Sides:
         return _Sides(self.centers[chosen], self.across[chosen], self.begins[chosen], self.ends[chosen])
 
 

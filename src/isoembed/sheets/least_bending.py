@@ -27,7 +27,7 @@ from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows
 STIFFNESSES = tuple(10.0**-k for k in range(4, 10))  # epsilon over the area, one after the other
 TRIED = 20  # Newton steps at most for each of several starts
 KEPT = 2  # of these, when the sheets are thick
-DISTINCT = 1.003, 1.05  # times the least energy, from and to which the second is another surface to be found
+DISTINCT = 1.0005, 1.05  # times the least energy, from and to which the second is another surface to be found
 THINNER = tuple(10.0**-k for k in range(10, 13))  # the same, where forces were not balanced
 DESCENT = 40  # Newton steps at most for each
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon

@@ -38,7 +38,7 @@ from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
 from isoembed.sheets.placement import standard_sheet, turned_about_vertical
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
-from isoembed.surface.alignment import aligned
+from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.measures import face_areas
 
 CONDITIONS = "free", "plane"
@@ -278,7 +278,7 @@ def _least_bending(
                 "imbalance": found.imbalance,
                 "uniqueness": _searched(1 + len(starts)),
             }
-        x = found.vertices if is_placed else standard_sheet(t, found.vertices)
+        x = aligned(found.vertices, start) if is_placed else standard_sheet(t, found.vertices)
         surfaces.append(_embedding(metric, x, tolerance, log, "free", **known))
     surfaces.sort(key=_rank)
     return _beside(surfaces[0], surfaces[1:])._with_stages(log.stages)
@@ -294,7 +294,7 @@ def _beside(best: SheetEmbedding, rest: list[SheetEmbedding]) -> SheetEmbedding:
     """The best of the surfaces with those beside it that are others, turned to where they are nearest."""
     energy = best.second_form_energy
     others = [
-        replace(other, vertices=aligned(other.vertices, best.vertices))
+        replace(other, vertices=aligned_image(other.vertices, best.vertices))
         for other in rest
         if other.converged and abs(other.second_form_energy - energy) > SAME * energy
     ]

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 BALANCED = 1e-6  # imbalance of a minimum
 FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; of one as curved as it is wide it is about 1
+ROUGH = 0.08  # share of the edges: of smooth sheets with K < 0, up to .05 were, of crumpled ones .1 to .25
 TOO_LITTLE = 0.95  # share of the least energy of smooth surfaces below which that of a mesh is an error
 
 
@@ -152,6 +153,12 @@ class SheetEmbedding(Embedding):
                 "the mesh is too coarse to tell the bending energy: int k1^2 + k2^2 dA is computed as "
                 f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA = "
                 f"{self.least_second_form_energy:.3g}"
+            )
+        inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
+        if rough.sum() > ROUGH * inside.sum():
+            said.append(
+                f"{rough.sum()} of {inside.sum()} edges inside are rough: the sheet is creased, and its energy "
+                "depends on the mesh; compare it with that of a finer one"
             )
         if self.uniqueness is not None:
             said.append(self.uniqueness.basis)

@@ -73,7 +73,7 @@ class MetricDerivatives:
         degree = max(surface.harmonics.degree, LEAST_DEGREE if degree is None else degree)
         if not surface.space.is_euclidean:
             raise InvalidParameter(
-                f"derivatives by the metric are those of surfaces in R^3, not in {surface.space!r}"
+                f"derivatives by the metric need surfaces in R^3, not in {surface.space!r}"
             )
         if not surface.converged:
             raise InvalidParameter(f"the surface misses its metric by {surface.residual:.1e}")

@@ -221,5 +221,5 @@ def Spherical(k: float = 1.0) -> Space:  # noqa: N802
 
 def _positive(k: float) -> float:
     if not isinstance(k, numbers.Real) or not 0 < k < math.inf:
-        raise InvalidParameter(f"the curvature of space is to be {k!r}, not a positive finite number")
+        raise InvalidParameter(f"the curvature of space must be a positive finite number, not {k!r}")
     return float(k)

@@ -189,7 +189,7 @@ def strut_table(
     InvalidMetric
         The surface is in hyperbolic or spherical space.
     InvalidParameter
-        The tolerance or the radius is not a length from 0 on, a strut is no longer than two hub radii, or
+        The tolerance or the radius is not a non-negative length, a strut is no longer than two hub radii, or
         longer than the stock.
 
     Examples
@@ -204,7 +204,7 @@ def strut_table(
         raise InvalidMetric(f"the surface is in {surface.space.name} space: struts are straight in R^3")
     for name, value in (("tolerance", tolerance), ("hub_radius", hub_radius), ("stock", stock)):
         if value is not None and not (isinstance(value, numbers.Real) and 0 <= value < math.inf):
-            raise InvalidParameter(f"{name} is {value!r}, not a length from 0 on")
+            raise InvalidParameter(f"{name} is {value!r}, not a non-negative length")
     frame, unit = Frame.of(surface), surface.unit
     which = np.flatnonzero(frame.is_strut)
     edges, lengths = surface.edges[which], surface._lengths[which]

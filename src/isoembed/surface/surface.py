@@ -161,7 +161,7 @@ class Surface:
             The surface is in hyperbolic or spherical space, where directions at different points differ.
         """
         if not self.space.is_euclidean:
-            raise InvalidParameter(f"normals are those of surfaces in R^3, not in {self.space!r}")
+            raise InvalidParameter(f"normals need surfaces in R^3, not in {self.space!r}")
         normals = measures.face_normals(self.faces, self._normalized)
         with np.errstate(invalid="ignore"):  # a triangle without area has none: NaN
             return frozen(normals / np.linalg.norm(normals, axis=1, keepdims=True))

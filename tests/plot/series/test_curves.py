@@ -99,7 +99,7 @@ def test_what_there_is_not_is_one_sentence(results):
     table = SeriesTable.of(results)
     with pytest.raises(InvalidParameter, match="there is no 'mass' to show; there are area, "):
         series_figure(table, ["mass"])
-    with pytest.raises(InvalidParameter, match="of no horizon is there a number: wang_yau"):
+    with pytest.raises(InvalidParameter, match="no horizon has a value of wang_yau"):
         series_figure(table, ["wang_yau"])
 
 

@@ -15,6 +15,7 @@ from isoembed.relativity import (
     StarSurface,
     SurfaceData,
     embed_surface,
+    embedded_report,
 )
 from isoembed.smooth import AxisymmetricEmbedding, solve
 from isoembed.surface.measures import face_areas, volume
@@ -44,6 +45,15 @@ def falling():
 
 
 # reports
+
+
+def test_the_reason_without_a_wang_yau_energy_is_an_exception():
+    surface = embed_surface(SurfaceData(HORIZON), vertices=60)
+    assert isinstance(surface.wang_yau, InvalidParameter)
+    report = embedded_report(surface, surface.wang_yau)
+    assert report["wang_yau"] is None and report["errors"]["wang_yau"] is None
+    assert report["notes"][-1] == str(surface.wang_yau)
+    assert "wang_yau" not in surface.report
 
 
 def test_the_report_is_strict_json(horizon):

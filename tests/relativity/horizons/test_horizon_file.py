@@ -251,7 +251,7 @@ def test_other_files(tmp_path):
     ("value", "sentence"),
     [
         ("no_such_module:FORMAT", "cannot be loaded from no_such_module:FORMAT: ModuleNotFoundError: "),
-        ("math:pi", "is math:pi, which is no HorizonFormat"),
+        ("math:pi", "is math:pi, which is not a HorizonFormat"),
     ],
 )
 def test_broken_formats_of_others(value, sentence, tmp_path, monkeypatch):

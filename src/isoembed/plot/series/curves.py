@@ -75,7 +75,7 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
             raise InvalidParameter(f"there is no {name!r} to show; there are {', '.join(SYMBOLS)}")
     shown = [name for name in names if _known(table, name)]
     if not shown:
-        raise InvalidParameter(f"of no horizon is there a number: {', '.join(names)}")
+        raise InvalidParameter(f"no horizon has a value of {', '.join(names)}")
     check_drawable()
     from isoembed.plot.windowless import WindowlessFigure
 

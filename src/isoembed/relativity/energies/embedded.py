@@ -28,6 +28,9 @@ from isoembed.smooth.two_metric import area_density
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 
+NoWangYau = InvalidParameter | NotEmbedded | NoMinimum
+"""Absence of a Wang-Yau energy: data are missing, no surface in Minkowski space embeds, or no minimum."""
+
 CONVENTIONS = {
     "units": "geometric, G = c = 1, in the unit of the lengths",
     "integrated_mean_curvature": "int H dA with H = (k1 + k2)/2 in Euclidean space; int k0 dA is twice that",
@@ -109,8 +112,8 @@ class EmbeddedSurface:
         return find_spin(self.data)
 
     @cached_property
-    def wang_yau(self) -> WangYau | ChenWangYau | str:
-        """The least Wang-Yau energy that is found, or why there is none.
+    def wang_yau(self) -> WangYau | ChenWangYau | NoWangYau:
+        """The least Wang-Yau energy that is found, or the exception that says why there is none.
 
         In hyperbolic and spherical space, slices of anti-de Sitter and de Sitter space, it is that of tau = 0
         (`isoembed.relativity.chen_wang_yau`), whose surface is the embedded one.
@@ -120,7 +123,7 @@ class EmbeddedSurface:
                 return wang_yau(self.data, "optimal", embedding=self.embedding)
             return chen_wang_yau(self.data, self.embedding, curvature_error=self.curvature_error)
         except (InvalidParameter, NotEmbedded, NoMinimum) as error:
-            return str(error)
+            return error.with_traceback(None)  # which would keep what was computed on the way
 
     @property
     def report(self) -> dict[str, Any]:
@@ -267,20 +270,20 @@ def space_report(space: Space, least: LeastHyperbolic | None = None) -> dict[str
 
 
 def embedded_report(
-    surface: EmbeddedSurface, wang_yau: WangYau | ChenWangYau | str | None = None
+    surface: EmbeddedSurface, wang_yau: WangYau | ChenWangYau | NoWangYau | None = None
 ) -> dict[str, Any]:
     """Report of an embedded surface, plain numbers for JSON.
 
     Parameters
     ----------
     surface : EmbeddedSurface
-    wang_yau : WangYau, ChenWangYau or str, optional
-        `EmbeddedSurface.wang_yau`, or why there is none, where it was asked for.
+    wang_yau : WangYau, ChenWangYau or exception, optional
+        `EmbeddedSurface.wang_yau`, where it was asked for.
     """
     data, embedding = surface.data, surface.embedding
     energies, more, notes = surface.energies.report, dict[str, Any](), tuple[str, ...]()
-    if isinstance(wang_yau, str):
-        more, notes = {"wang_yau": None}, (wang_yau,)
+    if isinstance(wang_yau, NoWangYau):
+        more, notes = {"wang_yau": None}, (str(wang_yau),)
         energies["errors"]["wang_yau"] = None
     elif wang_yau is not None:
         energy, notes = wang_yau.energy, wang_yau.notes

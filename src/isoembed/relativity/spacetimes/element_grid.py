@@ -21,7 +21,7 @@ from isoembed.relativity.spacetimes.checks import refuse_points
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 from isoembed.reprs import short_repr
 
-ACROSS = 12  # nodes across a horizon; with 8 none is found, with 9 its area has 4 digits, with 12 six
+ACROSS = 12  # nodes across a horizon; with 8 none is found, with 9 some, with 12 all, to 4 digits or more
 BULGE = 0.25  # extents, by which an element may reach beyond the box of its nodes
 
 

@@ -208,7 +208,7 @@ class SurfaceData:
             return given
         if not isinstance(self.metric, GridMetric):
             raise InvalidParameter(
-                f"the {field} is a {type(given).__name__}: with a metric that is on no grid it must be a "
+                f"the {field} is a {type(given).__name__}: with a metric that is not on a grid, it must be a "
                 "function of unit vectors u (n, 3)"
             )
         if field != "normal_momentum":
