@@ -1,9 +1,11 @@
 """Surfaces with boundary and of higher genus: accuracy, rates, success and cost.
 
-    python benchmarks/sheets.py [--only caps bending curves tori] [--count N] [--sizes N ...]
+    python benchmarks/sheets.py [--only caps bending saddles curves tori] [--count N] [--sizes N ...]
 
 Caps: distance from the true round cap.  Bending: int H^2 of round caps of least bending against
-2 pi (1 - cos R), factorizations and seconds, and the exponent of the time.  Curves: random discs, bumpy
+2 pi (1 - cos R), factorizations and seconds, and the exponent of the time.  Saddles: int k1^2 + k2^2 of
+Enneper's surface, with chords and with lengths of geodesics, against 8 pi r^2 / (1 + r^2), and of hyperbolic
+discs.  Curves: random discs, bumpy
 graphs with K of both signs, round caps and halves of gallery bodies, whose boundary is given; found to 1e-9
 of the diameter, or refused.  Tori: with bumps, from multidimensional scaling and from a torus of other radii.
 """
@@ -65,6 +67,51 @@ def bending(options):
         print(f"bending  time grows as V^{exponent:.2f}")
 
 
+ENNEPER = 0.8  # radius
+
+
+def enneper(points, faces, geodesic):
+    """Enneper's surface with chords for lengths, or with those of geodesics up to the fourth order."""
+    u, v = ENNEPER * points.T
+    x = np.stack([u - u**3 / 3 + u * v * v, -v + v**3 / 3 - v * u * u, u * u - v * v], axis=1)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    a, b = metric.edges.T
+    along, across = ENNEPER * (points[b] - points[a]).T
+    bend = 2 * (along**2 - across**2) / metric.lengths**2  # normal curvature, of II = 2 du^2 - 2 dv^2
+    return metric.with_lengths(metric.lengths * (1 + geodesic * (bend * metric.lengths) ** 2 / 24))
+
+
+def hyperbolic(points, faces, radius):
+    """A disc of the hyperbolic plane."""
+    edges = PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0), faces).edges
+    return PolyhedralMetric(faces, discs.hyperbolic_lengths(points, radius, edges), edges)
+
+
+def saddles(options):
+    """Sheets of least bending with K < 0."""
+    exact = 8 * np.pi * ENNEPER**2 / (1 + ENNEPER**2)
+    for n in options.sizes[:2]:
+        for mesh, (points, faces) in (
+            ("structured", discs.hexagonal(round(np.sqrt(n / 3)))),
+            ("irregular", discs.irregular(n)),
+        ):
+            for name, metric, least in (
+                ("Enneper, chords", enneper(points, faces, False), exact),
+                ("Enneper, geodesics", enneper(points, faces, True), exact),
+                ("hyperbolic disc, .5", hyperbolic(points, faces, 0.5), 4 * np.pi * (np.cosh(0.5) - 1)),
+                ("hyperbolic disc, 1", hyperbolic(points, faces, 1.0), 4 * np.pi * (np.cosh(1.0) - 1)),
+            ):
+                start = time.process_time()
+                found = embed(metric, boundary="free")
+                share = found.second_form_energy / least
+                print(
+                    f"saddles  {len(points):6d} vertices, {mesh}: {name}: {share:.4f} of the exact or least "
+                    f"energy, imbalance {found.imbalance:.0e}, {len(found.others)} others, "
+                    f"{time.process_time() - start:.1f} s",
+                    flush=True,
+                )
+
+
 def curves(options):
     """Random discs with a given boundary."""
     for name in ("bumpy", "cap", "half"):
@@ -103,7 +150,7 @@ def tori(options):
             )
 
 
-KINDS = {"caps": caps, "bending": bending, "curves": curves, "tori": tori}
+KINDS = {"caps": caps, "bending": bending, "saddles": saddles, "curves": curves, "tori": tori}
 
 
 def main():

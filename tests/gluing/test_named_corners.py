@@ -100,8 +100,8 @@ def test_one_name_for_two_vertices():
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({}, "either by the sides or by the names"),
-        ({"sides": [], "corners": []}, "either by the sides or by the names"),
+        ({}, "either the sides that are glued or the names"),
+        ({"sides": [], "corners": []}, "either the sides that are glued or the names"),
         ({"corners": ["abc"]}, "the corners are not 2 lists of names"),
         ({"corners": ["abc", "ab"]}, "corners[1] is 'ab', not a list of the names of the 3 corners"),
         (

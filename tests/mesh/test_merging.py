@@ -25,6 +25,11 @@ def test_the_first_of_each_chain(distance):
     np.testing.assert_array_equal(representatives(points, distance), nearest_first(points, distance))
 
 
+def test_coordinates_beyond_what_can_be_squared():
+    points = np.array([[0.0, 0.0], [1e300, 0.0], [1e300, 1e285], [1.0, 0.0]])
+    assert representatives(points, 1e290).tolist() == [0, 1, 1, 0]
+
+
 def test_faces_that_are_edges_and_points_are_left_out():
     faces = [
         [0, 1, 2],

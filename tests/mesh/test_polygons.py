@@ -8,6 +8,7 @@ from isoembed.mesh.polygons import next_corners, polygon_normals
 
 def test_the_next_corners():
     assert next_corners(np.array([3, 5, 4])).tolist() == [1, 2, 0, 4, 5, 6, 7, 3, 9, 10, 11, 8]
+    assert next_corners(np.empty(0, dtype=np.int64)).size == 0
 
 
 def test_normals_are_twice_the_areas():

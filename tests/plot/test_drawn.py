@@ -8,7 +8,6 @@ from isoembed import Embedding, PolyhedralMetric, Space
 from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.plot import Film, animation, figure, quantity, write_animation
 from isoembed.plot.drawn import MAX_BEND, MAX_PIECES, Drawn
-from isoembed.plot.film import shape
 from isoembed.plot.infinity import ball
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.view import Pose, View
@@ -159,7 +158,7 @@ def test_films(cube):
     assert len(frames) == 3
     for frame, share in zip(frames, (0.5, 0.8, 1.0), strict=True):
         np.testing.assert_allclose(frame.vertices, share * cube.vertices, atol=1e-7)
-        assert shape(cube.metric, frame.vertices, "").space == cube.space
+        assert frame.surface(cube).space == cube.space
 
 
 def test_a_film_file(monkeypatch, tmp_path):

@@ -1,16 +1,19 @@
 """Films: which surfaces are kept on the way, and how they are put."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import discs
 import isoembed
 import smooth_bodies
 from isoembed import InvalidParameter, Paper, PolyhedralMetric
 from isoembed.gallery import Ergosphere, triangulate
 from isoembed.plot import Film, frames_of
 from isoembed.plot.film import ANSWER
+from isoembed.surface.alignment import aligned
 from isoembed.surface.measures import edge_lengths, volume
 
 
@@ -103,3 +106,26 @@ def test_a_series_has_headings_and_one_triangulation(by_the_paper):
     other = isoembed.embed(PolyhedralMetric.from_mesh(*triangulate(Ergosphere(), 20)))
     with pytest.raises(InvalidParameter, match="the triangles of surface 0 are not those of the last one"):
         frames_of([other, last], ["a", "b"])
+
+
+def test_the_way_to_a_sheet_is_not_mirrored_in_between():
+    points, faces = discs.hexagonal(4)
+    x = np.column_stack([points, 0.3 * (points[:, 0] ** 2 - 0.8 * points[:, 1] ** 2)])
+    sheet, frames = filmed(PolyhedralMetric.from_mesh(x, faces), boundary="free")
+    assert len(frames) > 3
+    np.testing.assert_array_equal(frames[-1].vertices, sheet.vertices)
+    for frame, after in itertools.pairwise([frame.vertices for frame in frames[1:]]):
+        mirrored = aligned(frame * [1, 1, -1], after)
+        assert np.linalg.norm(frame - after) < np.linalg.norm(mirrored - after)
+    for boundary in (x[sheet.triangulation.boundaries[0]], 0.02 * np.arange(24) % 0.04):
+        metric = PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0) if boundary.ndim == 1 else x, faces)
+        assert len(filmed(metric, boundary=boundary)[1]) > 3
+
+
+def test_frames_of_a_sheet_are_colored_alike_to_the_boundary():
+    """A round cap: H is that of its sphere at the boundary, too, where dihedral angles end."""
+    points, faces = discs.hexagonal(5)
+    cap = isoembed.embed(PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0), faces), boundary="plane")
+    before, _ = frames_of([replace(cap, vertices=cap.vertices * [1, 1, -1]), cap], ["mirrored", "cap"])
+    np.testing.assert_allclose(before.vertices, cap.vertices, atol=1e-12)
+    assert before.surface(cap).mean_curvature == pytest.approx(np.ones(len(points)), abs=0.15)

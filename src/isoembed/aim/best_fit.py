@@ -145,25 +145,41 @@ class Fits:
         noise = float(np.sqrt(r @ r / free)) / unit
         return BestFit(x, weight, noise, noise / np.sqrt(free))
 
+    def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
+        """Trace of ``I - H``, which takes errors of the lengths to what the fit leaves of them.
+
+        ``H = J (J^T J + mu R^T R)^-1 J^T``.  Its trace is estimated by random vectors (Girard): the mean of
+        ``z^T (I - H) z``, with z of random signs.
+        """
+        self._recorder.factorizations += 1
+        self._solve = self._energy.solver(x, self._metric.lengths, mu, 0.0)
+        left = sum(float(z @ self._left(x, z)) for z in self._probes)
+        return max(left / PROBES, 1.0)  # the estimate is not good enough to tell less from none
+
+    def _left(self, x: Floats, errors: Floats) -> Floats:
+        """``(I - H) e``, H being that of the last fit; raises SingularMatrix."""
+        energy, lengths = self._energy, self._metric.lengths
+        return errors - energy.rates(x, lengths, self._solve(energy.forces(x, lengths, errors)))
+
     def outlier(self, fit: BestFit, error: float, candidates: int, most: float) -> int | None:
         """The length that a fit to the others misses by the most deviations, if these are more than `most`.
 
-        The residual of that fit is ``r_e / (1 - H_ee)``, of deviation ``s / sqrt(1 - H_ee)``; s is estimated
-        from its other residuals, but no less than the error.  Only so many lengths are candidates, those with
-        the largest residuals.
+        The fit is the last one.  The residual of that to the others is ``r_e / (1 - H_ee)``, of deviation
+        ``s / sqrt(1 - H_ee)``; s is estimated from its other residuals, but no less than the error.  Only so
+        many lengths are candidates, those with the largest residuals.
         """
         if not fit.score < np.inf or np.isinf(most):
             return None
-        energy, lengths, x = self._energy, self._metric.lengths, fit.vertices
-        self._recorder.factorizations += 1
-        solve = energy.solver(x, lengths, fit.weight * self._metric.mean_length**2, 0.0)
-        r = energy.residuals(x, lengths)
+        r = self._energy.residuals(fit.vertices, self._metric.lengths)
         suspect = None
         large = np.argsort(-np.abs(r))[:candidates]
         for e in large[np.abs(r[large]) > np.sqrt(REDUNDANT) * most * error].tolist():
-            column = np.zeros(len(r))
-            column[e] = 1.0
-            column -= energy.rates(x, lengths, solve(energy.forces(x, lengths, column)))  # of I - H
+            unit = np.zeros(len(r))
+            unit[e] = 1.0
+            try:
+                column = self._left(fit.vertices, unit)
+            except SingularMatrix:
+                continue
             redundancy = column[e]
             if redundancy < REDUNDANT:
                 continue
@@ -174,18 +190,3 @@ class Fits:
             if studentized > most and deviation < DOUBT * error:
                 suspect, most = e, studentized
         return suspect
-
-    def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
-        """Trace of ``I - H``, which takes errors of the lengths to what the fit leaves of them.
-
-        ``H = J (J^T J + mu R^T R)^-1 J^T``.  Its trace is estimated by random vectors (Girard): the mean of
-        ``z^T (I - H) z``, with z of random signs.
-        """
-        energy, lengths = self._energy, self._metric.lengths
-        self._recorder.factorizations += 1
-        solve = energy.solver(x, lengths, mu, 0.0)
-        left = 0.0
-        for z in self._probes:
-            d = solve(energy.forces(x, lengths, z))
-            left += float(z @ (z - energy.rates(x, lengths, d)))
-        return max(left / PROBES, 1.0)  # the estimate is not good enough to tell less from none

@@ -142,8 +142,9 @@ def _end(
     if options.output:
         found = f"{embedding.status}: {embedding.message}"
         integrals = ""
-        if embedding.length_errors is not None and embedding.triangulation.is_sphere:
-            integrals = ", ".join(f"{shown} {measure(report(), name)}" for name, shown in INTEGRALS.items())
+        if embedding.length_errors is not None:
+            known = {name: shown for name, shown in INTEGRALS.items() if report()[name] is not None}
+            integrals = ", ".join(f"{shown} {measure(report(), name)}" for name, shown in known.items())
         lines = found, _proof(embedding), integrals
         print_aside("\n".join(line for line in lines if line))
     print_written(options, *files)

@@ -167,6 +167,10 @@ class Embedding:
         self.triangulation.check_sphere("error bars need", OF_A_NUMBER)
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
+    def _shaped(self, vertices: Floats, message: str) -> Embedding:
+        """Return a surface that was not solved for, on the same triangles, for pictures."""
+        return Embedding(self.metric, vertices, method="", tolerance=1.0, message=message)
+
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric.
 

@@ -12,7 +12,7 @@ def representatives(points: Floats, distance: float) -> Indices:
     Parameters
     ----------
     points : ndarray, shape (V, n)
-        Finite, and of the size of 1.
+        Finite.
     distance : float
         Vertices that are as near, or are connected by a chain of such, are one.  At 0 they are equal.
     """
@@ -21,7 +21,9 @@ def representatives(points: Floats, distance: float) -> Indices:
     from scipy.spatial import cKDTree  # slow to import, and seldom needed
 
     n = len(points)
-    a, b = cKDTree(points).query_pairs(distance, output_type="ndarray").T
+    exponent = int(np.frexp(np.abs(points).max(initial=0.0))[1])  # the tree squares coordinates
+    tree = cKDTree(np.ldexp(points, -exponent))
+    a, b = tree.query_pairs(float(np.ldexp(distance, -exponent)), output_type="ndarray").T
     label = components(a, b, n)
     return np.unique(label, return_index=True)[1][label]
 

@@ -12,7 +12,7 @@ from isoembed.errors import InvalidMetric
 def next_corners(sizes: Indices) -> Indices:
     """The place in the table of the corner after each one around its polygon, shape (n,)."""
     ends = np.cumsum(sizes)
-    after = np.arange(1, int(ends[-1]) + 1)
+    after = np.arange(1, int(sizes.sum()) + 1)
     after[ends - 1] = ends - sizes
     return after
 

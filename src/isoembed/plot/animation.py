@@ -16,7 +16,7 @@ from isoembed.io.registry import check_output
 from isoembed.plot.coloring import mean_curvature
 from isoembed.plot.drawn import Drawn
 from isoembed.plot.endings import ANIMATION_ENDINGS
-from isoembed.plot.film import ANSWER, Frame, shape
+from isoembed.plot.film import ANSWER, Frame
 from isoembed.plot.infinity import ball, draw_infinity
 from isoembed.plot.panel import Panel
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
@@ -120,7 +120,7 @@ def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
 def _values(embedding: Embedding, vertices: Floats) -> Floats:
     """Mean curvature."""
     with np.errstate(divide="ignore", invalid="ignore"):  # of a vertex without area
-        return shape(embedding.metric, vertices, ANSWER).mean_curvature
+        return embedding._shaped(vertices, ANSWER).mean_curvature
 
 
 def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:

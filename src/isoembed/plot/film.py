@@ -8,7 +8,6 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
-from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Progress
 from isoembed.space.models import from_model
 from isoembed.surface.alignment import aligned, aligned_image
@@ -40,12 +39,7 @@ class Frame:
 
     def surface(self, embedding: Embedding) -> Embedding:
         """Surface of the frame, of which only the shape is of interest: it may be folded flat."""
-        return shape(embedding.metric, self.vertices, self.stage)
-
-
-def shape(metric: PolyhedralMetric, vertices: Floats, stage: str) -> Embedding:
-    """Surface that was not solved for, on the triangles of a metric."""
-    return Embedding(metric, vertices, method="", tolerance=1.0, message=stage)
+        return embedding._shaped(self.vertices, self.stage)
 
 
 def frames_of(surfaces: Sequence[Embedding], headings: Sequence[str]) -> tuple[Frame, ...]:

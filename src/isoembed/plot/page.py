@@ -36,7 +36,7 @@ from isoembed.plot.coloring import (
 )
 from isoembed.plot.drawn import BALL_RADIUS, Drawn
 from isoembed.plot.endings import PAGE_ENDINGS
-from isoembed.plot.film import ANSWER, Frame, shape
+from isoembed.plot.film import ANSWER, Frame
 from isoembed.plot.pieces import Pieces
 from isoembed.plot.view import Pose, camera
 from isoembed.space import Space
@@ -272,7 +272,7 @@ def _on_the_way(surface: Embedding) -> list[Quantity]:
             own = PolyhedralMetric.on(metric.triangulation, lengths, metric.space)
         except InvalidMetric:  # a triangle without area has no curvature at its corners
             return found
-        return [*found, intrinsic_curvature(shape(own, surface.vertices, surface.message))]
+        return [*found, intrinsic_curvature(Embedding(own, surface.vertices, method="", tolerance=1.0))]
 
 
 def shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]], polygons: Polygons) -> dict[str, Any]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from isoembed.aim.adaptive import Aim
 from isoembed.embedding.measured import MeasuredSurface
-from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -31,18 +31,23 @@ if TYPE_CHECKING:
 class MeasuredCap(MeasuredSurface, SheetEmbedding):
     """Smooth surface whose boundary is in a plane, fitted to edge lengths with known standard deviations.
 
-    Its residuals are judged as those of a `MeasuredSurface`.  There are no error bars.
+    Its residuals are judged as those of a `MeasuredSurface`.  Derivatives and deviations are those of the cap
+    with exactly the lengths that it has.
     """
 
-    def __post_init__(self) -> None:
-        super(MeasuredSurface, self).__post_init__()
-
     def _length_derivatives(self) -> SheetDerivatives:
-        """There are none; raises InvalidParameter."""
-        raise InvalidParameter(
-            "a cap fitted to lengths with errors has no derivatives: take those of the exact one, "
-            "embed(metric, boundary='plane') without length_errors"
+        """Derivatives of the cap with these lengths by them, its boundary in a plane."""
+        own = self.metric.with_lengths(self.surface.lengths)
+        heights = np.zeros(sum(map(len, self.triangulation.boundaries)))
+        exact = SheetEmbedding(
+            own,
+            self.vertices,
+            method=self.method,
+            tolerance=self.tolerance,
+            condition="plane",
+            heights=heights,
         )
+        return exact._length_derivatives()
 
     @property
     def _reported(self) -> Mapping[str, Any]:

@@ -198,6 +198,7 @@ def _raised(
     x = upright(half, half[loop])
     with log.stage("Newton with heights") as recorder:
         x = with_heights(metric, x, 0 * heights, recorder)
+        recorder.show(vertices=x)
         for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if heights.any() else ():
             x = with_heights(metric, x, part * heights, recorder)
             recorder.show(vertices=x)

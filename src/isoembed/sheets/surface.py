@@ -107,6 +107,15 @@ class SheetEmbedding(Embedding):
     tensions: Floats | None = None
     imbalance: float | None = None
 
+    def _shaped(self, vertices: Floats, message: str) -> SheetEmbedding:
+        """Return a surface that was not solved for; the fits of its curvature are those of this one."""
+        assert isinstance(self.surface, SheetSurface)
+        found = SheetEmbedding(
+            self.metric, vertices, method="", tolerance=1.0, message=message, condition=self.condition
+        )
+        found.surface.__dict__["_energy"] = self.surface._energy
+        return found
+
     def _in_unit_of(self, given: Any) -> SheetEmbedding:
         """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
         found = super()._in_unit_of(given)
@@ -157,8 +166,8 @@ class SheetEmbedding(Embedding):
         inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
         if rough.sum() > ROUGH * inside.sum():
             said.append(
-                f"{rough.sum()} of {inside.sum()} edges inside are rough: the sheet is creased, and its energy "
-                "depends on the mesh; compare it with that of a finer one"
+                f"{rough.sum()} of {inside.sum()} edges inside are rough: the sheet is creased, and its "
+                "energy depends on the mesh; compare it with that of a finer one"
             )
         if self.uniqueness is not None:
             said.append(self.uniqueness.basis)

@@ -140,7 +140,7 @@ def test_refusals():
     with pytest.raises(InvalidMetric, match="q has 2 components"):
         SurfaceData.from_grid(**(TABLES | {"q": TABLES["q"][:2]}))
     with pytest.raises(
-        InvalidParameter, match="the mean_curvature is a ndarray: with a metric that is on no"
+        InvalidParameter, match="the mean_curvature is a ndarray: with a metric that is not on"
     ):
         SurfaceData(KERR_SPHERE, mean_curvature=TABLES["k"])
 
