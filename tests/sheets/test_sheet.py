@@ -258,7 +258,7 @@ RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
         (ROUND, {"boundary": [1.0, 2.0]}, InvalidParameter, "18 vertices there, so it is"),
         (ROUND, {"boundary": [[np.nan] * 3] * 18}, InvalidParameter, "not finite"),
         (ROUND, {"boundary": "free", "start": [[0, 0, 0]]}, InvalidParameter, "not \\(37, 3\\)"),
-        (ROUND, {"boundary": "plane", "start": cap(DISC, FACES)[0]}, InvalidParameter, "needs no start"),
+        (ROUND, {"boundary": "plane", "start": cap(DISC, FACES)[0]}, InvalidParameter, "takes no start"),
         (SADDLE, {"boundary": "plane"}, InvalidMetric, "deficit at vertex 1 is -0.1042 radians"),
         (SADDLE, {"boundary": np.zeros(18)}, InvalidMetric, "vertex 0 has the deficit -.*ill posed"),
         (ROUND, {"boundary": "free", "start": np.zeros((37, 3))}, InvalidParameter, "face 0 .* has no area"),

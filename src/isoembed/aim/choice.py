@@ -132,7 +132,7 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
     """The surface to be near to, at the size of the metric."""
     metric = embedding.metric
     if not metric.space.is_euclidean:
-        raise InvalidParameter("a surface to be near to is for metrics without curvature of space only")
+        raise InvalidParameter("which=vertices requires a Euclidean metric")
     if vertices.shape != embedding.vertices.shape:
         raise InvalidParameter(
             f"the surface to be near to has {len(vertices)} vertices, the metric {len(embedding.vertices)}"

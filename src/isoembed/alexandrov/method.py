@@ -292,21 +292,21 @@ class _Search:
 
 @dataclass(eq=False)
 class _Watch:
-    """What is remembered of a path: how thin its polytopes became, and the one with the least curvatures."""
+    """Record of a path: how thin its polytopes became, and the one with the least curvatures."""
 
     thin: float = THIN
     nearest: Polytope | None = None
 
     @classmethod
     def resumed(cls, kept: Mapping[str, NDArray[Any]] | None) -> _Watch:
-        """What `arrays` gave, if anything."""
+        """Record restored from the result of `arrays`, if there is one."""
         if kept is None:
             return cls()
         nearest = Polytope.of_arrays(kept, NEAREST) if f"{NEAREST}radii" in kept else None
         return cls(float(kept["thin"]), nearest)
 
     def arrays(self, here: Polytope) -> dict[str, ArrayLike]:
-        """For a checkpoint beside this polytope."""
+        """Arrays for a checkpoint, beside those of this polytope."""
         nearest = {} if self.nearest is None or self.nearest is here else self.nearest.arrays(NEAREST)
         return {**nearest, "thin": self.thin}
 
@@ -381,7 +381,7 @@ def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
 
 
 def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> Indices:
-    """In the order of the metric's edges, if it has one; else the lower of the two, ascending."""
+    """One half-edge of each edge, in the order of the metric's edges, or else the lower one, ascending."""
     if isinstance(metric, PolyhedralMetric):
         return metric.triangulation.edge_halfedges[:, 0]
     return np.flatnonzero(np.arange(metric.twins.size) < metric.twins)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from isoembed.proof.certificate import Certificate
 
 SIGNIFICANCE = 1e-3
-"""Of each test: the true lengths of all edges fail it once in a thousand."""
+"""Significance level of each test: the true lengths of all edges fail it once in a thousand."""
 SUSPECTS = 3
 """Edges that the message of a failure names at most: a blunder is as a rule the first, or beside it."""
 
@@ -54,7 +54,7 @@ class MeasuredSurface(Embedding):
 
     @property
     def _missed(self) -> Floats:
-        """What the fit has smoothed, by which its quantities may be off."""
+        """Parts of the lengths that the fit has smoothed away, by which its quantities may be off."""
         return self.metric.normalized.lengths - self.surface._lengths
 
     @property
@@ -70,12 +70,12 @@ class MeasuredSurface(Embedding):
 
     @property
     def chi_square_limit(self) -> float:
-        """What chi-square exceeds with a probability of 0.001, with as many degrees of freedom as edges."""
+        """Limit that chi-square, with a degree of freedom for each edge, exceeds with probability 0.001."""
         return float(chdtri(len(self.residuals), SIGNIFICANCE))
 
     @property
     def _outlier_limit(self) -> float:
-        """What the largest of so many normal errors exceeds with a probability of 0.001, in deviations."""
+        """Limit that the largest normal error exceeds with probability 0.001, in standard deviations."""
         return float(-ndtri(SIGNIFICANCE / 2 / len(self.residuals)))
 
     @property
@@ -101,7 +101,7 @@ class MeasuredSurface(Embedding):
 
     @property
     def _advice(self) -> str:
-        """Which lengths to check, if the surface misses some; else empty."""
+        """Advice on lengths to check, if the surface misses some; else empty."""
         suspects = self._suspects
         if not suspects:
             return ""

@@ -82,7 +82,7 @@ class BendingEnergy:
 
     @property
     def area(self) -> float:
-        """Of the surface."""
+        """Area of the surface."""
         return float(self.areas.sum())
 
     def bending(self, vertices: Floats) -> float:
@@ -126,7 +126,7 @@ def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats
 
 
 def _missed(monomials: Floats, weights: Floats) -> Floats:
-    """What a fit of the monomials, (n, m, k), leaves of values of the neighbors, (n, m, m)."""
+    """Residuals of values of the neighbors, (n, m, m), after a fit of the monomials, (n, m, k)."""
     return np.eye(weights.shape[1]) - monomials @ _pseudoinverse(monomials, weights, 1e-9)
 
 

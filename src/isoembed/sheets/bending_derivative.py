@@ -55,7 +55,7 @@ def _chart_forces(energy: BendingEnergy, vertices: Floats) -> tuple[Indices, Ind
 
 
 def _edges_of_charts(metric: PolyhedralMetric) -> csr_array:
-    """Which edges, (V, E), join two vertices of each chart."""
+    """Incidence, (V, E), of each chart with the edges that join two of its vertices."""
     charts, t = Charts.of(metric), metric.triangulation
     every = np.arange(t.n_vertices)
     places = np.concatenate([charts.centers, every]), np.concatenate([charts.neighbors, every])

@@ -109,7 +109,7 @@ class SheetDerivatives:
 
     @classmethod
     def of_least_squares(cls, lengths: LengthConstraints, x: Floats) -> SheetDerivatives:
-        """Of normalized vertices whose lengths are least squares, inside of a given boundary or closed."""
+        """Derivatives at normalized vertices with lengths in least squares, closed or with given boundary."""
         t, n = lengths.triangulation, x.size
         loop = np.concatenate([np.zeros(0, dtype=np.int64), *t.boundaries])
         inner, fixed = np.flatnonzero(~t.boundary_edges), (3 * loop[:, None] + np.arange(3)).ravel()
@@ -165,7 +165,7 @@ class SheetDerivatives:
         return cls(factor, place, by_lengths, none, csr_array((n, 0)), (0,))
 
     def jvp(self, changes: Floats) -> Floats:
-        """How the vertices move, (..., V, 3), when the lengths change, (..., E)."""
+        """Derivative of the vertices, (..., V, 3), along changes of the lengths, (..., E)."""
         return self._forward(
             self.by_lengths, None, changes.reshape(-1, changes.shape[-1]), changes.shape[:-1]
         )
@@ -175,7 +175,7 @@ class SheetDerivatives:
         return self._backward(self.by_lengths, None, gradient, self.by_lengths.shape[1:])
 
     def boundary_jvp(self, changes: Floats) -> Floats:
-        """How the vertices move, (..., V, 3), when what is given at the boundary changes, (..., *shape)."""
+        """Derivative of the vertices, (..., V, 3), along changes of the boundary data, (..., *shape)."""
         leading = changes.shape[: changes.ndim - len(self.shape)]
         return self._forward(
             self.by_boundary, self.held, changes.reshape(-1, int(np.prod(self.shape))), leading

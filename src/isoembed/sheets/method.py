@@ -152,7 +152,7 @@ class Sheet(Method):
 def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: Log) -> SheetEmbedding:
     """The convex cap."""
     if start is not None:
-        raise InvalidParameter("a convex cap needs no start: it is the only one")
+        raise InvalidParameter("boundary='plane' takes no start: the convex cap is unique")
     if metric.length_errors is not None:
         return measured_cap(metric, Sheet.name, tolerance, log)
     check_cap(metric)

@@ -204,7 +204,7 @@ class SheetEmbedding(Embedding):
 
     @cached_property
     def _certificate(self) -> Certificate:
-        """What `isoembed.certify` returns."""
+        """Certificate as `isoembed.certify` returns it."""
         from isoembed.proof.boundary_heights import certify
         from isoembed.proof.certificate import overdetermined
 
@@ -228,7 +228,7 @@ class SheetEmbedding(Embedding):
 
     @property
     def _reported(self) -> Mapping[str, Any]:
-        """What was asked at the boundary, and the bending, under ``sheet``."""
+        """Entries of the report on the condition at the boundary and the bending, under ``sheet``."""
         t = self.triangulation
         found = {
             "condition": self.condition,

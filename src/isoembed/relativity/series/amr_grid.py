@@ -47,12 +47,12 @@ class PatchSource(Protocol):
 
     @property
     def name(self) -> str:
-        """For messages."""
+        """Name for messages."""
         ...
 
     @property
     def state(self) -> Any:
-        """What changes when the files do."""
+        """State of the files: it changes when they do."""
         ...
 
     def opened(self) -> contextlib.AbstractContextManager[PatchData]:
@@ -173,7 +173,7 @@ class AMRGrid(ThreeGeometry):
         return out
 
     def _cover(self, cell: Cell) -> tuple[list[tuple[Block, Indices, Indices]], Mask]:
-        """What fills a cube, and beside which of its points x may lie to be interpolated."""
+        """Blocks that fill a cube, and the mask of its points beside which x can be interpolated."""
         if cell not in self._covers:
             number, *cube = cell
             start = np.array(cube) * CUBE - BEFORE
@@ -232,7 +232,7 @@ class AMRGrid(ThreeGeometry):
 
     @cached_property
     def _ends(self) -> list[tuple[Indices, Indices]]:
-        """Of each level the ends of its blocks."""
+        """Ends of the blocks of each level."""
         return [
             (np.array([b.low for b in level.blocks]), np.array([b.high for b in level.blocks]))
             for level in self._levels

@@ -35,7 +35,7 @@ SAMPLED = 8  # grid points between the planes that count for the hash
 
 @dataclass(frozen=True)
 class CarpetPart:
-    """What a file has of an iteration.
+    """Data of an iteration in one file.
 
     Attributes
     ----------

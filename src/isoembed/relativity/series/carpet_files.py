@@ -110,7 +110,7 @@ class _Folder:
 
     @cached_property
     def flaw(self) -> str:
-        """Why its slices cannot be read; empty if they can."""
+        """Reason why the slices cannot be read; empty if they can."""
         wrote = max((file.processes for file in self.files), default=0)
         for stem, processes in self._processes.items():
             if (there := len(processes)) < wrote:
@@ -122,16 +122,16 @@ class _Folder:
 
     @cached_property
     def symmetry(self) -> tuple[Any, ...]:
-        """That of the run."""
+        """Symmetry of the run."""
         return symmetry_in(next((file.parameters for file in self.files if file.parameters), ""))
 
     def fields(self, iteration: int) -> Iterator[str]:
-        """What there is of an iteration."""
+        """Fields of an iteration."""
         for file in self.files:
             yield from file.sets.get(iteration, {})
 
     def parts(self, iteration: int, wanted: Iterable[str]) -> Iterator[CarpetPart]:
-        """What its files have of some fields at an iteration."""
+        """Parts of the files with some fields at an iteration."""
         wanted = set(wanted)
         for file in self.files:
             sets = file.sets.get(iteration, {})
@@ -143,7 +143,7 @@ class _Folder:
 
 @dataclass(frozen=True)
 class _File:
-    """What there is in a file.
+    """Contents of a file.
 
     Attributes
     ----------

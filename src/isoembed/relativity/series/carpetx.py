@@ -200,7 +200,7 @@ class _Reader:
 
 
 def _axes(mesh: Any) -> list[int]:
-    """Which axes of a mesh are x, y and z."""
+    """Indices of the axes x, y and z of a mesh."""
     return [list(mesh.axis_labels).index(letter) for letter in "xyz"]
 
 

@@ -90,7 +90,7 @@ class GridDataSlice:
 
     @property
     def name(self) -> str:
-        """What there is."""
+        """Name of the data."""
         return "grid data of kuibit"
 
     def digest(self) -> str:

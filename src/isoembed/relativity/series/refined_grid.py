@@ -50,11 +50,11 @@ class Component:
 
 
 class Layout(Protocol):
-    """Where the points of refinement levels are."""
+    """Layout of the points of refinement levels."""
 
     @property
     def name(self) -> str:
-        """For messages."""
+        """Name for messages."""
         ...
 
     @property
@@ -64,7 +64,7 @@ class Layout(Protocol):
 
     @property
     def levels(self) -> Sequence[int]:
-        """Those that all fields are on, the coarsest first."""
+        """Levels that all fields are on, the coarsest first."""
         ...
 
     def components(self, level: int) -> Sequence[Component]:
@@ -77,7 +77,7 @@ class RefinedData(Layout, Protocol):
 
     @property
     def fields(self) -> Collection[str]:
-        """Which of gxx ... gzz and kxx ... kzz there are."""
+        """Names of the fields that there are, of gxx ... gzz and kxx ... kzz."""
         ...
 
     def values(self, field: str, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
@@ -95,7 +95,7 @@ class Block:
     high: Indices
 
     def part(self, low: Indices, high: Indices) -> tuple[slice, ...]:
-        """Where the points from `low` to below `high` are in the component."""
+        """Slices of the component that hold the points from `low` to below `high`."""
         slices = [slice(0)] * 3
         for axis, (source, sign) in enumerate(zip(self.map.source, self.map.sign, strict=True)):
             first, last = low[axis] - self.low[axis], high[axis] - self.low[axis]

@@ -143,7 +143,7 @@ class AnalyticGeometry(ThreeGeometry):
 
 
 class DerivedGeometry(ThreeGeometry):
-    """What a slice on a grid, interpolated otherwise, has of the grid itself."""
+    """Slice on a grid with another interpolation, and with the other properties of the grid."""
 
     grid: ThreeGeometry
 
