@@ -30,7 +30,6 @@ from isoembed.surface.estimate import percent
 
 EXAMPLES = (
     "isoembed deviation surface.ply --length-error 0.001",
-    "isoembed deviation surface.ply --length-error 0.001 --bound",
     "isoembed deviation cap.ply --length-error 0.001 --boundary plane",
 )
 

@@ -23,7 +23,6 @@ from isoembed.plot.page import page_writer, write_page
 
 EXAMPLES = (
     "isoembed view surface.ply",
-    "isoembed view surface.ply -o surface.png --color gaussian-curvature",
     "isoembed view small.ply larger.ply largest.ply -o swelling.gif",
 )
 
