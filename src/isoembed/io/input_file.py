@@ -135,7 +135,7 @@ class InputFile(os.PathLike[str]):
             return _archive(self._stream, str(self), wanted)[1]
         with self.hdf5() as file:
             attributes = {name: np.asarray(file.attrs[name]) for name in wanted if name in file.attrs}
-            sets = {name: file[name] for name in wanted if hasattr(file.get(name), "dtype")}
+            sets = {name: file[name] for name in wanted if hasattr(file.get(name), "shape")}
             return attributes | {name: array_of(data, self) for name, data in sets.items()}
 
     @property

@@ -78,6 +78,18 @@ def test_files_that_lack_something(tmp_path, name, spoil, sentence):
         read_cartesian_grid(tmp_path / name)
 
 
+def test_what_is_no_array_in_hdf5(tmp_path):
+    """A named type in the place of a component, and a data set without a shape."""
+    h5py = pytest.importorskip("h5py")
+    for value in (np.dtype("f8"), h5py.Empty("f8")):
+        write(tmp_path / "s.h5", tables(curved=False))
+        with h5py.File(tmp_path / "s.h5", "a") as file:
+            del file["gxx"]
+            file["gxx"] = value
+        with pytest.raises(FileError, match="has no gxx"):
+            read_cartesian_grid(tmp_path / "s.h5")
+
+
 def test_other_files(tmp_path):
     with pytest.raises(FileError, match=r"the ending '\.txt', not one of \.npz"):
         read_cartesian_grid(tmp_path / "a.txt")

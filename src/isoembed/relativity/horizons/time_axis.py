@@ -71,7 +71,7 @@ class HorizonAtIndex(InputFile):
                 "": {
                     name: _part(data, self, (self.index,) if _has_times(name, data, rank, count) else ())
                     for name, data in group.items()
-                    if hasattr(data, "dtype") and data.shape is not None and data.dtype.kind in "iuf"
+                    if hasattr(data, "shape") and data.shape is not None and data.dtype.kind in "iuf"
                 }
             }
 

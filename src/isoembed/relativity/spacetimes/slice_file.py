@@ -152,7 +152,8 @@ def _open_sets(path: str | os.PathLike[str]) -> Iterator[Mapping[str, Any]]:
             return
         with given.hdf5() as file:
             attributes = {name: np.asarray(file.attrs[name]) for name in wanted if name in file.attrs}
-            yield attributes | {name: file[name] for name in wanted if hasattr(file.get(name), "dtype")}
+            sets = {name: file[name] for name in wanted if getattr(file.get(name), "shape", None) is not None}
+            yield attributes | sets
 
 
 def _check(path: str | os.PathLike[str], sets: Mapping[str, Any]) -> None:
