@@ -134,6 +134,9 @@ def _loaded(name: str) -> ModuleType:
     limit = _address_space()
     if limit is not None and limit < ADDRESS_SPACE:
         raise UsageError(f"an address space of {limit} bytes is too small: libraries need {ADDRESS_SPACE}")
+    from isoembed.cli.lazy_numpy import import_lazily
+
+    import_lazily()
     if limit is None:
         from isoembed.linalg.memory import keep_freed_memory
 
