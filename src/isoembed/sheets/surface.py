@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from isoembed.aim.vertex_reflections import reflections
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
@@ -139,6 +138,8 @@ class SheetEmbedding(Embedding):
         chosen = np.flatnonzero(~t.boundary_vertices & (t.degrees == 3))
         if self.condition != "curve" or not self.converged or not len(chosen):
             return ""
+        from isoembed.aim.vertex_reflections import reflections  # imports what only searches need
+
         x, unit = self.vertices / self.metric.unit, self.metric.normalized.mean_length
         apart = np.linalg.norm(reflections(t, x)[chosen], axis=1) / unit
         least = int(np.argmin(apart))
