@@ -75,6 +75,7 @@ clean:
 # The loops are compiled, those that were not before.  Python's files of what is editable pip does not compile to
 # bytecode, nor does Python where it is told to write none: .3 s a command.
 $(INSTALLED): pyproject.toml setup.py $(LOOPS) | $(BIN)/python
+	@echo 'installing into $(VENV), and compiling: one to three minutes, once'
 	$(PIP) install --editable '.[test,plot]'
 	$(BIN)/python -m compileall -q src
 	@touch $@

@@ -128,7 +128,12 @@ class MeasuredSurface(Embedding):
             f"{'at most' if off[e] <= limit else 'more than'} {limit:.1f} (significance {SIGNIFICANCE:g})"
         )
         if self.converged:
-            return f"the lengths agree with those given within their errors: {test}"
+            sigma = np.asarray(self.metric.length_errors) / self.metric.mean_length
+            rms = float(np.sqrt(np.mean(sigma**2)))
+            return (
+                f"the lengths agree with those given within their errors, {rms:.2g} of the mean edge length: "
+                f"{test}"
+            )
         found = "no smooth surface was found whose lengths agree with those given within their errors"
         remedy = self._advice or "the errors may be larger than stated"
         return f"{found}: on the nearest surface {test}; {remedy}"

@@ -108,7 +108,8 @@ class Sheet(Method):
         """
         found = self._found(metric, tolerance, log)
         if not found.converged:
-            raise NotEmbedded(found.message, found)
+            others = "" if self.start is None else "; without start= others are tried"
+            raise NotEmbedded(f"{found.message}{others}", found)
         return found
 
     def scaled(self, factor: float) -> Sheet:
