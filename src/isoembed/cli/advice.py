@@ -15,6 +15,7 @@ OPTIONS = (
     (r"marginal=True", "--marginal"),
     (r"marginal=False", "--not-marginal"),
     (r"geometry=", "--geometry"),
+    (r"start=", "--start"),
 )
 """Patterns of arguments, and the options that stand for them."""
 
