@@ -68,6 +68,7 @@ def test_the_spin_is_a_vector_or_along_z(report):
     np.testing.assert_allclose(tilted["spin"]["vector"], [0.3, -0.4, 0.0], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_sphere_in_a_file(report):
     slice_ = BrillLindquist((0.5, 0.5), ((0.0, 0.0, 0.25), (0.0, 0.0, -0.25)))
     write_slice("slice.npz", slice_, half=3.0, points=40)

@@ -242,6 +242,7 @@ def test_a_stability_spectrum_of_files_is_refused(call):
     assert status == 2 and "--stability needs --find" in err
 
 
+@pytest.mark.slow
 def test_multipoles_without_symmetry(run):
     status, out, _ = run("kerr-schild", "--spin", 0.36, 0, 0.48, *FEW, "--multipoles", 2, "--json")
     found = strict(out)["conformal_multipoles"]

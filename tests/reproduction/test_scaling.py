@@ -11,6 +11,7 @@ def section():
     return scaling.study(sizes=(60, 120), flow_sizes=(50, 100), step_sizes=(60, 400))
 
 
+@pytest.mark.slow
 def test_the_section_can_be_written(section):
     check_section(section)
 

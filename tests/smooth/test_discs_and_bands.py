@@ -90,6 +90,7 @@ def test_triangles_are_nearly_equilateral(metric, zone, n):
     assert along.max() < (1.2 if n == 1000 else 1.6) * along.min()
 
 
+@pytest.mark.slow
 def test_coarse_anisotropic_bands_keep_their_boundaries():
     metric = ChartMetric(lambda x, y: (16.0, 0 * x, 1 + 0 * x))
     for zone, n in (((1.2, 1.5), 120), ((0.3, 1.5), 40), ((0.0, 1.5), 20)):

@@ -8,6 +8,7 @@ from isoembed.relativity.horizons.finder import find_horizons
 from isoembed.relativity.spacetimes.schwarzschild import BoostedSchwarzschild, BrillLindquist, Superposed
 
 
+@pytest.mark.slow
 def test_two_holes_in_motion():
     first = BoostedSchwarzschild(0.5, (0.2, 0.1, 0.0), (2.0, 0.05, 0.0))
     second = BoostedSchwarzschild(0.4, (0.0, 0.1, -0.3), (-2.0, 0.0, 0.1))

@@ -41,6 +41,7 @@ def test_a_horizon_that_the_search_misses_is_continued(monkeypatch):
     assert "did not find it" in second.horizons[0].notes[-1]
 
 
+@pytest.mark.slow
 def test_horizons_about_a_turning_axis():
     turned = [(0.0, np.sin(a), np.cos(a)) for a in (0.3, 0.32)]
     first, second = track_horizons(pair(0.6, axis, (0.3, 0.7)) for axis in turned)

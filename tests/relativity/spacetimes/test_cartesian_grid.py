@@ -159,6 +159,7 @@ def test_noise_on_the_grid_is_in_the_errors(noise):
         assert abs(getattr(found, name).value - getattr(exact, name).value) < getattr(found, name).error
 
 
+@pytest.mark.slow
 def test_errors_of_noise_are_a_few_standard_deviations():
     """The spacing is that of the nodes at which errors are estimated, and truncation is small."""
     hole, sphere = IsotropicSchwarzschild(0.1), StarSurface.sphere((0.1, 0.0, 0.2), 2.5)
