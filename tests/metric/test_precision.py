@@ -161,3 +161,13 @@ def test_lengths_in_halves_and_in_tenths():
     for step, unit in ((0.5, 1.0), (0.1, 0.1)):
         lengths = np.round(exact / step) * step
         assert rounding_error(lengths) == pytest.approx(unit / np.sqrt(12) / lengths.mean(), rel=1e-12)
+
+
+def test_few_whole_lengths_are_measured_if_they_fill_their_range():
+    measured = np.repeat(np.arange(36.0, 60.0), 4)  # a rock in millimeters
+    assert rounding_error(measured) == pytest.approx(1 / np.sqrt(12) / measured.mean())
+    mistyped = np.append(measured, 90.0)
+    assert rounding_error(mistyped) == pytest.approx(1 / np.sqrt(12) / mistyped.mean())
+    assert rounding_error(np.repeat(np.arange(36.0, 47.0), 10)) is None  # eleven different ones
+    assert rounding_error(np.repeat(np.arange(30.0, 90.0, 3.0), 4)) is None  # a third of the range
+    assert rounding_error(measured[::2]) is None  # 48 edges

@@ -83,6 +83,9 @@ class Precision:
 DESIGNED = 30
 """Fewer different lengths are as likely those of a design as those of a measurement."""
 
+FEW = 12
+"""Fewer different lengths are those of a design, even if they are most that there are in their range."""
+
 COARSE = 0.01
 """Standard deviation, in mean lengths, above which the last digit is not rounding."""
 
@@ -111,7 +114,20 @@ def rounding_error(lengths: Floats) -> float | None:
         return None
     unit = common_unit(lengths, unit)
     error = unit / math.sqrt(12) / float(lengths.mean())
-    return error if error <= COARSE and len(np.unique(np.rint(lengths / unit))) >= DESIGNED else None
+    return (
+        error
+        if error <= COARSE and _look_measured(np.unique(np.rint(lengths / unit)), len(lengths))
+        else None
+    )
+
+
+def _look_measured(values: Floats, count: int) -> bool:
+    """Whether the different values, ascending whole numbers, of a number of lengths are of a measurement.
+
+    They are many, or those of many lengths and most that there are in their range, but for one at each end.
+    """
+    most = len(values) >= FEW and 2 * len(values) > values[-2] - values[1]
+    return len(values) >= DESIGNED or (most and count >= 2 * DESIGNED)
 
 
 def common_unit(lengths: Floats, unit: float) -> float:

@@ -69,10 +69,39 @@ class Boxed(Own):
     """With all that a slice may say of itself."""
 
     notes = ("it was made by hand",)
-    box = np.full(3, -4.0), np.full(3, 4.0)
+    box = (-4.0, -4.0, -4.0), (4, 4, 4)
 
     def least_diameter(self, x):
         return 0.1
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        (
+            {"gradient": lambda self, x: np.moveaxis(self.hole.gradient(x), 1, 3)},
+            r"order is \[point, k, i, j\]",
+        ),
+        (
+            {"gradient": lambda self, x: 1.01 * self.hole.gradient(x)},
+            r"gamma_\w\w at .* by Wrong.gradient and",
+        ),
+        (
+            {"gradient": lambda self, x: self.hole.gradient(x)[:, 0]},
+            r"Wrong.gradient returns .* of shape \(\d+, 3, 3\)",
+        ),
+        ({"metric": lambda self, x: np.ones(len(x))}, r"Wrong.metric returns an array of shape \(\d+,\) for"),
+        (
+            {"extrinsic_curvature": lambda self, x: 0.0},
+            r"extrinsic_curvature returns an array of shape \(\) for",
+        ),
+        ({"time_symmetric": True}, "time_symmetric is True, but its extrinsic curvature is not zero"),
+    ],
+)
+def test_members_that_do_not_fit_one_another_are_refused(wrong, sentence):
+    slice_ = type("Wrong", (Own,), wrong)()
+    with pytest.raises(InvalidParameter, match=sentence):
+        StarSurface.sphere((0.0, 0.0, 0.0), 3.0).data(slice_)
 
 
 def test_slices_of_other_packages():

@@ -449,7 +449,7 @@ def _places(geometry: ThreeGeometry) -> Iterator[Place]:
     """
     holes, box = geometry.black_holes, geometry.box
     if not holes and box is not None:
-        low, high = box
+        low, high = np.asarray(box, dtype=np.float64)
         x, y, z = (0.5 * (low + high)).tolist()
         yield Place((x, y, z), 0.9 * 0.5 * float((high - low).min()))  # room to the edge of the grid
         return

@@ -17,7 +17,7 @@ from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.local_geometry import LocalGeometry
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.surface_errors import SURE, SurfaceErrors
-from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry, check_members
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
@@ -73,7 +73,9 @@ class Surface(ABC):
     def local_geometry(self, geometry: ThreeGeometry, u: Floats) -> LocalGeometry:
         """The local geometry of the surface in a slice, in the directions u (n, 3)."""
         check_geometry(geometry)
-        return LocalGeometry.of(geometry, self.jet(as_directions(u)))
+        jet = self.jet(as_directions(u))
+        check_members(geometry, jet.x)
+        return LocalGeometry.of(geometry, jet)
 
     def metric(self, geometry: ThreeGeometry) -> InducedMetric:
         """The metric that the geometry induces on the surface."""

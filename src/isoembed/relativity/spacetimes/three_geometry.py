@@ -117,6 +117,38 @@ def check_geometry(given: object) -> None:
         raise InvalidParameter(f"the slice is a {type(given).__name__}, not a ThreeGeometry: {advice}")
 
 
+def check_members(geometry: ThreeGeometry, x: Floats) -> None:
+    """Check a slice of a class outside this package at points x (n, 3).
+
+    Raises
+    ------
+    InvalidParameter
+        An array has another shape, the gradient is not that of the metric, or a slice that is said to be
+        time-symmetric has an extrinsic curvature.
+    """
+    kind = type(geometry)
+    if kind.__module__.split(".")[0] == __name__.split(".")[0]:
+        return
+    n, found = len(x), {}
+    for name, axes in (("metric", 2), ("gradient", 3), ("extrinsic_curvature", 2)):
+        found[name] = np.asarray(getattr(geometry, name)(x))
+        if found[name].shape != (n,) + (3,) * axes:
+            raise InvalidParameter(
+                f"{kind.__name__}.{name} returns an array of shape {found[name].shape} for {n} points, not "
+                f"{(n,) + (3,) * axes}"
+            )
+    wrong = disagreement(geometry.metric, x, found["gradient"], relative=1e-3)
+    if wrong:
+        raise InvalidParameter(
+            f"{_named(wrong)} by {kind.__name__}.gradient and {wrong.found:.6g} by differences of its "
+            "metric: the order is [point, k, i, j], with d_k gamma_ij"
+        )
+    if geometry.time_symmetric and found["extrinsic_curvature"].any():
+        raise InvalidParameter(
+            f"{kind.__name__}.time_symmetric is True, but its extrinsic curvature is not zero everywhere"
+        )
+
+
 class AnalyticGeometry(ThreeGeometry):
     """A slice whose metric is a formula that holds for complex coordinates: it has exact derivatives."""
 

@@ -34,7 +34,7 @@ class _Transformed(ThreeGeometry):
         """See `ThreeGeometry`."""
         if self.geometry.box is None:
             return None
-        low, high = self.geometry.box
+        low, high = np.asarray(self.geometry.box, dtype=np.float64)
         return self._here(low), self._here(high)
 
     @property
@@ -124,7 +124,7 @@ class RotatedFrame(_Transformed):
         """See `ThreeGeometry`: the cube in the largest sphere of the other box."""
         if self.geometry.box is None:
             return None
-        low, high = self.geometry.box
+        low, high = np.asarray(self.geometry.box, dtype=np.float64)
         center, half = self._here(0.5 * (low + high)), 0.5 * (high - low).min() / np.sqrt(3.0)
         return center - half, center + half
 
