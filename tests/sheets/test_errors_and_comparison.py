@@ -10,7 +10,7 @@ import isoembed
 import zoo
 from isoembed import InvalidParameter, PolyhedralMetric, Sensitivity, SheetEmbedding, embed
 from isoembed.gallery import Ellipsoid, triangulate
-from isoembed.sheets.held import held
+from isoembed.sheets.boundary_condition import with_boundary_condition
 from isoembed.surface.curvature import integrated_mean_curvature
 from isoembed.surface.derivatives import dihedral_rates, integral_gradients
 from isoembed.surface.deviation import IntegralDeviation
@@ -115,11 +115,11 @@ def test_of_one_wrong_length_the_deviation_is_the_change(name):
 
 def test_a_surface_from_a_file_is_held_as_it_was():
     found = embed(METRIC.scaled(3.0), boundary="free")
-    read = held(replace(found, tensions=None, imbalance=None), "free")
+    read = with_boundary_condition(replace(found, tensions=None, imbalance=None), "free")
     np.testing.assert_allclose(read.tensions, found.tensions, atol=1e-8 * np.abs(found.tensions).max())
     assert read.imbalance < 1e-10
     off = found.vertices.copy()
     off[5] += 0.01
-    assert held(replace(found, vertices=off), "free").imbalance > 1e-4
+    assert with_boundary_condition(replace(found, vertices=off), "free").imbalance > 1e-4
     with pytest.raises(InvalidParameter, match=r"the heights of 'plane': its vertex \d+ is off by 0"):
-        held(found, "plane", np.zeros(len(LOOP)))
+        with_boundary_condition(found, "plane", np.zeros(len(LOOP)))

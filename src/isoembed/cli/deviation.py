@@ -22,7 +22,7 @@ from isoembed.linalg import SingularMatrix
 from isoembed.plot import PICTURE_ENDINGS, picture_writer
 from isoembed.plot.coloring import vertex_deviation
 from isoembed.proof.deviation_bound import DeviationBound
-from isoembed.sheets.held import held
+from isoembed.sheets.boundary_condition import with_boundary_condition
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.changes import Changes, root_mean_square
 from isoembed.surface.deviation import NONLINEAR, Deviation
@@ -100,11 +100,15 @@ def _held(options: argparse.Namespace, surface: Embedding) -> Embedding:
     assert isinstance(surface, SheetEmbedding)
     count = int(t.boundary_vertices.sum())
     if condition in ("free", "plane"):
-        return held(surface, condition, np.zeros(count) if condition == "plane" else None)
+        return with_boundary_condition(surface, condition, np.zeros(count) if condition == "plane" else None)
     given = read_numbers(Path(condition))
     if given.shape not in ((count,), (count, 3)):
         raise UsageError(f"{condition} has the shape {given.shape}, not ({count},) or ({count}, 3)")
-    return held(surface, "heights", given) if given.ndim == 1 else held(surface, "curve")
+    return (
+        with_boundary_condition(surface, "heights", given)
+        if given.ndim == 1
+        else with_boundary_condition(surface, "curve")
+    )
 
 
 def _writer(path: Path, surface: Embedding, found: Changes) -> Writer:

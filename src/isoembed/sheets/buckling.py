@@ -1,4 +1,4 @@
-"""Buckling modes of a flattened sheet: starts with two, three and more waves.
+"""Buckling modes of a flat sheet: initial surfaces with two, three and more waves.
 
 A sheet that is held flat is stretched in some places and compressed in others.  As it becomes thinner it
 buckles, into one mode after the other: where w is normal to the plane, the forces of stretching are ``L w``,

@@ -1,4 +1,4 @@
-"""Surfaces from files, with what holds their boundary."""
+"""Boundary condition of a surface read from a file, for its derivatives."""
 
 from __future__ import annotations
 
@@ -15,11 +15,13 @@ from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.surface import SheetEmbedding
 
-FAR = 1e-6  # mean edge lengths by which heights may be off
+FAR = 1e-6  # mean edge lengths: a larger difference of heights is an error
 
 
-def held(surface: SheetEmbedding, condition: str, heights: Floats | None = None) -> SheetEmbedding:
-    """A surface that was read from a file, held as `embed` held it, for its derivatives.
+def with_boundary_condition(
+    surface: SheetEmbedding, condition: str, heights: Floats | None = None
+) -> SheetEmbedding:
+    """Surface read from a file, with the boundary condition and the tensions that `embed` gave it.
 
     Parameters
     ----------
