@@ -29,7 +29,7 @@ class FileError(ValueError):
     """
 
     def __init__(self, message: str) -> None:
-        super().__init__(_printable(message))
+        super().__init__(printable(message))
 
 
 class AmbiguousFileError(FileError):
@@ -50,11 +50,12 @@ class AmbiguousFileError(FileError):
 
 def first_line(error: object) -> str:
     """The beginning of what another package says of a file, on one line; bytes of the file are escaped."""
-    line = _printable(next(iter(str(error).splitlines()), ""))
+    line = printable(next(iter(str(error).splitlines()), ""))
     return line if len(line) <= QUOTED else line[: QUOTED - 3] + "..."
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
+    """Text with escape sequences for characters that cannot be printed."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
