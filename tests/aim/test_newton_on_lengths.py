@@ -3,7 +3,7 @@
 import numpy as np
 
 import smooth_bodies
-from isoembed.aim.accuracy import REALIZED
+from isoembed.aim.acceptance import REALIZED
 from isoembed.aim.newton_on_lengths import newton_on_lengths
 from isoembed.aim.strategies import LENGTHS_DEVIATION
 from isoembed.gallery import Ellipsoid, triangulate

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from isoembed.aim.accuracy import REALIZED
+from isoembed.aim.acceptance import REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array, eye_array
 
-from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
+from isoembed.aim.acceptance import NEWTON_BASIN, REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.clamped_patch import ClampedPatch
 from isoembed.aim.energy_descent import minimize_energy

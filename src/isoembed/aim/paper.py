@@ -19,8 +19,7 @@ from isoembed.method import Method
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.measures import outward
-from isoembed.surface.principal_axes import standard_position
+from isoembed.surface.placement import standard_position
 from isoembed.surface.rigidity import LengthSystem, VertexSystem
 
 MOST_STEPS = 100_000
@@ -148,7 +147,7 @@ class Paper(Method):
                 self._show(system, annealed, t, recorder)
                 if not annealed.converged:
                     lost = lost or f"the pull-back lost the surface at t = {t:.3g} t_f"
-        vertices = standard_position(metric.faces, outward(metric.faces, annealed.vertices))
+        vertices = standard_position(metric.faces, annealed.vertices)
         embedding = Embedding(metric, vertices, method=self.name, tolerance=tolerance, stages=log.stages)
         if embedding.converged or not lost:
             return embedding

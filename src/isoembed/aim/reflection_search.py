@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
+from isoembed.aim.acceptance import NEWTON_BASIN, REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.energy_descent import minimize_energy
 from isoembed.aim.regularized_energy import RegularizedEnergy

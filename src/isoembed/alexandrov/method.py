@@ -43,8 +43,8 @@ from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.space.models import to_model
 from isoembed.surface.curvature import FLAT_ANGLE
-from isoembed.surface.measures import face_normals, outward
-from isoembed.surface.principal_axes import standard_position
+from isoembed.surface.measures import face_normals
+from isoembed.surface.placement import standard_position
 
 NEAREST = "nearest "  # before the names of its arrays
 
@@ -232,9 +232,7 @@ class _Search:
             else:
                 tables, vertices = found.tables, found.vertices
             tables = tables._replace(corners=order[tables.corners])
-            space = self.metric.space
-            vertices = outward(tables.faces, vertices[np.argsort(order)], space)
-            vertices = standard_position(tables.faces, vertices, space)
+            vertices = standard_position(tables.faces, vertices[np.argsort(order)], self.metric.space)
         nearest = found.polytope if isinstance(found, Solution) else None
         try:
             with log.stage("edge paths"):
