@@ -71,7 +71,7 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
 
     metric, said = embedding.metric, sought(MOTIONS, FAR)
     with log.stage("neighbors") as recorder:
-        system = LengthSystem(metric.triangulation, space=metric.space)
+        system = LengthSystem(metric.triangulation, space=metric.space, work=log.work)
         search = RealizationSearch(metric, system, embedding.vertices, recorder, MOTIONS, FAR)
         for _ in search.steps(1):
             pass
@@ -151,7 +151,7 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
 
     metric = target.metric
     with log.stage("nearest") as recorder:
-        system = LengthSystem(metric.triangulation)
+        system = LengthSystem(metric.triangulation, work=log.work)
         end = anneal_damped(
             system,
             target.vertices,

@@ -121,7 +121,7 @@ class Paper(Method):
         with log.stage("embedding tree") as recorder:  # 2.2
             vertices = self.embed_on_sphere(uniform, recorder).vertices
             recorder.show(t=1.0, vertices=vertices)
-        system = LengthSystem(metric.triangulation)
+        system = LengthSystem(metric.triangulation, work=log.work)
         with log.stage("anneal A") as recorder:
             if self.sphere:
                 vertices = self.anneal_on_sphere(uniform, vertices, recorder)
@@ -166,7 +166,7 @@ class Paper(Method):
     def anneal_on_sphere(self, uniform: Uniformization, vertices: Floats, recorder: StageRecorder) -> Floats:
         """The vertices (V, 3) of the tree, fitted to the uniform lengths and the radius in least squares."""
         return anneal_on_sphere(
-            VertexSystem(uniform.metric.triangulation),
+            VertexSystem(uniform.metric.triangulation, work=recorder.work),
             vertices,
             uniform.metric.lengths,
             uniform.radius,

@@ -101,7 +101,7 @@ def reflected_realizations(
     patches : sequence of ndarray of bool, shape (V,)
         Disjoint, such as `isoembed.metric.dents.dents`.
     recorder : StageRecorder
-        Counts Gauss-Newton steps and factorizations.
+        Counts Gauss-Newton steps.
 
     Yields
     ------

@@ -11,6 +11,7 @@ from isoembed.aim.convexification import Convexification
 from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
+from isoembed.linalg.work import Work
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
@@ -32,6 +33,8 @@ class Problem:
     tolerance : float
     name : str
         Of the method, which the surfaces bear.
+    work : Work
+        Counts the factorizations.
 
     Attributes
     ----------
@@ -39,8 +42,8 @@ class Problem:
         The vertices in the order of the `convexification`, in which what is near is near in memory.
     """
 
-    def __init__(self, metric: PolyhedralMetric, tolerance: float, name: str) -> None:
-        self.metric, self.tolerance, self.name = metric, tolerance, name
+    def __init__(self, metric: PolyhedralMetric, tolerance: float, name: str, work: Work) -> None:
+        self.metric, self.tolerance, self.name, self.work = metric, tolerance, name, work
         tables = GluedMetric.of(metric).half_edges(directed=False)
         self.numbers = tables.order_in_memory()
         self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
@@ -51,7 +54,7 @@ class Problem:
     @cached_property
     def analyses(self) -> Analyses:
         """Symbolic factorization that all factorizations for the radii share."""
-        return Analyses.of(self.convexification.given.half_edges(directed=False))
+        return Analyses.of(self.convexification.given.half_edges(directed=False), self.work)
 
     def forget_analyses(self) -> None:
         """Free the memory of `analyses`, which large bodies need for what follows."""
@@ -62,14 +65,14 @@ class Problem:
         """The equations for the lengths."""
         from isoembed.surface.rigidity import LengthSystem  # slow to import, and convex bodies do without
 
-        return LengthSystem(self.metric.triangulation, space=self.metric.space)
+        return LengthSystem(self.metric.triangulation, space=self.metric.space, work=self.work)
 
     def energy(self, start: Floats) -> RegularizedEnergy:
         """The regularized energy about a convex surface (V, 3)."""
         from isoembed.aim.regularized_energy import RegularizedEnergy
 
         if self._energy is None or self._energy[0] is not start:
-            self._energy = start, RegularizedEnergy(self.metric, start)
+            self._energy = start, RegularizedEnergy(self.metric, start, self.work)
         return self._energy[1]
 
     def annealed(self, vertices: Floats, recorder: StageRecorder) -> Embedding:

@@ -127,7 +127,7 @@ class RealizationSearch:
 
     @cached_property
     def _energy(self) -> RegularizedEnergy:
-        return RegularizedEnergy(self.metric, self.vertices)
+        return RegularizedEnergy(self.metric, self.vertices, self.recorder.work)
 
     @property
     def _unit(self) -> float:
@@ -216,7 +216,6 @@ class RealizationSearch:
     def _starts_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[StartPoint]:
         """Start points about vertices, with a number of the softest motions set apart, or always taken."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
-        self.recorder.factorizations += 2
         try:
             found = start_points(expansion, self.motions, self.distance, hidden, always)
         except SingularMatrix:
@@ -232,7 +231,6 @@ class RealizationSearch:
     def _add_close(self, vertices: Floats, moves: int) -> None:
         """Add the two realizations near a fold, where they are close and Newton's method is slow."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
-        self.recorder.factorizations += 1
         softest = softest_motions(expansion, SOFTEST)
         for motion in predicted_motions(expansion, softest, self.distance).motions[:2]:
             found = self._annealed(vertices + motion, MAX_STEPS)

@@ -517,7 +517,7 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
 
 def fresh(problem: Problem) -> Problem:
     """Copy of the problem with an unused convexification."""
-    return Problem(problem.metric, problem.tolerance, problem.name)
+    return Problem(problem.metric, problem.tolerance, problem.name, problem.work)
 
 
 def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:

@@ -15,9 +15,9 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
+from isoembed.linalg.work import Work
 from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.time_left import TimeLeft
-from isoembed.progress.work import Work
 
 
 @dataclass(frozen=True)
