@@ -18,7 +18,7 @@ def solved(share):
     metric, x = metric.normalized, vertices / metric.unit
     start = x + share * np.random.default_rng(0).normal(size=x.shape)
     recorder = smooth_bodies.recorder()
-    system = LengthSystem(metric.triangulation)
+    system = LengthSystem(metric.triangulation, work=recorder.work)
     return newton_on_lengths(system, start, metric.lengths, REALIZED, recorder), x, recorder
 
 

@@ -20,8 +20,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
-from isoembed.linalg import SingularMatrix, Solver, analyze, dissect
-from isoembed.linalg.work import Work
+from isoembed.linalg import SingularMatrix, Solver, Work, analyze, dissect
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric

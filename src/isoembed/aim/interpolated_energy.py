@@ -11,9 +11,8 @@ from scipy.sparse import csr_array
 
 from isoembed.aim.regularized_energy import MAX_ITERATIONS, RegularizedEnergy
 from isoembed.arrays import Floats
-from isoembed.linalg import SymmetricFactor
+from isoembed.linalg import SymmetricFactor, Work
 from isoembed.linalg.krylov import Approximation, conjugate_gradients
-from isoembed.linalg.work import Work
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.interpolated_rigidity import InterpolatedRigidity

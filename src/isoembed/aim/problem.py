@@ -11,7 +11,7 @@ from isoembed.aim.convexification import Convexification
 from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.linalg.work import Work
+from isoembed.linalg import Work
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder

@@ -21,8 +21,7 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import SingularMatrix, SymmetricFactor
-from isoembed.linalg.work import Work
+from isoembed.linalg import SingularMatrix, SymmetricFactor, Work
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric

@@ -8,8 +8,7 @@ from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import placed
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import SingularMatrix
-from isoembed.linalg.work import Work
+from isoembed.linalg import SingularMatrix, Work
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 

@@ -34,7 +34,7 @@ from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
-from isoembed.linalg.work import Work
+from isoembed.linalg import Work
 from isoembed.method import Method
 from isoembed.metric.convexity import deficit_rounding, largest_noise, repair_level
 from isoembed.metric.glued import GluedMetric

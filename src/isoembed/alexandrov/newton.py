@@ -15,9 +15,8 @@ from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
-from isoembed.linalg import Dissection, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import Dissection, SingularMatrix, Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.linalg.krylov import gmres
-from isoembed.linalg.work import Work
 from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 

@@ -20,8 +20,7 @@ from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import flip
 from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
-from isoembed.linalg import SingularMatrix
-from isoembed.linalg.work import Work
+from isoembed.linalg import SingularMatrix, Work
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.nonlinear.newton import Point, newton
 from isoembed.space import Space

@@ -23,8 +23,7 @@ import numpy as np
 from scipy.sparse import eye_array
 
 from isoembed.arrays import Floats, Indices, Points
-from isoembed.linalg import SingularMatrix, analyze, dissect
-from isoembed.linalg.work import Work
+from isoembed.linalg import SingularMatrix, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import face_areas
 from isoembed.metric.delaunay import ideal_delaunay

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.linalg.work import Work
+from isoembed.linalg import Work
 from isoembed.progress.fingerprint import Fingerprint
 
 Arrays = Mapping[str, NDArray[Any]]

@@ -13,8 +13,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, kron
 
 from isoembed.arrays import Floats
-from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
-from isoembed.linalg.work import Work
+from isoembed.linalg import Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
 from isoembed.surface.interpolation_loops import add_cell_products

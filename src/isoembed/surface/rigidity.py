@@ -19,10 +19,9 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.linalg.dissection import Dissection
 from isoembed.linalg.superlu import checked_lu
-from isoembed.linalg.work import Work
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.projected import Projected
