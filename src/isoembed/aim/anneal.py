@@ -116,7 +116,6 @@ def anneal_on_sphere(
     def solve(x: Floats, r: Floats) -> Floats:
         step = system.spherical_step(x, lengths, r, radius)
         recorder.iterations += 1
-        recorder.factorizations += 1
         return step
 
     close = short_step(1e-3)  # mean edge lengths
@@ -149,7 +148,6 @@ def anneal_damped(
         def damped(mu: float) -> Point:
             d = system.step(p.x, lengths, p.residual, mu)
             recorder.iterations += 1
-            recorder.factorizations += 1
             return at(p.x - d)
 
         return damped

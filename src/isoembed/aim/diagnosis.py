@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from isoembed.aim.acceptance import PLACED
 from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Mask
 from isoembed.embedding.embedding import Embedding
@@ -66,7 +67,7 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
         return [found]
     level = rounded_up(-lowest)
     try:
-        convex_polyhedron(metric.normalized, 1e-10, Log(), float(level))  # what is advised is tried
+        convex_polyhedron(metric.normalized, PLACED, Log(), float(level))  # what is advised is tried
     except (InvalidMetric, NotEmbedded):
         return [found]
     return [

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from isoembed.aim.accuracy import REALIZED
+from isoembed.aim.acceptance import REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats
@@ -52,14 +52,12 @@ def finish(
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Counts factorizations.
     is_done : callable
         Whether no more may be spent, asked with a surface.
     """
     exact = REALIZED * float(lengths.mean())
     if is_done(vertices):
         return vertices
-    recorder.factorizations += 2
     try:
         soft = _SoftMotions.of(system, vertices, lengths, MOTIONS[-1])
     except (SingularMatrix, ArpackError):  # the latter where Lanczos' iteration does not converge
@@ -110,7 +108,9 @@ class _SoftMotions:
         triangulation, m = system.triangulation, len(lengths)
         # A little damping: J J^T is singular.
         linear = system.linearized(vertices, lengths, 1e-11)
-        factor = VertexSystem(triangulation).penalized(edge_rows(triangulation, vertices, lengths), 0.0)
+        factor = VertexSystem(triangulation, work=system.work).penalized(
+            edge_rows(triangulation, vertices, lengths), 0.0
+        )
         count = min(most, m - 1)
         moved = vertices - vertices.mean(axis=0)
         turns = [np.cross(axis, moved).ravel() for axis in np.eye(3)]

@@ -157,7 +157,7 @@ class Pipeline:
         self.metric, self.method, self.log = metric, method, log
         self.checkpoints, self.work = log.checkpoints, log.work
         exact = metric if metric.length_errors is None else metric.with_length_errors(0.0)
-        self.problem = Problem(exact, tolerance, method.name)
+        self.problem = Problem(exact, tolerance, method.name, self.work)
 
     def run(self, strategies: Sequence[Strategy]) -> Embedding:
         """The answer of strategies that are tried in turn; a resumed run goes on at the one that kept it."""

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.aim.accuracy import NEWTON_BASIN
+from isoembed.aim.acceptance import NEWTON_BASIN
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric

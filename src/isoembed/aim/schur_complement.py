@@ -43,7 +43,7 @@ class Condensation:
     lengths : ndarray, shape (E,)
     mu : float
     spend : callable
-        Told what is factored and solved for, in factorizations.
+        Told what is solved for, in factorizations.
 
     Raises
     ------
@@ -72,7 +72,6 @@ class Condensation:
             self._factor = self._factored()
 
     def _factored(self) -> SymmetricFactor:
-        self.spend(1.0)
         return self.energy.newton_factor(self.vertices, self.lengths, self.mu, self.tensions, self.held)
 
     def solve(self, forces: Floats) -> Floats:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.aim.accuracy import NEARLY, PLACED, REALIZED
+from isoembed.aim.acceptance import PLACED, REALIZED, is_accepted, is_exact, is_near
 from isoembed.aim.choice import asked_for, smoothest, with_neighbors
 from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
 from isoembed.aim.pipeline import Pipeline, State, Strategy
@@ -115,7 +115,7 @@ class NearestPolytope(Strategy):
         body = polytope_start(convexification.given, convex, problem.analyses, log)
         if body is not None and body.ndim == 2 and problem.is_convex:
             polyhedron = polished_polyhedron(problem.in_given_order(body), pipeline)
-            if problem.is_exact(polyhedron):
+            if is_exact(polyhedron):
                 return state.adding(polyhedron, trusted=True)
         return replace(state, body=body)
 
@@ -183,7 +183,7 @@ class NewtonOnLengths(Strategy):
                 recorder.show(t=0.0, vertices=solution.vertices)
                 state = state.adding(problem.surface(solution.vertices))
         cost, polyhedron = pipeline.work.factorizations, problem.surface(start)
-        if problem.is_convex and problem.is_exact(polyhedron):
+        if problem.is_convex and is_exact(polyhedron):
             return state.adding(polyhedron, trusted=True, cost=cost)
         on_branch = solution is not None and (
             problem.is_convex or solution.branch_deviation < LENGTHS_DEVIATION
@@ -216,7 +216,7 @@ class PatchReflections(Strategy):
             )
             found = [problem.surface(vertices) for vertices in choices]
         state = state.adding(*found)
-        realized = [surface for surface in found if problem.is_exact(surface)]
+        realized = [surface for surface in found if is_exact(surface)]
         if realized:
             state = with_smoother(
                 state, min(realized, key=lambda surface: surface.surface.fine_roughness), pipeline
@@ -336,7 +336,7 @@ class VertexReflections(Strategy):
         problem = pipeline.problem
         return (
             pipeline.method.effort > 1
-            and not problem.accepts(state.nearest)
+            and not is_accepted(state.nearest)
             and problem.metric.space.is_euclidean
         )
 
@@ -369,7 +369,7 @@ class Choice(Strategy):
     def run(self, state: State, pipeline: Pipeline) -> State:
         problem, fit, method = pipeline.problem, state.fit, pipeline.method
         found = smoothest(state.candidates, problem.is_convex, state.searched)
-        if found.converged or (problem.accepts(found) and fit is None):
+        if found.converged or (is_accepted(found) and fit is None):
             return replace(state, answer=found)
         from isoembed.aim.diagnosis import diagnosis
 
@@ -489,13 +489,12 @@ def answered(state: State) -> Embedding:
 def accepted(state: State, problem: Problem, vertices: Floats) -> State:
     """The state with a surface of which only the residual is in doubt, if that is small."""
     found = problem.surface(vertices)
-    return state.adding(found, trusted=True) if problem.accepts(found) else state
+    return state.adding(found, trusted=True) if is_accepted(found) else state
 
 
 def missed(state: State, pipeline: Pipeline) -> bool:
     """Whether no candidate is accepted."""
-    problem = pipeline.problem
-    return not problem.accepts(smoothest(state.candidates, problem.is_convex, state.searched))
+    return not is_accepted(smoothest(state.candidates, pipeline.problem.is_convex, state.searched))
 
 
 def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State:
@@ -503,7 +502,7 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
     from isoembed.aim.nearby_realizations import nearby_realizations
 
     problem = pipeline.problem
-    if not surface.residual < NEARLY:
+    if not is_near(surface):
         return state
     with pipeline.log.stage("neighbors") as recorder:
         met = nearby_realizations(
@@ -518,7 +517,7 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
 
 def fresh(problem: Problem) -> Problem:
     """Copy of the problem with an unused convexification."""
-    return Problem(problem.metric, problem.tolerance, problem.name)
+    return Problem(problem.metric, problem.tolerance, problem.name, problem.work)
 
 
 def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
@@ -550,7 +549,7 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
 def polished_polyhedron(vertices: Floats, pipeline: Pipeline) -> Embedding:
     """The polyhedron of a convex metric on the given triangles, with the lengths to rounding if it may be."""
     found = pipeline.problem.surface(vertices)
-    if not REALIZED < found.residual < NEARLY:
+    if found.residual <= REALIZED or not is_near(found):
         return found
     with pipeline.log.stage("polish") as recorder:
         polished = pipeline.problem.annealed(vertices, recorder)

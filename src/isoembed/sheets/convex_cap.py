@@ -114,7 +114,7 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
     """
     lengths, t = LengthConstraints(metric), metric.triangulation
     [loop] = t.boundaries
-    system = VertexSystem(t)
+    system = VertexSystem(t, work=recorder.work)
     blocks = np.zeros((len(loop), 3, 3))
     blocks[:, 2, 2] = 1.0
     across = (start[loop] - start[loop[0]])[:, :2]
@@ -129,7 +129,6 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
 
     def solve(vertices: Floats, missed: Floats) -> Floats:
         recorder.show(residual=float(np.abs(missed).max()) / metric.mean_length)
-        recorder.factorizations += 1
         recorder.iterations += 1
         forces = lengths.forces(vertices, missed[: t.n_edges])
         forces[loop, 2] += missed[t.n_edges :]

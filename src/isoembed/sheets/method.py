@@ -36,10 +36,10 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.measured_cap import measured_cap
 from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
-from isoembed.sheets.placement import standard_sheet, turned_about_vertical
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
 from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.measures import face_areas
+from isoembed.surface.placement import standard_sheet, turned_about_vertical
 
 CONDITIONS = "free", "plane"
 HEIGHTS = 5  # steps in which the boundary is raised

@@ -35,11 +35,10 @@ def nearest_with_lengths(lengths: LengthConstraints, start: Floats, recorder: St
     """
     t, metric = lengths.triangulation, lengths.metric
     enough = t.n_edges > 3 * t.n_vertices - 6
-    system = VertexSystem(t) if enough else LengthSystem(t)
+    system = VertexSystem(t, work=recorder.work) if enough else LengthSystem(t, work=recorder.work)
 
     def solve(x: Floats, r: Floats) -> Floats:
         recorder.show(residual=float(np.abs(r).max()) / metric.mean_length)
-        recorder.factorizations += 1
         recorder.iterations += 1
         if isinstance(system, LengthSystem):
             return system.step(x, metric.lengths, r)

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.linalg.dissection import Dissection
 from isoembed.linalg.superlu import checked_lu
 from isoembed.mesh.triangulation import Triangulation
@@ -92,10 +92,15 @@ class LengthSystem:
     triangulation : Triangulation
     space : Space, optional
         Where the surface is.
+    work : Work, optional
+        Counts the factorizations.
     """
 
-    def __init__(self, triangulation: Triangulation, *, space: Space = EUCLIDEAN) -> None:
+    def __init__(
+        self, triangulation: Triangulation, *, space: Space = EUCLIDEAN, work: Work | None = None
+    ) -> None:
         self.triangulation, self.space = triangulation, space
+        self.work = Work() if work is None else work
         # The edges are held in the order in which they are eliminated: neighbors then are near in memory.
         by_number = np.arange(triangulation.n_edges)
         self._order = by_number if self._by_vertices else self._dissection.edge_order(triangulation.edges)
@@ -224,7 +229,7 @@ class LengthSystem:
 
     @cached_property
     def _vertex_system(self) -> VertexSystem:
-        return VertexSystem(self.triangulation)
+        return VertexSystem(self.triangulation, work=self.work)
 
     def _step_by_vertices(self, surface: Projected, J: RigidityMatrix, r: Floats, damping: float) -> Floats:
         """Newton step by factors of J^T J; without damping, by those of J with a triangle held.
@@ -236,6 +241,7 @@ class LengthSystem:
         if damping > 0:
             damped = self._vertex_system.damped(rows, damping)
             return damped.solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
+        self.work.factorizations += 1
         lu = checked_lu(_square(J, surface.positions), "COLAMD")
         if not np.abs(lu.U.diagonal()).min() > 1e-14:  # the rows have entries up to 1
             raise SingularMatrix("J is singular to working precision")
@@ -248,7 +254,7 @@ class LengthSystem:
         indptr, indices = coupled_edges(self._ends, self.triangulation.n_vertices)
         n = len(self._ends)
         pattern = csc_array((np.ones(indices.size, dtype=np.int8), indices, indptr), shape=(n, n))
-        return analyze(pattern, np.arange(n))
+        return analyze(pattern, np.arange(n), work=self.work)
 
 
 def _square(J: RigidityMatrix, positions: Floats) -> csc_array:
@@ -316,9 +322,13 @@ class VertexSystem:
     penalty : sparse, shape (V, V), optional
         P, symmetric; its pattern, with the triangulation's, is the pattern of every matrix of the system.
         It acts on x, y and z alike.
+    work : Work, optional
+        Counts the factorizations.
     """
 
-    def __init__(self, triangulation: Triangulation, penalty: csr_array | None = None) -> None:
+    def __init__(
+        self, triangulation: Triangulation, penalty: csr_array | None = None, work: Work | None = None
+    ) -> None:
         self.triangulation = triangulation
         n = triangulation.n_vertices
         penalty = csr_array((n, n)) if penalty is None else penalty
@@ -327,7 +337,7 @@ class VertexSystem:
         pairs = csr_array(graph - eye_array(n))
         pairs.eliminate_zeros()
         order = dissect(pairs).block_order(3)  # where P reaches beyond the neighbors, so do the separators
-        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), order)
+        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), order, work=work)
         pattern = self._solver.pattern
         column = np.repeat(np.arange(3 * n), np.diff(pattern.indptr))
         self._keys = column * (3 * n) + pattern.indices
