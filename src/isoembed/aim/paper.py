@@ -21,7 +21,8 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.measures import outward
 from isoembed.surface.principal_axes import standard_position
-from isoembed.surface.rigidity import LengthSystem, VertexSystem
+from isoembed.surface.rigidity import LengthSystem
+from isoembed.surface.vertex_system import VertexSystem
 
 MOST_STEPS = 100_000
 

@@ -24,7 +24,8 @@ from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.nonlinear.acceptance import Damping
 from isoembed.nonlinear.descent import Curve, descend
 from isoembed.nonlinear.newton import damped_step
-from isoembed.surface.rigidity import HeldTriangle, edge_rows
+from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.vertex_system import HeldTriangle
 
 COLUMNS = 96  # of the inverse that are solved for at once
 EARLY = 4  # steps after which those that lead nowhere are given up
