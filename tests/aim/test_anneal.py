@@ -11,7 +11,8 @@ from isoembed.aim.anneal import anneal, anneal_damped, anneal_on_sphere
 from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
+from isoembed.surface.rigidity import LengthSystem, length_residuals
+from isoembed.surface.vertex_system import VertexSystem
 
 
 def problem(amount, mesh=None):

@@ -12,7 +12,8 @@ from isoembed.nonlinear.newton import Point, largest, newton
 from isoembed.nonlinear.stopping import short_step, stagnated
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.length_newton import length_newton
-from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
+from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
+from isoembed.surface.vertex_system import VertexSystem
 
 POLISH_STEPS = 10  # Newton steps of the last stage
 
@@ -114,7 +115,7 @@ def anneal_on_sphere(
         return r
 
     def solve(x: Floats, r: Floats) -> Floats:
-        step = system.spherical_step(x, lengths, r, radius)
+        step = system.spherical_step(x, edge_rows(system.triangulation, x, lengths), r, radius)
         recorder.iterations += 1
         return step
 

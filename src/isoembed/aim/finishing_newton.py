@@ -31,7 +31,8 @@ from isoembed.nonlinear.acceptance import Damping
 from isoembed.nonlinear.descent import Curve, descend
 from isoembed.nonlinear.stopping import settled
 from isoembed.progress.stages import StageRecorder
-from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSystem, edge_rows
+from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, edge_rows
+from isoembed.surface.vertex_system import VertexSystem
 
 MOTIONS = (2, 3, 4, 5, 6, 8)  # numbers of softest motions, in turn
 

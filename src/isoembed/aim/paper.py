@@ -20,7 +20,8 @@ from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.placement import standard_position
-from isoembed.surface.rigidity import LengthSystem, VertexSystem
+from isoembed.surface.rigidity import LengthSystem
+from isoembed.surface.vertex_system import VertexSystem
 
 MOST_STEPS = 100_000
 

@@ -29,8 +29,9 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.measures import face_areas
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows, length_residuals
+from isoembed.surface.rigidity import edge_rows, length_residuals
 from isoembed.surface.smoothness import fit_residuals
+from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
 LEAST_COTANGENT = 0.01  # smaller weights would reward bending, or fold a harmonic surface
 MAX_ITERATIONS = 100  # of conjugate gradients

@@ -10,12 +10,8 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Real
 
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
 Number = cython.fused_type(cython.float, cython.double)
 Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
 

@@ -26,8 +26,8 @@ from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface import measures
-from isoembed.surface.rigidity import HeldVertices
 from isoembed.surface.smoothness import fine_roughness
+from isoembed.surface.vertex_system import HeldVertices
 
 STIFFNESSES = tuple(10.0 ** (-k / 2) for k in range(2, 13))  # epsilon over the area, one after the other
 BUMPED = 1e-4  # the first for a start with a bump, which thicker sheets would flatten

@@ -25,7 +25,8 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.nonlinear.newton import largest, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldVertices, VertexSystem, edge_rows
+from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
 STEPS = 60  # of Newton's method at most
 ANY_CURVATURE = "positions (B, 3) of the boundary suit any curvature, boundary='free' takes none"

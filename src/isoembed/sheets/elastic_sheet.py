@@ -13,7 +13,8 @@ from isoembed.nonlinear.newton import Point
 from isoembed.nonlinear.stopping import short_step
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldVertices, VertexSystem, edge_rows
+from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
 CHORDS = 3  # steps with the factors of the last Newton step, at most
 

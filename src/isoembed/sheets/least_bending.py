@@ -22,7 +22,8 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows
+from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
 STIFFNESSES = tuple(10.0**-k for k in range(4, 10))  # epsilon over the area, one after the other
 TRIED = 20  # Newton steps at most for each of several starts

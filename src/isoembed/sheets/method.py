@@ -107,10 +107,9 @@ class Sheet(Method):
             The boundary or the start does not fit the metric.
         """
         found = self._found(metric, tolerance, log)
-        if not found.converged:
-            others = "" if self.start is None else "; without start= others are tried"
-            raise NotEmbedded(f"{found.message}{others}", found)
-        return found
+        if found.converged or self.start is None:
+            return found
+        return found._with_message(f"{found.message}; without start= others are tried")
 
     def scaled(self, factor: float) -> Sheet:
         """See `isoembed.Method`."""

@@ -10,7 +10,8 @@ from isoembed.nonlinear.newton import newton
 from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldTriangle, LengthSystem, VertexSystem, edge_rows
+from isoembed.surface.rigidity import LengthSystem, edge_rows
+from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
 STEPS = 30  # at most
 EXACT = 1e-15  # largest residual, in mean edge lengths, that ends it
