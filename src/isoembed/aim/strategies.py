@@ -495,7 +495,7 @@ def accepted(state: State, problem: Problem, vertices: Floats) -> State:
 def missed(state: State, pipeline: Pipeline) -> bool:
     """Whether no candidate is accepted."""
     problem = pipeline.problem
-    return not problem.accepts(smoothest(state.candidates, problem.is_convex, state.searched))
+    return not problem.accepts(smoothest(state.candidates, problem.is_convex, searched=False))
 
 
 def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State:
