@@ -11,7 +11,7 @@ from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.cells import VertexCells
 from isoembed.surface.interpolated_rigidity import InterpolatedRigidity
-from isoembed.surface.interpolation import CellRows, Stencils
+from isoembed.surface.interpolation import Stencils
 from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
 
@@ -27,11 +27,10 @@ def peanut():
     cells = VertexCells.of(triangulation, metric.lengths, sphere, 60)
     stencils = Stencils(cells, cells.triangulation(sphere))
     edges = InterpolatedRigidity(triangulation, stencils)
-    differences = edges.differences(x)
+    P, differences = edges.interpolated(x)
     rows = (differences @ x[cells.vertices]) / metric.lengths[edges.edges][:, None]
     coarse = edges.factor(differences, rows, 1e-6 * eye_array(len(cells.vertices), format="csr"))
     weights = stencils.interpolation(x, faces, np.arange(len(x)), cells.of_vertex)
-    P = CellRows.of(stencils, weights, cells.of_vertex)
     return LengthSystem(triangulation), metric.lengths, x, weights, P, coarse, cells
 
 

@@ -47,6 +47,8 @@ class InterpolatedEnergy(RegularizedEnergy):
         Those measured.
     lengths : ndarray, shape (M,)
         Given for them.
+    P : CellRows, (V, C)
+        Interpolates all vertices.
     factor : SymmetricFactor or None
         Of the matrix of a step, the last one that was factored.
     """
@@ -78,7 +80,7 @@ class InterpolatedEnergy(RegularizedEnergy):
 
     def in_charts_of(self, positions: Floats) -> None:
         """Interpolate in the tangent planes of a surface (V, 3) that is nearer to the one sought."""
-        self._differences = self.edges.differences(positions)
+        self.P, self._differences = self.edges.interpolated(positions)
 
     def residuals(self, vertices: Floats, lengths: Floats) -> Floats:
         """The errors r of the lengths of the edges that are measured."""

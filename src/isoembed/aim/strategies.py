@@ -494,7 +494,7 @@ def accepted(state: State, problem: Problem, vertices: Floats) -> State:
 
 def missed(state: State, pipeline: Pipeline) -> bool:
     """Whether no candidate is accepted."""
-    return not is_accepted(smoothest(state.candidates, pipeline.problem.is_convex, state.searched))
+    return not is_accepted(smoothest(state.candidates, pipeline.problem.is_convex, searched=False))
 
 
 def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State:

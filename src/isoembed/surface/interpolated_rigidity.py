@@ -59,15 +59,19 @@ class InterpolatedRigidity:
         kept = (of <= most) | ((rank + 1) * most // of > rank * most // of)
         self.edges, self.of_edge = edges[kept], of_edge[kept]
 
-    def differences(self, positions: Floats) -> CellRows:
-        """The differences of both ends of the edges, (M, C), interpolated in charts of these positions."""
-        ends = self._triangulation.edges[self.edges]
-        n = len(self._stencils.cells.vertices)
-        pairs, places = np.unique(ends * n + self.of_edge[:, None], return_inverse=True)
-        P = self._stencils.interpolation(positions, self._triangulation.faces, pairs // n, pairs % n)
-        first, second = (P[place] for place in places.reshape(ends.shape).T)
-        first.data = first.data - second.data  # of one stencil
-        return CellRows.of(self._stencils, first, self.of_edge)
+    def interpolated(self, positions: Floats) -> tuple[CellRows, CellRows]:
+        """All vertices, (V, C), and the differences of both ends of the edges, (M, C), in these charts."""
+        stencils, places = self._stencils, self._triangulation.edges[self.edges]
+        cell, n = stencils.cells.of_vertex, len(stencils.cells.vertices)
+        across = cell[places] != self.of_edge[:, None]  # ends outside the edge's cell
+        pairs, which = np.unique((places * n + self.of_edge[:, None])[across], return_inverse=True)
+        places[across] = len(cell) + which
+        vertices = np.concatenate([np.arange(len(cell)), pairs // n])
+        source = np.concatenate([cell, pairs % n])
+        P = stencils.interpolation(positions, self._triangulation.faces, vertices, source)
+        first, second = (P[place] for place in places.T)
+        first.data -= second.data  # of one stencil
+        return CellRows.of(stencils, P, cell), CellRows.of(stencils, first, self.of_edge)
 
     @cached_property
     def pattern(self) -> csc_array:
@@ -91,7 +95,7 @@ class InterpolatedRigidity:
         Parameters
         ----------
         differences : CellRows, (M, C)
-            From the method of this name.
+            As from `interpolated`.
         rows : ndarray, shape (M, 3)
             The gradients of the residuals by the differences.
         penalty : sparse, shape (C, C)
