@@ -47,7 +47,7 @@ def test_pages(kind, magic, call, tmp_path):
     write("cube.off", *zoo.cube())
     status, out, err = call("unfold", "cube.off", "-o", f"net.{kind}", "--paper", "letter", "--scale", "40")
     assert (status, err) == (0, "")
-    assert out.startswith(f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit\nnet.{kind} written, ")
+    assert out.startswith(f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit; 1 page of letter\nnet.{kind} written, ")
     assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
 
 
@@ -64,8 +64,8 @@ def test_edges_are_cut_and_kept(call):
 def test_few_pages(call):
     write("solid.obj", *zoo.random_hull(30, 1))
     for objective, pages in (
-        ("sheets", "150 mm a unit; cut into 8 islands to fit on pages; 7 pages"),
-        ("pages", "150 mm a unit; 6 pages"),
+        ("sheets", "150 mm a unit; cut into 8 islands that fit on pages; 7 pages of A4"),
+        ("pages", "150 mm a unit; 6 pages of A4"),
     ):
         status, out, _ = call(
             "unfold", "solid.obj", "-o", "a.svg", "--scale", "150", "--objective", objective
@@ -79,9 +79,10 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
         "unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers", "--paper", "A9"
     )
     assert (status, out) == (2, "") and "paper is 'A9', not one of A0" in err
-    assert call("unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers")[0] == 0
+    status, out, _ = call("unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers")
+    assert status == 0 and "; 6 pages of A4 and a drawing of the solid\n" in out
     text = (tmp_path / "net.svg").read_text()
-    assert "page 7 of 7" in text and text.count(">F5<") == 2
+    assert "page 6 of 6" in text and text.count(">F5<") == 2
 
 
 @pytest.mark.parametrize(

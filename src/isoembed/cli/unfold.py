@@ -17,7 +17,7 @@ from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.papercraft import SHEET_ENDINGS, fewest_pages
 from isoembed.papercraft.drawing import drawn
-from isoembed.papercraft.paper import FORMATS
+from isoembed.papercraft.paper import FORMATS, Paper
 from isoembed.papercraft.sheets import drawing_writer
 
 DRAWING = ("paper", "scale", "size", "numbers")
@@ -126,9 +126,14 @@ def run(options: argparse.Namespace) -> int:
         writer = drawing_writer(output, unfolding, pages)
         said += f"; {pages.scale:.4g} mm a unit"
         if len(pages.cuts) > len(unfolding.sheets):
-            said += f"; cut into {len(pages.cuts)} islands to fit on pages"
-        if pages.pages > 1:
-            said += f"; {pages.pages} pages"
+            said += f"; cut into {len(pages.cuts)} islands that fit on pages"
+        paper, net_pages = Paper.of(options.paper or "A4"), pages.pages - bool(options.numbers)
+        if paper.is_roll:
+            said += f"; {pages.height:.0f} mm of a roll of {paper.width:g} mm"
+        else:
+            said += f"; {net_pages} page{'' if net_pages == 1 else 's'} of {paper.name}"
+        if options.numbers:
+            said += " and a drawing of the solid"
     write_atomically({output: writer})
     print_aside(f"{said}\n{written(options, output)}")
     return OK
