@@ -40,7 +40,7 @@ def ezdxf_for(what: str) -> Any:
     try:
         import ezdxf
     except ImportError:
-        raise FileError(f"{what} needs ezdxf: pip install 'isoembed[dxf]'") from None
+        raise FileError(f"{what} needs ezdxf: pip install ezdxf; .svg needs nothing") from None
     return ezdxf
 
 
