@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -59,6 +60,13 @@ def test_edges_are_cut_and_kept(call):
     assert status == 0 and out.startswith("19 sheets, 29 pairs of sides, 1 fold\n")
     status, out, _ = call("unfold", "solid.obj", "-o", "b.json", "--cut", cut, "--objective", "strips")
     assert status == 0 and out.startswith("1 sheet, 11 pairs of sides, 19 folds\n")
+
+
+def test_dxf_without_ezdxf(call, monkeypatch):
+    write("cube.off", *zoo.cube())
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    status, _, err = call("unfold", "cube.off", "-o", "net.dxf")
+    assert status == 2 and "writing net.dxf needs ezdxf: pip install ezdxf; .svg needs nothing" in err
 
 
 def test_few_pages(call):
