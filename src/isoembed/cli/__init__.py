@@ -32,6 +32,7 @@ from isoembed.cli.screen import (
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
 from isoembed.similar_names import did_you_mean
+from isoembed.typed_numbers import number
 
 # Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
@@ -45,6 +46,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
+        self.register("type", float, number)
         self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
 
     def format_help(self) -> str:

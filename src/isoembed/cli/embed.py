@@ -20,6 +20,7 @@ from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, r
 from isoembed.io.files import ending
 from isoembed.methods import method_class, method_names
 from isoembed.progress.stages import Listener
+from isoembed.typed_numbers import number
 
 WHICH = ("convex", "smoothest")
 """The values of ``--which`` that are not a file."""
@@ -236,7 +237,7 @@ def _sheet(options: argparse.Namespace) -> isoembed.Method:
 
 def _tolerance(text: str) -> float:
     try:
-        value = float(text)
+        value = number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
     if not (value > 0 and math.isfinite(value)):

@@ -249,7 +249,7 @@ def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> list[Pat
 def _draw(drawn: dict[Path, Result]) -> list[Path]:
     """Write the pictures, in one scale, where matplotlib is installed."""
     if find_spec("matplotlib") is None:
-        missing = "pictures need matplotlib, pip install 'isoembed[plot]'"
+        missing = "pictures need matplotlib, pip install matplotlib"
         print_error(f"{', '.join(map(str, drawn))} not written: {missing}")
         return []
     for path, picture in zip(drawn, horizon_figures(list(drawn.values())), strict=True):

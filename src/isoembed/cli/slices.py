@@ -22,6 +22,7 @@ from isoembed.relativity.spacetimes.schwarzschild import (
 )
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.relativity.spacetimes.transformed import Translated
+from isoembed.typed_numbers import number
 
 OF_SLICE = ("mass", "spin", "center", "velocity", "masses", "positions", "velocities")
 DEFAULTS = {"mass": 1.0, "spin": (0.0, 0.0, 0.0)}
@@ -189,7 +190,7 @@ def _triples(name: str, flat: list[float]) -> list[list[float]]:
 
 def _number(text: str) -> float:
     try:
-        return float(text)
+        return number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a number (files come before the options)"

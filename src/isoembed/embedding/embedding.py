@@ -347,7 +347,7 @@ class Embedding:
         ------
         FileError
             The ending is not known, the file cannot be written, or for a picture matplotlib is not installed:
-            ``pip install 'isoembed[plot]'``.
+            ``pip install matplotlib``.
         InvalidParameter
             There is no such quantity, or the file has no colors.
         """
@@ -383,7 +383,7 @@ class Embedding:
         Raises
         ------
         FileError
-            matplotlib is not installed: ``pip install 'isoembed[plot]'``.
+            matplotlib is not installed: ``pip install matplotlib``.
         InvalidParameter
             There is no such quantity to color it by.
         """

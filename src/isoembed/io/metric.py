@@ -214,6 +214,7 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         space=Space(said.get("curvature", 0.0)),
         leave_out=True,
         repeated=repeated,
+        error=Precision("", said["rounding_error"]).vertex_error if "rounding_error" in said else 0.0,
     )
     return {"vertices": vertices, "faces": triangles, **said}
 

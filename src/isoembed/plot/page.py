@@ -1,7 +1,7 @@
 """Interactive page of a surface for the browser: colors, film and report in one HTML file."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import diverging, ramp
-from isoembed.plot.browser.report import number, report_html
+from isoembed.plot.browser.report import number, report_html, tables_html
 from isoembed.plot.browser.thinning import thinned
 from isoembed.plot.caption import faces_counted, has_own_lengths, of_integral
 from isoembed.plot.coloring import (
@@ -123,11 +123,22 @@ def write_page(
 
 
 def _page(
-    embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), caption: str = "", beside: str = ""
+    embedding: Embedding,
+    title: str,
+    *,
+    frames: Sequence[Frame] = (),
+    caption: str = "",
+    beside: str = "",
+    tables: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Document:
+    """The page, with other tables than those of the report, by their captions, if there are some."""
     data, arrays = _data(embedding, frames)
-    found = report(embedding)
-    return Document(title, caption or _caption(embedding), beside + report_html(found), found, data, arrays)
+    if tables is None:
+        found = report(embedding)
+        told = report_html(found)
+    else:
+        found, told = dict(tables), tables_html(tables)
+    return Document(title, caption or _caption(embedding), beside + told, found, data, arrays)
 
 
 def _caption(embedding: Embedding) -> str:

@@ -210,7 +210,7 @@ def _run_files(folder: Any) -> list[str]:
         from kuibit.simdir import SimDir
     except ImportError:
         raise FileError(
-            f"reading the simulation {folder} needs kuibit: pip install 'isoembed[kuibit]'"
+            f"reading the simulation {folder} needs kuibit: pip install kuibit h5py"
         ) from None
     return list(SimDir(os.fspath(folder)).allfiles)
 
