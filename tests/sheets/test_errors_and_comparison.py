@@ -42,7 +42,7 @@ def test_a_sheet_is_its_moved_mirror_image():
     assert abs(found.difference.integrated_mean_curvature) < 1e-11
     assert np.isnan(found.difference.volume)
     assert (found.certified, found.same) == (False, None)
-    assert "because proofs about two surfaces need closed surfaces of genus 0" in found.reason
+    assert "because no proof is made for surfaces with boundary" in found.reason
 
 
 def test_spheres_of_two_radii():

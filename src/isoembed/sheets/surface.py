@@ -161,8 +161,8 @@ class SheetEmbedding(Embedding):
         if self.second_form_energy < TOO_LITTLE * self.least_second_form_energy:
             said.append(
                 "the mesh is too coarse to tell the bending energy: int k1^2 + k2^2 dA is computed as "
-                f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA = "
-                f"{self.least_second_form_energy:.3g}"
+                f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA, which is "
+                f"estimated as {self.least_second_form_energy:.3g}"
             )
         inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
         if rough.sum() > ROUGH * inside.sum():
@@ -192,9 +192,11 @@ class SheetEmbedding(Embedding):
 
     @cached_property
     def least_second_form_energy(self) -> float:
-        """Integral of 2 abs(K) dA: no smooth surface with this metric has a smaller `second_form_energy`.
+        """Estimate of the integral of 2 abs(K) dA, which the `second_form_energy` of no smooth surface undercuts.
 
-        From the deficits inside.  At the boundary, K is that of the neighbors inside.
+        From the deficits inside; at the boundary, K is that of the neighbors inside.  The estimate has an error
+        of second order in the edge length, or of first order on irregular meshes, and so has the energy: that
+        of a mesh may be the smaller one.
         """
         assert isinstance(self.surface, SheetSurface)
         t, areas = self.triangulation, self.surface._energy.areas
@@ -235,8 +237,8 @@ class SheetEmbedding(Embedding):
             "condition": self.condition,
             "boundaries": [len(loop) for loop in t.boundaries],
             "genus": t.genus,
-            "squares_of_principal_curvatures": self.second_form_energy,
-            "least_squares_of_principal_curvatures": self.least_second_form_energy,
+            "second_form_energy": self.second_form_energy,
+            "least_second_form_energy": self.least_second_form_energy,
             "imbalance": self.imbalance,
         }
         return {"sheet": found}

@@ -22,7 +22,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.variation import area_derivative
 from isoembed.reprs import short_repr
 from isoembed.surface.changes import INTEGRALS, Changes
-from isoembed.surface.curvature import dihedral_angles, vertex_areas, vertex_mean_curvature
+from isoembed.surface.curvature import dihedral_angles, vertex_mean_curvature
 from isoembed.surface.derivatives import (
     LengthDerivatives,
     Variation,
@@ -32,6 +32,7 @@ from isoembed.surface.derivatives import (
     volume_gradient,
 )
 from isoembed.surface.measures import edge_lengths
+from isoembed.surface.vertex_areas import vertex_area_rates, vertex_areas
 
 NONLINEAR = 0.1
 """Nonlinearity of the volume above which it is not determined to first order.  In trials it was below .04, or
@@ -275,7 +276,6 @@ def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Fl
     grown = np.einsum("ei,ei->e", x[a] - x[b], v[a] - v[b]) / lengths
     quarters = np.repeat((grown * dihedral_angles(t, x) + lengths * bent) / 4, 2)
     integrals = np.bincount(t.edges.ravel(), quarters)
-    shares = np.bincount(t.faces.ravel(), np.repeat(along / 6, 3))
-    areas = vertex_areas(t, x)
+    areas, shares = vertex_areas(t, x), vertex_area_rates(t, x, along / 2, 2 * lengths * grown)
     curved = (integrals - vertex_mean_curvature(t, x, areas) * shares) / areas
     return np.einsum("vi,vi->v", v, v), turned**2, bent**2, curved**2
