@@ -15,7 +15,7 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
-from isoembed.surface.measures import face_normals
+from isoembed.surface.measures import above_boundary, cone_sum, face_normals
 from isoembed.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -70,6 +70,23 @@ class SheetSurface(Surface):
         along = np.einsum("vi,vi->v", self._energy.curvature_vectors(x), normals)
         return frozen(-along)
 
+    @cached_property
+    def _above_boundary(self) -> Floats | None:
+        return above_boundary(self.triangulation, self._normalized)
+
+    @property
+    def volume(self) -> float:
+        """Enclosed volume, or that between a cap and the horizontal plane of its boundary.
+
+        Raises
+        ------
+        InvalidMetric
+            The boundary is in no horizontal plane.
+        """
+        if self._above_boundary is None:
+            return super().volume
+        return abs(cone_sum(self.faces, self._above_boundary)) * self.unit * self.unit * self.unit
+
     @property
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA, in the unit of the lengths."""
@@ -80,8 +97,9 @@ class SheetSurface(Surface):
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    The volume of a surface with boundary raises `InvalidMetric`.  That has no outside: it is not turned over,
-    and the sign of its mean curvature depends on the side from which triangles are counterclockwise.
+    The volume of a cap is that between it and the plane of its boundary; of other surfaces with boundary, it
+    raises `InvalidMetric`.  They have no outside: they are not turned over, and the sign of the mean curvature
+    depends on the side from which triangles are counterclockwise.
 
     Parameters
     ----------
@@ -241,4 +259,5 @@ class SheetEmbedding(Embedding):
             "least_second_form_energy": self.least_second_form_energy,
             "imbalance": self.imbalance,
         }
-        return {"sheet": found}
+        assert isinstance(self.surface, SheetSurface)
+        return {"sheet": found} if self.surface._above_boundary is None else {"sheet": found, "volume": self.volume}

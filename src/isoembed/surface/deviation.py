@@ -31,7 +31,7 @@ from isoembed.surface.derivatives import (
     normal_rates,
     volume_gradient,
 )
-from isoembed.surface.measures import edge_lengths
+from isoembed.surface.measures import above_boundary, cone_sum, edge_lengths
 from isoembed.surface.vertex_areas import vertex_area_rates, vertex_areas
 
 NONLINEAR = 0.1
@@ -64,7 +64,7 @@ class IntegralDeviation:
     ----------
     area, volume, integrated_mean_curvature : float
         To first order.  The volume's is infinite where the surface is not infinitesimally rigid, and NaN of
-        surfaces with boundary.
+        surfaces with boundary, unless this is in a horizontal plane.
     correlation : ndarray, shape (3, 3)
         Of the errors of the three; NaN beside one that has no error, or an infinite one.
     volume_nonlinearity : float
@@ -118,8 +118,12 @@ class IntegralDeviation:
         missed: Floats,
     ) -> IntegralDeviation:
         """Deviation of a surface in R^3 with boundary or handles, whose lengths need not be those given."""
-        rates = derivatives.vjp(integral_gradients(triangulation, vertices))
-        if not triangulation.is_closed:
+        above = above_boundary(triangulation, vertices)
+        x = vertices if above is None else above
+        rates = derivatives.vjp(integral_gradients(triangulation, x))
+        if above is not None:  # the volume is positive, whatever the side
+            rates[1] *= np.sign(cone_sum(triangulation.faces, above))
+        elif not triangulation.is_closed:
             rates[1] = np.nan
         return cls.from_rates(rates, errors, shared, missed, np.nan)
 
