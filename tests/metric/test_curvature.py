@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import discs
 import zoo
 from curved import body
 from isoembed.metric.curvature import (
@@ -191,6 +192,15 @@ def test_labels_and_orientation_change_nothing(seed):
         assert deficits(twin)[number] == pytest.approx(deficits(metric), rel=1e-10)
         assert dual_areas(twin)[number] == pytest.approx(dual_areas(metric), rel=1e-8, abs=1e-12)
         assert area(twin) == pytest.approx(area(metric), rel=1e-11)
+
+
+def test_gaussian_curvature_is_unknown_on_a_boundary():
+    """Where deficits are the exterior angles of the boundary."""
+    points, faces = discs.hexagonal(8)
+    metric = PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0), faces)
+    found, rim = gaussian_curvature(metric), metric.triangulation.boundary_vertices
+    assert np.isnan(found[rim]).all()
+    assert found[~rim] == pytest.approx(1.0, rel=0.1)
 
 
 def test_gaussian_curvature_and_area_converge_on_the_sphere():

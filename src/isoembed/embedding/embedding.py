@@ -301,13 +301,13 @@ class Embedding:
         """Gaussian curvature at the vertices, shape (V,): a property of the metric.
 
         The deficit over the circumcentric dual area, and in hyperbolic and spherical space the curvature of
-        the triangles more; NaN where the dual area is not positive.
+        the triangles more; NaN where the dual area is not positive, and on a boundary.
         """
         known = dual_areas(self.metric.normalized) > 0
         values = np.full(len(known), np.nan)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             curvature = gaussian_curvature(self.metric)
-        known &= np.abs(curvature) < 1e300  # beyond, sums overflow
+            known &= np.abs(curvature) < 1e300  # beyond, sums overflow
         values[known] = curvature[known]
         return frozen(values)
 

@@ -83,7 +83,9 @@ def gaussian_curvature(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (V,)
-        In the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.
+        In the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.  NaN on a
+        boundary, where the deficit is the exterior angle of the boundary.
     """
     normalized = metric.normalized
-    return metric.curvature + deficits(normalized) / dual_areas(normalized) / metric.unit / metric.unit
+    turned = np.where(metric.triangulation.boundary_vertices, np.nan, deficits(normalized))
+    return metric.curvature + turned / dual_areas(normalized) / metric.unit / metric.unit

@@ -85,7 +85,7 @@ def mean_curvature(embedding: Embedding) -> Quantity:
 
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
-    """K, the deficit over the circumcentric dual area and that of the triangles, where both are known."""
+    """K, the deficit over the circumcentric dual area and that of the triangles; unknown on a boundary."""
     own = "k + " if embedding.metric.curvature else ""
     label = rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$"
     return Quantity("Gaussian curvature", label, embedding.gaussian_curvature)
@@ -236,6 +236,9 @@ def _own(embedding: Embedding, color: Quantity | ArrayLike) -> Quantity:
 
 
 def face_means(values: Floats, faces: Polygons) -> Floats:
-    """The means of values at the vertices over the corners of each face, shape (F,)."""
+    """The means of values at the vertices over the corners of each face where they are known, shape (F,)."""
     corners, sizes = flattened(faces)
-    return np.add.reduceat(values[corners], np.cumsum(sizes) - sizes) / sizes
+    known, begins = np.isfinite(values[corners]), np.cumsum(sizes) - sizes
+    sums = np.add.reduceat(np.where(known, values[corners], 0.0), begins)
+    counts = np.add.reduceat(known.astype(np.float64), begins)
+    return sums / np.where(counts, counts, np.nan)

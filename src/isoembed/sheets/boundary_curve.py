@@ -70,8 +70,11 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     height = BUMP * float(np.linalg.norm(curve, axis=1).max())
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
     for shape in (bump, bump * away[:, 0], bump * away[:, 1]):
+        largest = float(np.abs(shape).max())
+        if largest <= FLAT * float(np.abs(away).max()):  # all vertices inside are in the middle
+            continue
         for side in (height, -height):
-            yield vertices + np.outer(side / np.abs(shape).max() * shape, axes[2]), BUMPED
+            yield vertices + np.outer(side / largest * shape, axes[2]), BUMPED
 
 
 def height_with_area(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:
