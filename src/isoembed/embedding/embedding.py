@@ -274,7 +274,7 @@ class Embedding:
 
     @property
     def is_answer(self) -> bool:
-        """Whether `embed` returns it rather than raising NotEmbedded: if it has converged, or is a best fit."""
+        """Whether `embed` returns it, and does not raise NotEmbedded: it has converged, or is a best fit."""
         return self.converged
 
     @property
