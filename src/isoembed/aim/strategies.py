@@ -511,6 +511,7 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
     from isoembed.metric.curvature import area
     from isoembed.metric.delaunay import delaunay
     from isoembed.metric.polyhedral import PolyhedralMetric
+    from isoembed.surface.measures import outward
 
     metric, log = problem.metric, pipeline.log
     log.expect(POLYHEDRON | PULL_BACK)
@@ -526,7 +527,7 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
         except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
             pass
     with log.stage("sphere") as recorder:
-        x = problem.oriented(conformal_sphere(delaunay(metric), recorder).points)
+        x = outward(metric.faces, conformal_sphere(delaunay(metric), recorder).points)
         return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
 
 
