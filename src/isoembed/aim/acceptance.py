@@ -7,8 +7,7 @@ from isoembed.embedding.embedding import Embedding
 
 REALIZED = 1e-11  # mean edge lengths: the largest residual of a realization
 PLACED = 1e-10  # mean edge lengths: residual asked of convex polyhedra, and of surfaces that end a search
-NEARLY = 1e-6  # mean edge lengths: the largest residual of a surface that is near a realization
-NEWTON_BASIN = 1e-6  # mean edge lengths: Newton's method does not get lost from here
+NEARLY = 1e-6  # mean edge lengths: near a realization, Newton's method does not get lost from here
 SAME = 1e-7  # mean edge lengths: realizations within this distance are the same
 
 

@@ -59,8 +59,12 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
 
 def _turned_to(answer: Embedding, other: Embedding) -> Embedding:
     """Another realization where it is nearest to the answer: of near ones, principal axes may point apart."""
-    vertices = aligned(other.vertices, answer.vertices, other.metric.space)
-    return Embedding(other.metric, vertices, method=other.method, tolerance=other.tolerance)
+    return _like(other, aligned(other.vertices, answer.vertices, other.metric.space))
+
+
+def _like(embedding: Embedding, vertices: Floats) -> Embedding:
+    """The surface with other vertices, of the same metric, method and tolerance."""
+    return Embedding(embedding.metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
 
 
 def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
@@ -77,7 +81,7 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
             pass
     others = list(embedding.others)
     for vertices in search.found:
-        other = Embedding(metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
+        other = _like(embedding, vertices)
         if all(other.distance(known) > SAME for known in (embedding, *others)):
             others.append(other)
     found = embedding._with_others(others, Evidence("searched", said))
@@ -139,9 +143,7 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
     size = float(np.linalg.norm(vertices[a] - vertices[b], axis=1).mean())
     if not size > 0:
         raise InvalidParameter("all vertices of the surface to be near to are at one point")
-    return Embedding(
-        metric, metric.mean_length / size * vertices, method=embedding.method, tolerance=embedding.tolerance
-    )
+    return _like(embedding, metric.mean_length / size * vertices)
 
 
 def _realized(target: Embedding, log: Log) -> Embedding | None:
@@ -162,8 +164,7 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
         )
         if not end.converged:
             end = anneal(system, end.vertices, metric.lengths, recorder, max_iterations=30)
-    vertices = standard_position(metric.faces, end.vertices)
-    found = Embedding(metric, vertices, method=target.method, tolerance=target.tolerance)
+    found = _like(target, standard_position(metric.faces, end.vertices))
     return found if found.converged else None
 
 

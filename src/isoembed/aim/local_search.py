@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array, eye_array
 
-from isoembed.aim.acceptance import NEWTON_BASIN, REALIZED
+from isoembed.aim.acceptance import NEARLY, REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.clamped_patch import ClampedPatch
 from isoembed.aim.energy_descent import minimize_energy
@@ -164,7 +164,7 @@ class _LocalSearch(SearchState):
     def is_realized(self, x: Floats) -> bool:
         """Whether a realization is found, now that the surface is this."""
         asked, self.asked = self.asked, x
-        if self.realization is None and x is not asked and self.largest_residual(x) <= NEWTON_BASIN:
+        if self.realization is None and x is not asked and self.largest_residual(x) <= NEARLY:
             found = anneal(self.system, x, self.lengths, self.recorder).vertices
             self.keep(found)
             if self.largest_residual(found) <= REALIZED:
@@ -177,7 +177,7 @@ class _LocalSearch(SearchState):
             end = self.released(energy, x, mu)
             if self.is_done(end):
                 return True
-            if self.largest_residual(end) <= NEWTON_BASIN:
+            if self.largest_residual(end) <= NEARLY:
                 end = finish(self.system, end, self.lengths, self.recorder, lambda _: self.exhausted)
                 if self.is_done(end):
                     return True

@@ -104,10 +104,6 @@ class Problem:
         """The surface with these vertices, which `surface` gave."""
         return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
 
-    def oriented(self, vertices: Floats) -> Floats:
-        """The vertices or their mirror image: the given triangles are counterclockwise from outside."""
-        return outward(self.metric.faces, vertices)
-
     def in_given_order(self, vertices: Floats) -> Floats:
-        """Vertices of the convexification in the given order, `oriented`."""
-        return self.oriented(vertices[np.argsort(self.numbers)])
+        """Vertices of the convexification in the given order, or their mirror image: `outward`."""
+        return outward(self.metric.faces, vertices[np.argsort(self.numbers)])

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from isoembed.aim.acceptance import NEWTON_BASIN, REALIZED
+from isoembed.aim.acceptance import NEARLY, REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.energy_descent import minimize_energy
 from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -97,7 +97,7 @@ class _ReflectionSearch(SearchState):
     def keep(self, x: Floats) -> float:
         """Keep a surface, as every search does, and the one that Newton's method finds from it."""
         missed = super().keep(x)
-        if missed <= min(NEWTON_BASIN, 0.5 * self._asked):  # share of the residual that is worth another try
+        if missed <= min(NEARLY, 0.5 * self._asked):  # share of the residual that is worth another try
             self._asked = missed
             super().keep(anneal(self.system, x, self.lengths, self.recorder).vertices)
         return missed

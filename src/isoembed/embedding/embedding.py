@@ -273,6 +273,11 @@ class Embedding:
         return self.residual <= self.tolerance
 
     @property
+    def is_answer(self) -> bool:
+        """Whether `embed` returns it, and does not raise NotEmbedded: it has converged, or is a best fit."""
+        return self.converged
+
+    @property
     def status(self) -> str:
         """``"converged"`` or ``"not converged"``."""
         return "converged" if self.converged else "not converged"
