@@ -5,7 +5,7 @@ import pytest
 
 from isoembed.errors import NoHorizon
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.horizons import finder
+from isoembed.relativity.horizons import finder, foliated_horizon
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
 from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
@@ -189,7 +189,7 @@ def test_a_horizon_that_exists_and_is_not_resolved(monkeypatch):
     def fails(*_, **__):
         raise NoConvergence("Newton's method stalls")
 
-    monkeypatch.setattr(finder, "horizon_near", fails)
+    monkeypatch.setattr(foliated_horizon, "horizon_near", fails)
     with pytest.raises(
         NoHorizon, match="a horizon exists between two surfaces, and no horizon was resolved"
     ) as failure:
@@ -207,8 +207,8 @@ def test_a_larger_horizon_that_is_not_excluded(monkeypatch):
             raise NoHorizon("no horizon was found: the slice ends there")
         return foliated(geometry, start)
 
-    foliated = finder._foliated
-    monkeypatch.setattr(finder, "_foliated", blocked)
+    foliated = finder.foliated_horizon
+    monkeypatch.setattr(finder, "foliated_horizon", blocked)
     horizon = find_horizon(pair(0.7))
     assert horizon.outermost.kind == "searched"
     assert "it is not known whether a larger horizon encloses this one" in horizon.notes[0]
