@@ -16,7 +16,7 @@ from isoembed.arrays import Floats
 from isoembed.linalg import Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
-from isoembed.surface.interpolation_loops import add_cell_products
+from isoembed.surface.interpolation_loops import cell_products
 
 MAX_EDGES = 30  # measured in a cell: an interpolated surface has fewer degrees of freedom
 DIAGONAL_SHIFT = 1e-6  # relative: beyond rounding in single precision
@@ -107,15 +107,13 @@ class InterpolatedRigidity:
             It is not positive definite.
         """
         pattern = self.pattern
-        values = np.zeros(9 * pattern.nnz)
-        add_cell_products(
+        values = cell_products(
             differences.starts,
             *differences.stencils,
             differences.weights,
             rows,
             pattern.indptr,
             pattern.indices,
-            values,
         )
         coupled = csc_array(penalty).tocoo()
         n = pattern.shape[0]
