@@ -1,7 +1,6 @@
 """Newton's method on the lengths from given vertices: the paper's annealing (section 2.2)."""
 
 from dataclasses import dataclass
-from itertools import count
 
 import numpy as np
 
@@ -136,7 +135,6 @@ def anneal_damped(
 
     It finds some surface nearby, be it crumpled.  Parameters and result as of `anneal`.
     """
-    trials = count()
 
     def at(x: Floats) -> Point:
         return Point(x, length_residuals(system.triangulation, x, lengths))
@@ -160,6 +158,6 @@ def anneal_damped(
         value=lambda p: float(p.residual @ p.residual),
         converged=converged,
         max_iterations=max_iterations,
-        exhausted=lambda _: next(trials) >= max_iterations,
+        max_trials=max_iterations,
     )
     return Annealed(found.point.x, largest(found.point), found.converged)

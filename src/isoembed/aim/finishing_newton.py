@@ -15,7 +15,6 @@ goes on from there.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -218,7 +217,6 @@ class _SoftEquations:
 
     def _least(self, s: Floats) -> tuple[float, Floats]:
         """The least sum of squares that Levenberg-Marquardt steps lead to, and where it is."""
-        trials = itertools.count()
 
         def at(s: Floats) -> tuple[Floats, ...]:
             return s, *self._evaluated(s)
@@ -235,6 +233,6 @@ class _SoftEquations:
             value=lambda point: float(point[1] @ point[1]),
             converged=settled(1e-8),  # rounding
             max_iterations=60,
-            exhausted=lambda _: next(trials) >= 60,
+            max_trials=60,
         )
         return found.value, found.point[0]
