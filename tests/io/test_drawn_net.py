@@ -143,7 +143,18 @@ def test_numbers_that_are_not_at_two_sides(tmp_path):
     assert volume(net) == pytest.approx(1000)
 
 
-PRISM = [[0, 0], [40, 0], [45, -39.686270], [90, 0], [150, 0], [150, 70], [90, 70], [45, 109.686270], [40, 70], [0, 70]]
+PRISM = [
+    [0, 0],
+    [40, 0],
+    [45, -39.686270],
+    [90, 0],
+    [150, 0],
+    [150, 70],
+    [90, 70],
+    [45, 109.686270],
+    [40, 70],
+    [0, 70],
+]
 """The net of a prism over a triangle with the sides 40, 50 and 60; its folds are between these corners."""
 FOLDS = [[1, 8], [3, 6], [1, 3], [8, 6]]
 

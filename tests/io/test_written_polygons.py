@@ -53,6 +53,8 @@ def cut_cube(path):
     corners += [[50, 20, 50], [50, 50, 25], [30, 50, 50]]
     faces = [[1, 4, 3, 2], [1, 2, 6, 5], [1, 5, 7, 4], [2, 3, 9, 8, 6], [3, 4, 7, 10, 9]]
     faces += [[5, 6, 8, 10, 7], [8, 9, 10]]
-    lines = [f"{kind} {' '.join(map(str, row))}" for kind, rows in (("v", corners), ("f", faces)) for row in rows]
+    lines = [
+        f"{kind} {' '.join(map(str, row))}" for kind, rows in (("v", corners), ("f", faces)) for row in rows
+    ]
     path.write_text("\n".join(lines))
     return path

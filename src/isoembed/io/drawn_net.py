@@ -274,12 +274,12 @@ def _numbered(
 def _check_twice(numbered: dict[Side, str]) -> None:
     """Say which numbers glue nothing, where others do."""
     counts = Counter(numbered.values())
-    odd = [f"{text} at {count} side{'' if count == 1 else 's'}" for text, count in counts.items() if count != 2]
+    odd = [
+        f"{text} at {count} side{'' if count == 1 else 's'}" for text, count in counts.items() if count != 2
+    ]
     if odd and len(odd) < len(counts):
         more = f", and {len(odd) - MOST_SAID} more" if len(odd) > MOST_SAID else ""
-        warn_of_mesh(
-            f"numbers that are not at two sides glue none: {', '.join(odd[:MOST_SAID])}{more}"
-        )
+        warn_of_mesh(f"numbers that are not at two sides glue none: {', '.join(odd[:MOST_SAID])}{more}")
 
 
 def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> dict[Side, int]:
@@ -290,9 +290,7 @@ def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> di
     return {sides[k]: int(c) for k, c in zip(order.tolist(), classes, strict=True)}
 
 
-def _searched(
-    sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], tolerance: float
-) -> list[Pair]:
+def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], tolerance: float) -> list[Pair]:
     """The only convex gluing of one sheet in which sides are glued that are so already."""
     outline = _outline(sheets)
     if outline is None or len(outline) > MOST_SIDES:
@@ -302,7 +300,9 @@ def _searched(
     points = np.array([sheets.ends(side)[0] for side in outline])
     found = [
         some
-        for some in ([(i, k) for (_, i), (_, k) in sides] for sides in edge_gluings(points, tolerance=tolerance))
+        for some in (
+            [(i, k) for (_, i), (_, k) in sides] for sides in edge_gluings(points, tolerance=tolerance)
+        )
         if known <= set(some)
     ]
     if len(found) != 1:
@@ -327,9 +327,7 @@ def _outline(sheets: LineGraph) -> list[Side] | None:
     return around if len(around) == count else None
 
 
-def _no_mate(
-    sheets: LineGraph, left: Sequence[Side], tolerance: float, ways: int = 0
-) -> InvalidParameter:
+def _no_mate(sheets: LineGraph, left: Sequence[Side], tolerance: float, ways: int = 0) -> InvalidParameter:
     several = f": {ways} ways to glue it make a convex solid" if ways else ""
     length = _length(sheets, left[0])
     digits = (
