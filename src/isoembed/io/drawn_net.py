@@ -88,7 +88,7 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     pairs, by_length = _mates(sheets, drawing, folded, allowed)
     pairs += [(side, twin) for side, twin in sheets.twins.items() if side < twin]
     with warnings.catch_warnings():
-        if quiet:  # the digits of the file explain by how much sides differ
+        if quiet:  # the digits of the file explain by how much sides differ; what it moves is said below
             warnings.simplefilter("ignore", MeshNote)
         polygons = [sheets.points[face] for face in sheets.faces]
         try:
@@ -100,6 +100,8 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
                 f"{error}; sides without a number were glued by their lengths, which does not always tell "
                 "them apart: write the same number at the two sides that are glued, or draw with more digits"
             ) from None
+    if quiet and net.correction and net.correction.largest > max(SNAP * size, 2 * drawing.error):
+        warn_of_mesh(str(replace(net.correction, source=f"{tolerance:.2g}, by the digits of the drawing")))
     return with_places(net, sheets.faces, folded)
 
 
