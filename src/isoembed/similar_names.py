@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 
-
 FEWEST = 4  # letters of a beginning
 BEGINNING = 0.8  # as of `did_you_mean`
 
@@ -14,7 +13,7 @@ def did_you_mean(name: str, known: Iterable[str], least: float = 0.6) -> str:
     words = {each.lstrip("-"): each for each in known}  # dashes would make all options similar
     given = name.lstrip("-")
     near = get_close_matches(given, list(words), n=1, cutoff=least)
-    if not near and len(given) >= FEWEST:  # the beginning of a longer one
+    if not near and least < BEGINNING and len(given) >= FEWEST:  # the beginning of a longer one
         begins = {word[: len(given) + 1]: word for word in words}
         near = [begins[word] for word in get_close_matches(given, list(begins), n=1, cutoff=BEGINNING)]
     return "".join(f"; did you mean {words[each]!r}?" for each in near)

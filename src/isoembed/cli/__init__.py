@@ -73,8 +73,8 @@ class Parser(argparse.ArgumentParser):
 
     def _without_option(self, word: str) -> str:
         """A question for the name of a file that stands where -o is missing before it."""
-        is_output = Path(word).suffix[1:2].isalpha() and "-o" in self._option_string_actions and "-o" not in self.words
-        return f"; did you mean -o {word}?" if is_output else ""
+        is_missing = "-o" in self._option_string_actions and "-o" not in self.words
+        return f"; did you mean -o {word}?" if is_missing and Path(word).suffix[1:2].isalpha() else ""
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Refuse the command line, and a mistyped choice with the most similar one."""

@@ -13,7 +13,14 @@ from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.io.files import FileError, Tables, Writer, ending, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.metric import facts, metric_of, read_tables
-from isoembed.io.registry import FORMATS, MESH_ENDINGS, METRIC_ENDINGS, SURFACE_ENDINGS, check_output, tables_writer
+from isoembed.io.registry import (
+    FORMATS,
+    MESH_ENDINGS,
+    METRIC_ENDINGS,
+    SURFACE_ENDINGS,
+    check_output,
+    tables_writer,
+)
 from isoembed.io.title_line import WRITTEN
 from isoembed.method import TOLERANCE
 from isoembed.metric.polygon_faces import PolygonFaces
