@@ -21,7 +21,8 @@ def test_what_is_no_number_or_two(text):
 
 
 @pytest.mark.parametrize(
-    ("text", "value"), [("15", 15.0), ("15mm", 15.0), ("1,5 cm", 15.0), ("0.2m", 200.0), ("2in", 50.8), ('2"', 50.8)]
+    ("text", "value"),
+    [("15", 15.0), ("15mm", 15.0), ("1,5 cm", 15.0), ("0.2m", 200.0), ("2in", 50.8), ('2"', 50.8)],
 )
 def test_lengths_on_paper(text, value):
     assert millimeters(text) == pytest.approx(value, rel=1e-15)

@@ -48,7 +48,9 @@ def test_pages(kind, magic, call, tmp_path):
     write("cube.off", *zoo.cube())
     status, out, err = call("unfold", "cube.off", "-o", f"net.{kind}", "--paper", "letter", "--scale", "40")
     assert (status, err) == (0, "")
-    assert out.startswith(f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit; 1 page of letter\nnet.{kind} written, ")
+    assert out.startswith(
+        f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit; 1 page of letter\nnet.{kind} written, "
+    )
     assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
 
 
@@ -149,7 +151,10 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             ["cube.ply", "-o", "a.svg", "--glue"],
             "unrecognized arguments: --glue (see 'isoembed unfold --help')",
         ),
-        (["cube.ply", "-o", "a.svg", "--size", "2ft"], "argument --size: '2ft' is not a length, as 15, 15mm,"),
+        (
+            ["cube.ply", "-o", "a.svg", "--size", "2ft"],
+            "argument --size: '2ft' is not a length, as 15, 15mm,",
+        ),
         (["cube.ply", "-o", "a.svg", "--size", "1,500"], "'1,500' is not a length, as 15, 15mm, 1.5cm and"),
         (["cube.ply", "-o", "a.svg", "--cut", "0-0"], ": --cut 0-0 is not an edge between two faces"),
         (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0, not a positive finite number"),

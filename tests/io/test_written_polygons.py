@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -38,7 +39,10 @@ def test_a_solid_from_a_drawn_net_is_written_with_its_faces(digits, tmp_path):
     text = (tmp_path / "net.svg").read_text()
     drawing = tmp_path / "rounded.svg"
     drawing.write_text(re.sub(r"\d+\.\d{6}", lambda found: f"{float(found[0]):.{digits}f}", text))
-    solid = embed(glue(drawing))
+    noted = pytest.warns(MeshNote, match="the sheets are corrected") if digits == 2 else nullcontext()
+    with noted:
+        net = glue(drawing)
+    solid = embed(net)
     assert len(solid.polygons) == 7
     write_surface(tmp_path / "solid.obj", solid)
     assert (tmp_path / "solid.obj").read_text().count("\nf ") == 7
@@ -53,6 +57,8 @@ def cut_cube(path):
     corners += [[50, 20, 50], [50, 50, 25], [30, 50, 50]]
     faces = [[1, 4, 3, 2], [1, 2, 6, 5], [1, 5, 7, 4], [2, 3, 9, 8, 6], [3, 4, 7, 10, 9]]
     faces += [[5, 6, 8, 10, 7], [8, 9, 10]]
-    lines = [f"{kind} {' '.join(map(str, row))}" for kind, rows in (("v", corners), ("f", faces)) for row in rows]
+    lines = [
+        f"{kind} {' '.join(map(str, row))}" for kind, rows in (("v", corners), ("f", faces)) for row in rows
+    ]
     path.write_text("\n".join(lines))
     return path

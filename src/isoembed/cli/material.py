@@ -60,7 +60,9 @@ def on_paper(text: str) -> float:
     try:
         return millimeters(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a length, as 15, 15mm, 1.5cm and 0.6in are") from None
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a length, as 15, 15mm, 1.5cm and 0.6in are"
+        ) from None
 
 
 def material_of(options: argparse.Namespace) -> Material | None:

@@ -88,7 +88,7 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     pairs, by_length = _mates(sheets, drawing, folded, allowed)
     pairs += [(side, twin) for side, twin in sheets.twins.items() if side < twin]
     with warnings.catch_warnings():
-        if quiet:  # the digits of the file explain by how much sides differ
+        if quiet:  # the digits of the file explain by how much sides differ; what it moves is said below
             warnings.simplefilter("ignore", MeshNote)
         polygons = [sheets.points[face] for face in sheets.faces]
         try:
@@ -100,6 +100,8 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
                 f"{error}; sides without a number were glued by their lengths, which does not always tell "
                 "them apart: write the same number at the two sides that are glued, or draw with more digits"
             ) from None
+    if quiet and net.correction and net.correction.largest > max(SNAP * size, 2 * drawing.error):
+        warn_of_mesh(str(replace(net.correction, source=f"{tolerance:.2g}, by the digits of the drawing")))
     return with_places(net, sheets.faces, folded)
 
 
@@ -274,12 +276,12 @@ def _numbered(
 def _check_twice(numbered: dict[Side, str]) -> None:
     """Say which numbers glue nothing, where others do."""
     counts = Counter(numbered.values())
-    odd = [f"{text} at {count} side{'' if count == 1 else 's'}" for text, count in counts.items() if count != 2]
+    odd = [
+        f"{text} at {count} side{'' if count == 1 else 's'}" for text, count in counts.items() if count != 2
+    ]
     if odd and len(odd) < len(counts):
         more = f", and {len(odd) - MOST_SAID} more" if len(odd) > MOST_SAID else ""
-        warn_of_mesh(
-            f"numbers that are not at two sides glue none: {', '.join(odd[:MOST_SAID])}{more}"
-        )
+        warn_of_mesh(f"numbers that are not at two sides glue none: {', '.join(odd[:MOST_SAID])}{more}")
 
 
 def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> dict[Side, int]:
@@ -290,9 +292,7 @@ def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> di
     return {sides[k]: int(c) for k, c in zip(order.tolist(), classes, strict=True)}
 
 
-def _searched(
-    sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], tolerance: float
-) -> list[Pair]:
+def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], tolerance: float) -> list[Pair]:
     """The only convex gluing of one sheet in which sides are glued that are so already."""
     outline = _outline(sheets)
     if outline is None or len(outline) > MOST_SIDES:
@@ -302,7 +302,9 @@ def _searched(
     points = np.array([sheets.ends(side)[0] for side in outline])
     found = [
         some
-        for some in ([(i, k) for (_, i), (_, k) in sides] for sides in edge_gluings(points, tolerance=tolerance))
+        for some in (
+            [(i, k) for (_, i), (_, k) in sides] for sides in edge_gluings(points, tolerance=tolerance)
+        )
         if known <= set(some)
     ]
     if len(found) != 1:
@@ -327,9 +329,7 @@ def _outline(sheets: LineGraph) -> list[Side] | None:
     return around if len(around) == count else None
 
 
-def _no_mate(
-    sheets: LineGraph, left: Sequence[Side], tolerance: float, ways: int = 0
-) -> InvalidParameter:
+def _no_mate(sheets: LineGraph, left: Sequence[Side], tolerance: float, ways: int = 0) -> InvalidParameter:
     several = f": {ways} ways to glue it make a convex solid" if ways else ""
     length = _length(sheets, left[0])
     digits = (

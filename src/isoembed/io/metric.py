@@ -2,6 +2,7 @@
 
 import math
 import os
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -110,8 +111,12 @@ def in_space(
     return metric.in_space(space)
 
 
-def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> Tables:
+def read_tables(
+    source: str | os.PathLike[str], merge: float | None = None, wanted: Collection[str] = tuple(FORMATS)
+) -> Tables:
     """Read ``faces``, ``edges`` and ``lengths``, or ``vertices`` and triangles, in any of the formats.
+
+    Of an unknown ending it says which are wanted.
 
     Where there is a ``curvature``, it is a number, and the vertices are points of the space that has it.
     """
@@ -123,7 +128,8 @@ def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> T
         raise FileError(
             f"{source} is of a format that is not read: open it with {program}, and export it as .stl or .obj"
         )
-    check_ending(source, FORMATS)
+    if input_ending(source) not in FORMATS:
+        check_ending(source, wanted)
     with opened(source) as file, np.errstate(invalid="ignore"):  # some bytes are no numbers
         known = FORMATS[file.ending]
         tables = known.read(file)

@@ -13,7 +13,14 @@ from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.io.files import FileError, Tables, Writer, ending, write_atomically
 from isoembed.io.format import Polygons
 from isoembed.io.metric import facts, metric_of, read_tables
-from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_writer
+from isoembed.io.registry import (
+    FORMATS,
+    MESH_ENDINGS,
+    METRIC_ENDINGS,
+    SURFACE_ENDINGS,
+    check_output,
+    tables_writer,
+)
 from isoembed.io.title_line import WRITTEN
 from isoembed.method import TOLERANCE
 from isoembed.metric.polygon_faces import PolygonFaces
@@ -52,7 +59,7 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     InvalidMetric
         What it holds is not a triangulated surface.
     """
-    tables = read_tables(path, merge)
+    tables = read_tables(path, merge, (*METRIC_ENDINGS, *MESH_ENDINGS))
     if "vertices" not in tables:
         metric_of(tables)  # what is wrong with it comes first
         raise FileError(

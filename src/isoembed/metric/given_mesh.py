@@ -260,8 +260,8 @@ def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> Indi
     polygons = PolygonFaces(points, corners, sizes)
     try:
         triangles = polygons.triangles()
-    except InvalidMetric as error:
-        raise InvalidMetric(f"{error}{_side_advice(points, corners, sizes)}") from None
+    except InvalidMetric as refusal:
+        raise InvalidMetric(f"{refusal}{_side_advice(points, corners, sizes)}") from None
     warps, warped = polygons.warps, polygons.warped(error)
     if warped.any():
         f = int(np.argmax(warped))

@@ -86,7 +86,8 @@ class Drawing:
         At the foot of each page of the net: 50 mm, by which one sees whether a printer has scaled it; and the
         marks in the corners of the page.
     legend : list of (str, ndarray of shape (2, 2))
-        At the foot of each page of the net, samples of the kinds of lines: ``"cut"``, ``"mountain"``, ``"valley"``.
+        At the foot of each page of the net, samples of the kinds of lines: ``"cut"``, ``"mountain"``,
+        ``"valley"``.
     notes : list of Label
         At the foot of each page: a line, and what belongs to ruler and legend.
     kerf : float

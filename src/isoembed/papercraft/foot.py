@@ -71,7 +71,7 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
 
 
 def foot_of_drawing(layout: Layout) -> Label:
-    """What is written at the foot of the page with the drawing of the solid, the last one."""
+    """Words at the foot of the last page, that with the drawing of the solid."""
     return _line_of_words(
         "the solid, with the numbers of its faces; not to scale, not to be cut",
         layout.width,

@@ -44,9 +44,9 @@ class Paper:
 
     @classmethod
     def of(cls, name: str) -> Paper:
-        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``, in mm or with a unit, as ``"8.5x11in"``.
+        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``.
 
-        Upper and lower case are alike.
+        Sizes are in mm, or have a unit, as ``"8.5x11in"``.  Upper and lower case are alike.
 
         Raises
         ------
@@ -60,7 +60,9 @@ class Paper:
         roll = re.fullmatch(f"roll:{NUMBER}{UNIT}", str(name), re.IGNORECASE)
         try:
             if page:
-                found = cls(name, *(millimeters(f"{side}{page[3] or ''}".lower()) for side in page.groups()[:2]))
+                found = cls(
+                    name, *(millimeters(f"{side}{page[3] or ''}".lower()) for side in page.groups()[:2])
+                )
             elif roll:
                 found = cls(name, millimeters(f"{roll[1]}{roll[2] or ''}".lower()), np.inf)
             else:
@@ -71,7 +73,11 @@ class Paper:
             ) from None
         least = min(found.width, found.height)
         if least < LEAST:
-            larger = f"; in centimeters, write '{name}cm'" if str(name)[-1].isdigit() and 10 * least >= LEAST else ""
+            larger = (
+                f"; in centimeters, write '{name}cm'"
+                if str(name)[-1].isdigit() and 10 * least >= LEAST
+                else ""
+            )
             raise InvalidParameter(
                 f"paper is {name!r}: less than {LEAST:g} mm has no room for margins and ruler{larger}"
             )

@@ -72,8 +72,8 @@ def write_sheets(
     unfolding : Unfolding
     paper : str
         ``"A0"`` to ``"A5"``, ``"letter"``, ``"legal"``, ``"tabloid"``, ``"WIDTHxHEIGHT"``, or
-        ``"roll:WIDTH"``, which is as long as needed, in mm or with a unit, as ``"8.5x11in"``.  At a given scale, pages are turned where that takes
-        fewer islands.
+        ``"roll:WIDTH"``, which is as long as needed, in mm or with a unit, as ``"8.5x11in"``.  At a given
+        scale, pages are turned where that takes fewer islands.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
     size : float, optional
