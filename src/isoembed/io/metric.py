@@ -12,6 +12,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io import json
 from isoembed.io.files import FileError, Tables, Writer, check_ending, input_ending, write_atomically
+from isoembed.io.format import CURVATURES
 from isoembed.io.input_file import opened
 from isoembed.io.registry import FORMATS, METRIC_ENDINGS, check_output, tables_writer
 from isoembed.io.title_line import WRITTEN
@@ -215,6 +216,8 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         leave_out=True,
         repeated=repeated,
     )
+    if len(vertices) == len(tables["vertices"]):  # none was merged or left out
+        said |= {key: tables[key] for key in CURVATURES if key in tables}
     return {"vertices": vertices, "faces": triangles, **said}
 
 
