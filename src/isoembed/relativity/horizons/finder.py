@@ -19,6 +19,7 @@ from isoembed.relativity.horizons.newton import NoConvergence
 from isoembed.relativity.horizons.normal_image import foliated_inwards
 from isoembed.relativity.horizons.radial_image import is_symmetric
 from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.spacetimes.checks import written
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
@@ -55,7 +56,8 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
     NoHorizon
         None was found; the message says whether one exists, and what ended the search.
     InvalidParameter
-        The guess leaves the slice, or there is none and the slice does not say where to look.
+        The guess leaves the slice, there is none and the slice does not say where to look, or the slice has
+        no horizon in its coordinates: a `ThreeGeometry.hindrance`.
 
     Notes
     -----
@@ -78,14 +80,15 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         first = search.horizons[0]
         if len(search.horizons) == 1:
             return first
-        others = ", ".join(f"{other.area:.6g}" for other in search.horizons[1:])
+        others = ", ".join(f"{other.area:.6g} around {_center(other)}" for other in search.horizons[1:])
         separate = "separate horizons" if search.separate else "horizons that were found"
         note = (
-            f"this is the one of the largest area, {first.area:.6g}, of {len(search.horizons)} {separate}; "
-            f"the others have {others}"
+            f"this is the one of the largest area, {first.area:.6g} around {_center(first)}, of "
+            f"{len(search.horizons)} {separate}; the others have {others}, and a guess there leads to them"
         )
         return replace(first, notes=(*first.notes, note))
     _check_guess(guess)
+    _check_slice(geometry)
     guess.expansion(geometry, gauss_rule(*NODES)[0])  # refuses a guess that leaves the slice
     try:
         return horizon_near(geometry, guess)
@@ -198,6 +201,10 @@ class _Search:
     separate: bool
 
 
+def _center(horizon: FoundHorizon) -> str:
+    return written(np.array(horizon.surface.center))
+
+
 def _check_guess(guess: object) -> None:
     if not isinstance(guess, Surface):
         raise InvalidParameter(
@@ -205,9 +212,15 @@ def _check_guess(guess: object) -> None:
         )
 
 
+def _check_slice(geometry: ThreeGeometry) -> None:
+    check_geometry(geometry)
+    if geometry.hindrance:
+        raise InvalidParameter(geometry.hindrance)
+
+
 def _search(geometry: ThreeGeometry) -> _Search:
     """The horizons around groups of holes, the largest groups first."""
-    check_geometry(geometry)
+    _check_slice(geometry)
     found: list[tuple[frozenset[int], FoundHorizon]] = []  # with the holes inside
     failures: list[tuple[Place, NoHorizon]] = []
     places = list(_places(geometry))
@@ -456,7 +469,8 @@ def _places(geometry: ThreeGeometry) -> Iterator[Place]:
     if not holes:
         raise InvalidParameter(
             "the slice does not say where its black holes are: use find_horizon(geometry, guess) with a "
-            "guess for each, such as StarSurface.sphere(center, radius)"
+            "guess for each, such as StarSurface.sphere(center, radius); a class of your own may define "
+            "black_holes or box"
         )
     everything = frozenset(range(len(holes)))
     # More holes have too many groups to try all of them.
