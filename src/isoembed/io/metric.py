@@ -193,7 +193,8 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
             )
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(
-            f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices"
+            f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices; "
+            "on a grid, theta, phi, q_tt, q_tp and q_pp"
         )
     for key in ("faces", "edges", "lengths", "length_errors", "vertices"):
         if isinstance(tables.get(key), np.ndarray):
