@@ -92,10 +92,11 @@ def add_hole_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mass", type=float, metavar="M", help="of the closed-form geometry (default 1)")
     parser.add_argument(
         "--spin",
-        type=float,
-        nargs=3,
-        metavar=("AX", "AY", "AZ"),
-        help="the vector a = J/M of kerr-schild or boyer-lindquist, a length (default 0 0 0)",
+        type=_number,
+        nargs="+",
+        metavar="A",
+        help="a = J/M of kerr-schild or boyer-lindquist, a length: one number, along z, or a vector AX AY AZ "
+        "(default 0)",
     )
 
 

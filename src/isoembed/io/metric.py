@@ -13,6 +13,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io import json
 from isoembed.io.files import FileError, Tables, Writer, check_ending, input_ending, write_atomically
+from isoembed.io.format import CURVATURES
 from isoembed.io.input_file import opened
 from isoembed.io.registry import FORMATS, METRIC_ENDINGS, check_output, tables_writer
 from isoembed.io.title_line import WRITTEN
@@ -198,7 +199,8 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
             )
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(
-            f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices"
+            f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices; "
+            "on a grid, theta, phi, q_tt, q_tp and q_pp"
         )
     for key in ("faces", "edges", "lengths", "length_errors", "vertices"):
         if isinstance(tables.get(key), np.ndarray):
@@ -222,6 +224,8 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         repeated=repeated,
         error=Precision("", said["rounding_error"]).vertex_error if "rounding_error" in said else 0.0,
     )
+    if len(vertices) == len(tables["vertices"]):  # none was merged or left out
+        said |= {key: tables[key] for key in CURVATURES if key in tables}
     return {"vertices": vertices, "faces": triangles, **said}
 
 

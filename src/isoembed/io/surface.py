@@ -11,7 +11,7 @@ from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.io.files import FileError, Tables, Writer, ending, write_atomically
-from isoembed.io.format import Polygons
+from isoembed.io.format import CURVATURES, Polygons
 from isoembed.io.metric import facts, metric_of, read_tables
 from isoembed.io.registry import (
     FORMATS,
@@ -59,6 +59,13 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     InvalidMetric
         What it holds is not a triangulated surface.
     """
+    return read_with_curvatures(path, merge=merge)[0]
+
+
+def read_with_curvatures(
+    path: str | os.PathLike[str], *, merge: float | None = None
+) -> tuple[Embedding, dict[str, Floats]]:
+    """Read a surface, as `read_surface`, and the curvatures (V,) that the file holds, by their names."""
     tables = read_tables(path, merge, (*METRIC_ENDINGS, *MESH_ENDINGS))
     if "vertices" not in tables:
         metric_of(tables)  # what is wrong with it comes first
@@ -66,7 +73,13 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
             f"{path} is a metric without vertices: embed it first, with "
             f"'isoembed embed {path} -o surface.ply'"
         )
-    return surface_of(tables, str(path))
+    surface, n = surface_of(tables, str(path)), len(tables["vertices"])
+    there = {name: np.asarray(tables[name]) for name in CURVATURES if name in tables}
+    return surface, {
+        name: values.astype(np.float64)
+        for name, values in there.items()
+        if values.shape == (n,) and values.dtype.kind in "iuf"
+    }
 
 
 def surface_of(tables: Tables, name: str) -> Embedding:

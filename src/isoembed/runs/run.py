@@ -133,8 +133,8 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
     sent = not (isinstance(error, pickle.PicklingError) or "pickle" in why)
     if not sent:
         why = (
-            f"it cannot be sent to another process, for which functions must be defined at the top of a module: "
-            f"{why}; without an executor they may be anywhere"
+            "it cannot be sent to another process, for which functions must be defined at the top of a "
+            f"module: {why}; without an executor they may be anywhere"
         )
     result = Result.without_answer(task.label, FAILED, why, **task.facts)
     if store is None or not sent:  # what could not be sent may be computed here

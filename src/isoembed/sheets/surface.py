@@ -260,4 +260,8 @@ class SheetEmbedding(Embedding):
             "imbalance": self.imbalance,
         }
         assert isinstance(self.surface, SheetSurface)
-        return {"sheet": found} if self.surface._above_boundary is None else {"sheet": found, "volume": self.volume}
+        return (
+            {"sheet": found}
+            if self.surface._above_boundary is None
+            else {"sheet": found, "volume": self.volume}
+        )

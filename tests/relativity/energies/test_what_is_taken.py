@@ -55,7 +55,11 @@ def test_that_a_dimple_may_be_a_reflected_one_is_said():
 
 @pytest.mark.parametrize(
     ("field", "name"),
-    [("mean_curvature", "the mean curvature"), ("momentum", "the momentum"), ("normal_momentum", r"K\(., n\)")],
+    [
+        ("mean_curvature", "the mean curvature"),
+        ("momentum", "the momentum"),
+        ("normal_momentum", r"K\(., n\)"),
+    ],
 )
 def test_values_that_are_not_finite_are_refused(field, name):
     def values(u):
@@ -63,7 +67,9 @@ def test_values_that_are_not_finite_are_refused(field, name):
         out[u[:, 2] > 0.5] = np.nan
         return out
 
-    data = replace(SurfaceData(AngleMetric(lambda theta, phi: (1.0, 0.0, np.sin(theta) ** 2))), **{field: values})
+    data = replace(
+        SurfaceData(AngleMetric(lambda theta, phi: (1.0, 0.0, np.sin(theta) ** 2))), **{field: values}
+    )
     with pytest.raises(InvalidParameter, match=f"{name} in the direction .* is .*nan.*: it must be finite"):
         surface = embed_surface(data)
         _ = surface.energies, surface.spin

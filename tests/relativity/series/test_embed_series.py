@@ -154,7 +154,10 @@ def test_two_of_the_same_time():
 def test_local_functions_are_kept_but_not_sent(tmp_path):
     sphere = SurfaceData(PulledBack(lambda u: np.broadcast_to(np.eye(3), (len(u), 3, 3))))
     given = [(0.0, sphere, None)]
-    with ProcessPoolExecutor(1) as pool, pytest.warns(UserWarning, match="all horizons are refused or failed"):
+    with (
+        ProcessPoolExecutor(1) as pool,
+        pytest.warns(UserWarning, match="all horizons are refused or failed"),
+    ):
         (found,) = embed_series(given, vertices=60, folder=tmp_path, executor=pool)
     assert found.status == "failed" and "cannot be sent to another process" in found.message
     assert next(embed_series(given, vertices=60, folder=tmp_path)).answered
@@ -171,7 +174,9 @@ def test_a_horizon_that_was_found_with_its_slice():
 
 
 def test_a_series_of_refused_horizons_warns():
-    with pytest.warns(UserWarning, match=r"all horizons are refused or failed; the first one, horizon\.T0, is refused: .*"):
+    with pytest.warns(
+        UserWarning, match=r"all horizons are refused or failed; the first one, horizon\.T0, is refused: .*"
+    ):
         (found,) = embed_series([(0.0, SPHERE, None)])
     assert found.report["notes"] == [] and "name its geometry" in found.message
 

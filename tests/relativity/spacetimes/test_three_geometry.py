@@ -355,10 +355,12 @@ def test_tensors_that_are_not_symmetric_are_refused():
 
         return AnalyticCallable(conformal, K and (lambda x: K * np.ones((len(x), 1, 1)) * sheared(0.2, 0.0)))
 
-    with pytest.raises(InvalidMetric, match=r"3-metric at .* is not symmetric: its entry xy is .*, and yx is 0"):
+    with pytest.raises(
+        InvalidMetric, match=r"3-metric at .* is not symmetric: its entry xy is .*, and yx is 0"
+    ):
         find_horizon(slice_of(sheared(0.2, 0.0)), sphere)
     for K in (0.01, 1e-6):
-        with pytest.raises(InvalidMetric, match="the extrinsic curvature at .* is not symmetric"):
+        with pytest.raises(InvalidMetric, match=r"the extrinsic curvature at .* is not symmetric"):
             sphere.data(slice_of(np.eye(3), K))
     sphere.data(slice_of(sheared(0.2, 0.2)))
     sphere.data(slice_of(np.eye(3), 1e-15))  # rounding of what vanishes

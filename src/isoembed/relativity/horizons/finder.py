@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.evidence import Evidence
 from isoembed.meshing.sphere import gauss_rule
@@ -13,6 +15,7 @@ from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_nea
 from isoembed.relativity.horizons.hole_groups import HoleGroup, hole_groups, holes_inside
 from isoembed.relativity.horizons.normal_image import foliated_inwards
 from isoembed.relativity.horizons.radial_image import is_symmetric
+from isoembed.relativity.spacetimes.checks import written
 from isoembed.relativity.spacetimes.harmonic_map import HarmonicMap
 from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
@@ -46,7 +49,8 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
     NoHorizon
         None was found; the message says whether one exists, and what ended the search.
     InvalidParameter
-        The guess leaves the slice, or there is none and the slice does not say where to look.
+        The guess leaves the slice, there is none and the slice does not say where to look, or the slice has
+        no horizon in its coordinates: a `ThreeGeometry.hindrance`.
 
     Notes
     -----
@@ -69,14 +73,15 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         first = search.horizons[0]
         if len(search.horizons) == 1:
             return first
-        others = ", ".join(f"{other.area:.6g}" for other in search.horizons[1:])
+        others = ", ".join(f"{other.area:.6g} around {_center(other)}" for other in search.horizons[1:])
         separate = "separate horizons" if search.separate else "horizons that were found"
         note = (
-            f"this is the one of the largest area, {first.area:.6g}, of {len(search.horizons)} {separate}; "
-            f"the others have {others}"
+            f"this is the one of the largest area, {first.area:.6g} around {_center(first)}, of "
+            f"{len(search.horizons)} {separate}; the others have {others}, and a guess there leads to them"
         )
         return replace(first, notes=(*first.notes, note))
     _check_guess(guess)
+    _check_slice(geometry)
     guess.expansion(geometry, gauss_rule(*NODES)[0])  # refuses a guess that leaves the slice
     try:
         return horizon_near(geometry, guess)
@@ -189,6 +194,10 @@ class _Search:
     separate: bool
 
 
+def _center(horizon: FoundHorizon) -> str:
+    return written(np.array(horizon.surface.center))
+
+
 def _check_guess(guess: object) -> None:
     if not isinstance(guess, Surface):
         raise InvalidParameter(
@@ -196,9 +205,15 @@ def _check_guess(guess: object) -> None:
         )
 
 
+def _check_slice(geometry: ThreeGeometry) -> None:
+    check_geometry(geometry)
+    if geometry.hindrance:
+        raise InvalidParameter(geometry.hindrance)
+
+
 def _search(geometry: ThreeGeometry) -> _Search:
     """The horizons around groups of holes, the largest groups first."""
-    check_geometry(geometry)
+    _check_slice(geometry)
     found: list[tuple[frozenset[int], FoundHorizon]] = []  # with the holes inside
     failures: list[tuple[HoleGroup, NoHorizon]] = []
     groups = list(hole_groups(geometry))

@@ -47,7 +47,8 @@ def hole_groups(geometry: ThreeGeometry) -> Iterator[HoleGroup]:
     if not holes:
         raise InvalidParameter(
             "the slice does not say where its black holes are: use find_horizon(geometry, guess) with a "
-            "guess for each, such as StarSurface.sphere(center, radius)"
+            "guess for each, such as StarSurface.sphere(center, radius); a class of your own may define "
+            "black_holes or box"
         )
     everything = frozenset(range(len(holes)))
     # More holes have too many groups to try all of them.

@@ -88,8 +88,8 @@ def horizon_data(
     found : CoordinateShape, SurfaceData, StarSurface, MappedSurface or FoundHorizon
         From `isoembed.relativity.read_horizon` or `isoembed.relativity.find_horizon`, for one.
     geometry : ThreeGeometry, optional
-        The slice.  Coordinates and surfaces need one, a surface with a metric of its own takes none; what was
-        found has its own, and in another one counts by its surface.
+        The slice.  Coordinates and surfaces need one, a surface with a metric of its own takes none; what
+        was found has its own, and in another one counts by its surface.
     axis : sequence of 3 floats, optional
         Axis of the angular momentum that is reported besides the one that is found, in the coordinates of a
         slice.
@@ -100,8 +100,8 @@ def horizon_data(
     Raises
     ------
     InvalidParameter
-        The geometry is missing, or there is a metric without one; there is an axis without coordinates; or the
-        points are not star-shaped and there are no triangles.
+        The geometry is missing, or there is a metric without one; there is an axis without coordinates; or
+        the points are not star-shaped and there are no triangles.
     """
     if isinstance(found, FoundHorizon):
         if geometry is None or geometry is found.geometry:

@@ -45,8 +45,9 @@ def embed_series(
     moments : iterable of Moment or of tuples
         As from `isoembed.relativity.moments`, or tuples (time, shape, geometry): the time, or None; a horizon
         as `horizon_data` takes it, or its file; its slice, a file of one, grid data of kuibit by the names
-        gxx ... kzz, or None where the horizon needs none, as one of `isoembed.relativity.find_horizon`.  They are taken one
-        after the other; by an executor, as `isoembed.runs.Workers` has room for them, or all at once.
+        gxx ... kzz, or None where the horizon needs none, as one of `isoembed.relativity.find_horizon`.  They
+        are taken one after the other; by an executor, as `isoembed.runs.Workers` has room for them, or all at
+        once.
     vertices : int
         Of the meshes.
     wang_yau : bool
@@ -57,9 +58,9 @@ def embed_series(
         See `isoembed.relativity.embed_surface`.
     folder : path, optional
         Where the results are kept, each in a file of its own: what is there already, of the same content and
-        options, is not computed again.  Of slices and surfaces in code, the data they hold and their values at
-        64 points of the surface count, to eight digits: the metric, its gradient, K_ij and their error.  Take
-        another folder after a change that is elsewhere only.
+        options, is not computed again.  Of slices and surfaces in code, the data they hold and their values
+        at 64 points of the surface count, to eight digits: the metric, its gradient, K_ij and their error.
+        Take another folder after a change that is elsewhere only.
     executor : concurrent.futures.Executor, optional
         By default all is done in this process.  `isoembed.runs.Workers` has one process on each core; what is
         sent there must be picklable, its functions at the top of a module.

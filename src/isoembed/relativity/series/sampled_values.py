@@ -55,8 +55,8 @@ def _values(found: GivenHorizon, geometry: ThreeGeometry | None) -> Iterator[Flo
                 yield function(u)
         return
     if isinstance(found, FoundHorizon):
-        found, geometry = found.surface, geometry or found.geometry
-    if isinstance(found, CoordinateShape):
+        x, geometry = found.surface.points(u), geometry or found.geometry
+    elif isinstance(found, CoordinateShape):
         x = found.points[:: len(found.points) // SAMPLES + 1]
     else:
         x = found.points(u)

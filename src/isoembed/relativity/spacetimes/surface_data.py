@@ -255,8 +255,8 @@ def _composed(
 def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
     """The values (n,) of a function at unit vectors u (n, 3).
 
-    Raises `InvalidParameter`: they have another shape, or one is not finite; the message calls the function by
-    the name.
+    Raises `InvalidParameter`: they have another shape, or one is not finite; the message calls the function
+    by the name.
     """
     return _checked(function, u, name, (len(u),))
 
@@ -266,9 +266,7 @@ def vectors_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) ->
     return _checked(function, u, name, u.shape)
 
 
-def _checked(
-    function: Callable[[Floats], ArrayLike], u: Floats, name: str, shape: tuple[int, ...]
-) -> Floats:
+def _checked(function: Callable[[Floats], ArrayLike], u: Floats, name: str, shape: tuple[int, ...]) -> Floats:
     values = real_values(name, function, u)
     if values.shape != shape:
         raise InvalidParameter(f"{name} at {len(u)} directions has the shape {values.shape}, not {shape}")
