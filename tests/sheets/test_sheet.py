@@ -60,6 +60,13 @@ def test_convex_cap(mesh):
     assert distance(found.vertices / 7.5, x) < 1e-12
 
 
+@pytest.mark.parametrize("how", [{"boundary": "free"}, {}, {"method": "alexandrov"}])
+def test_surfaces_with_boundary_in_curved_space_are_refused(how):
+    square = PolyhedralMetric([[0, 1, 2], [0, 2, 3]], [1.0] * 5, curvature=-1.0)
+    with pytest.raises((InvalidMetric, InvalidParameter), match="handles are embedded in R.3 only, with flat tr"):
+        embed(square, **how)
+
+
 def test_volume_of_a_cap_is_that_over_the_plane_of_its_boundary():
     exact, off = np.pi / 3 * (2 + np.cos(1)) * (1 - np.cos(1)) ** 2, []
     for rings in (5, 10):

@@ -171,7 +171,10 @@ def run(options: argparse.Namespace) -> int:
             print_error(f"the method {method.name!r} takes lengths as exact: their errors are unused", "note")
         metric = metric.with_length_errors(0.0)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
-        print_error("the metric is convex in R^3, so no curved space is needed", "note")
+        print_error(
+            "the metric is convex in R^3: it is embedded in R^3; for curvature -1 write --space hyperbolic=-1",
+            "note",
+        )
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         found = isoembed.embed(

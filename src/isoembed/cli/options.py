@@ -92,7 +92,10 @@ def _space(text: str) -> Space | str:
         raise argparse.ArgumentTypeError(f"{curvature!r} is not a finite number") from None
     if space.name != name:
         sign = "negative" if name == "hyperbolic" else "positive"
-        raise argparse.ArgumentTypeError(f"{curvature} is not the curvature of {name} space, which is {sign}")
+        meant = f": {name}={-space.curvature:g}" if space.curvature else ""
+        raise argparse.ArgumentTypeError(
+            f"{curvature} is not the curvature of {name} space, which is {sign}{meant}"
+        )
     return space
 
 
