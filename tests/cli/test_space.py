@@ -53,8 +53,14 @@ def test_lengths_on_triangles_of_another_space(call):
 @pytest.mark.parametrize(
     ("option", "said"),
     [
-        ("hyperbolic=1", "argument --space: 1 is not the curvature of hyperbolic space, which is negative: hyperbolic=-1"),
-        ("spherical=-2", "argument --space: -2 is not the curvature of spherical space, which is positive: spherical=2"),
+        (
+            "hyperbolic=1",
+            "argument --space: 1 is not the curvature of hyperbolic space, which is negative: hyperbolic=-1",
+        ),
+        (
+            "spherical=-2",
+            "argument --space: -2 is not the curvature of spherical space, which is positive: spherical=2",
+        ),
         ("hyperbolic=0", "argument --space: 0 is not the curvature of hyperbolic space, which is negative"),
         ("hyperbolic=low", "argument --space: 'low' is not a finite number"),
         ("hyperbolic=-inf", "argument --space: '-inf' is not a finite number"),

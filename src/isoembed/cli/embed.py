@@ -69,8 +69,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--boundary",
         metavar="CONDITION",
         help="for surfaces with boundary, or of higher genus: free, a surface of least bending; plane, the "
-        "convex cap; or a mesh of the same triangles, for the positions of its boundary; or a .npy file with "
-        "heights (B,) or positions (B, 3) of the boundary's vertices, in the order of Triangulation.boundaries",
+        "convex cap; a mesh of the same triangles, for the positions of its boundary; or a .npy file with "
+        "heights (B,) or positions (B, 3) of the boundary's vertices, in the order of "
+        "Triangulation.boundaries",
     )
     parser.add_argument(
         "--start",
@@ -172,7 +173,8 @@ def run(options: argparse.Namespace) -> int:
         metric = metric.with_length_errors(0.0)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
         print_error(
-            "the metric is convex in R^3: it is embedded in R^3; for curvature -1 write --space hyperbolic=-1",
+            "the metric is convex in R^3: it is embedded in R^3; for curvature -1 write "
+            "--space hyperbolic=-1",
             "note",
         )
 

@@ -101,7 +101,7 @@ def _space(text: str) -> Space | str:
 
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that silences the command."""
-    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but notes and errors")
 
 
 def add_verbose_option(parser: argparse.ArgumentParser) -> None:

@@ -36,7 +36,11 @@ def summary(
         f"proof       {found['certificate']['reason']}",
         *_sheet(found.get("sheet")),
         f"area        {measure(found, 'area')}",
-        *([] if "sheet" in found and found["volume"] is None else [f"volume      {measure(found, 'volume')}"]),
+        *(
+            []
+            if "sheet" in found and found["volume"] is None
+            else [f"volume      {measure(found, 'volume')}"]
+        ),
         f"int H dA    {measure(found, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
     ]
     if stages and embedding.stages:

@@ -132,7 +132,7 @@ class Embedding:
         return measures.outward(self.metric.faces, points, self.metric.normalized.space)
 
     def distance(self, other: Embedding | ArrayLike) -> float:
-        """Largest distance of a vertex from that of another surface, rigid motions aside, in mean edge lengths.
+        """Largest distance of a vertex from another surface's, rigid motions aside, in mean edge lengths.
 
         Parameters
         ----------

@@ -362,8 +362,8 @@ class PolyhedralMetric(TriangleMetric):
     def deficits(self) -> Floats:
         """Angle deficits, 2 pi less the sum of the angles at each vertex, pi on a boundary, shape (V,).
 
-        On a boundary they are the exterior angles.  With k the curvature of the triangles, A their area and chi
-        the Euler characteristic they sum to 2 pi chi - k A (Gauss-Bonnet).
+        On a boundary they are the exterior angles.  With k the curvature of the triangles, A their area and
+        chi the Euler characteristic they sum to 2 pi chi - k A (Gauss-Bonnet).
         """
         t = self.triangulation
         found = 2 * np.pi - cast(Floats, np.bincount(self.faces.ravel(), self.triangles.angles.ravel()))

@@ -221,5 +221,7 @@ def Spherical(k: float = 1.0) -> Space:  # noqa: N802
 
 def _positive(k: float, convention: str = "") -> float:
     if not isinstance(k, numbers.Real) or not 0 < k < math.inf:
-        raise InvalidParameter(f"the curvature of space must be a positive finite number, not {k!r}{convention}")
+        raise InvalidParameter(
+            f"the curvature of space must be a positive finite number, not {k!r}{convention}"
+        )
     return float(k)
