@@ -7,6 +7,7 @@ import pytest
 
 import zoo
 from isoembed import PolyhedralMetric
+from isoembed.cli.realizations import LEGEND
 from isoembed.io import read_surface, write_metric
 from strict_json import strict
 
@@ -30,12 +31,14 @@ def test_a_file_is_no_folder(call, files):
     assert (status, out, err) == (2, "", "isoembed: error: the output m.npz is not a folder\n")
 
 
-def test_the_realizations_are_listed_and_written(call, files):
+def test_the_realizations_are_listed_and_written(call, files, monkeypatch):
     status, out, err = call("realizations", "s.npz", "m.npz", "-o", "out")
     assert (status, err) == (0, "")
-    head, first, second, message, files_written = out.splitlines()
+    head, first, second, legend, message, files_written = out.splitlines()
     assert head.split() == ["distance", "nearest", "roughness", "fine", "radius", "isolation"]
     assert (first.split()[0], second.split()[0]) == ("1", "2")
+    assert [line.count("SURFACE itself") for line in (first, second)].count(1) == 1
+    assert legend == LEGEND
     assert message.startswith("2 realizations of these lengths found within 0.12 mean edge lengths of the")
     assert files_written.startswith("out/realization-1.ply, out/realization-2.ply written, ")
     surfaces = [read_surface(Path("out", f"realization-{i}.ply")) for i in (1, 2)]
@@ -45,6 +48,10 @@ def test_the_realizations_are_listed_and_written(call, files):
     found = strict(call("realizations", "s.npz", "m.npz", "--json", "--surfaces", "1")[1])
     assert found["region"] == {"distance": 0.12, "motions": 5, "unsolved": 0}
     assert [each["searched"] for each in found["realizations"]].count(True) == 1
+    monkeypatch.setattr("isoembed.cli.realizations.LISTED", 1)
+    head, row, more, legend, _ = call("realizations", "s.npz", "m.npz")[1].splitlines()
+    assert "SURFACE itself" in row
+    assert more == "the 1 nearest of 2; --json and --output have all"
     assert found["apart"][0][1] > found["realizations"][0]["certificate"]["isolation"]
 
 

@@ -60,6 +60,15 @@ def test_convex_cap(mesh):
     assert distance(found.vertices / 7.5, x) < 1e-12
 
 
+@pytest.mark.parametrize("how", [{"boundary": "free"}, {}, {"method": "alexandrov"}])
+def test_surfaces_with_boundary_in_curved_space_are_refused(how):
+    square = PolyhedralMetric([[0, 1, 2], [0, 2, 3]], [1.0] * 5, curvature=-1.0)
+    with pytest.raises(
+        (InvalidMetric, InvalidParameter), match=r"handles are embedded in R\^3 only, with flat tr"
+    ):
+        embed(square, **how)
+
+
 def test_volume_of_a_cap_is_that_over_the_plane_of_its_boundary():
     exact, off = np.pi / 3 * (2 + np.cos(1)) * (1 - np.cos(1)) ** 2, []
     for rings in (5, 10):
@@ -67,7 +76,7 @@ def test_volume_of_a_cap_is_that_over_the_plane_of_its_boundary():
         found = embed(cap(points, faces)[1].scaled(3.0), boundary="plane")
         off.append(found.volume / 27 / exact - 1)
         assert isoembed.report(found)["volume"] == found.volume
-        for image in (found.vertices * [1, 1, -1], found.vertices + [5, -3, 7]):
+        for image in (found.vertices * [1, 1, -1], found.vertices + np.array([5, -3, 7])):
             assert replace(found, vertices=image).volume == pytest.approx(found.volume, rel=1e-12)
     assert abs(off[1]) < abs(off[0]) / 3
     square = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]

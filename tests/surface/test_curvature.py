@@ -189,7 +189,7 @@ def on_sphere(vertices):
 
 
 def test_a_sphere_has_its_mean_curvature_at_every_vertex():
-    """Also at the twelve vertices with five neighbors, in hyperbolic space, and where triangles are strewn."""
+    """Also at the twelve vertices with five neighbors, in hyperbolic space, and of random points."""
     for level, off in ((2, 0.014), (3, 0.004)):
         vertices, faces = zoo.icosphere(level)
         t = Triangulation(faces)
@@ -208,7 +208,9 @@ def test_an_ellipsoid_has_its_mean_curvature_at_its_vertices():
     for n in (400, 1600):
         vertices, faces = triangulate(surface, n)
         exact = surface.mean_curvature(vertices / [3.0, 2.0, 1.0])
-        errors.append(np.sqrt(np.mean((vertex_mean_curvature(Triangulation(faces), vertices) / exact - 1) ** 2)))
+        errors.append(
+            np.sqrt(np.mean((vertex_mean_curvature(Triangulation(faces), vertices) / exact - 1) ** 2))
+        )
     assert errors[1] < 0.02 and errors[1] < errors[0] / 2
 
 

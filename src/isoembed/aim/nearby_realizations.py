@@ -29,8 +29,8 @@ APART = 0.1  # share of the distance expected: nearer, Newton's method fell back
 def sought(motions: int, near: float) -> str:
     """Clause on a search along the softest motions, within a distance in mean edge lengths."""
     return (
-        f"others were sought along the {motions} softest motions, within {near:g} mean edge lengths, which "
-        "need not find all: isoembed realizations searches further"
+        f"that there are no others is not known: they were sought along the {motions} softest motions "
+        f"within {near:g} mean edge lengths only; isoembed realizations searches further"
     )
 
 

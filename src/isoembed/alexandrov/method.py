@@ -47,6 +47,7 @@ from isoembed.surface.curvature import FLAT_ANGLE
 from isoembed.surface.measures import face_normals
 from isoembed.surface.placement import standard_position
 
+ANOTHER = 0.1  # relative change of a length beyond which a repaired metric is another one
 NEAREST = "nearest "  # before the names of its arrays
 
 ONLY_CONVEX = Evidence(
@@ -123,16 +124,25 @@ class Alexandrov(Method):
         level = repair_level(given.deficits, least)
         if level is None or self.repair:
             return ""
-        said = f"method=Alexandrov(repair={level:.1e})"
-        try:
-            found = convex_polyhedron(metric, tolerance, log, level)
-        except (InvalidMetric, NotEmbedded):
-            return ""
-        change = 0.0 if found.repair is None else found.repair.largest_change
-        return (
-            f"; if deficits of {level:.1e} or less are noise, {said} finds a polyhedron, with lengths "
-            f"changed by {change:.1g} of their size at most"
-        )
+        said = repair_that_succeeds(metric, level, tolerance, log)
+        return said and f"; if deficits of {level:.1e} or less are noise, {said}"
+
+
+def repair_that_succeeds(
+    metric: PolyhedralMetric | GluedMetric, level: float, tolerance: float, log: Log
+) -> str:
+    """Clause on a repair that leads to a polyhedron; empty if it does not, or changes the lengths by much."""
+    try:
+        found = convex_polyhedron(metric, tolerance, log, level)
+    except (InvalidMetric, NotEmbedded):
+        return ""
+    change = 0.0 if found.repair is None else found.repair.largest_change
+    if change > ANOTHER:
+        return ""
+    return (
+        f"method=Alexandrov(repair={level:.1e}) finds a polyhedron, with lengths changed by {change:.1g} of "
+        "their size at most"
+    )
 
 
 def convex_polyhedron(

@@ -70,8 +70,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--boundary",
         metavar="CONDITION",
         help="for surfaces with boundary, or of higher genus: free, a surface of least bending; plane, the "
-        "convex cap; or a mesh of the same triangles, for the positions of its boundary; or a .npy file with "
-        "heights (B,) or positions (B, 3) of the boundary's vertices, in the order of Triangulation.boundaries",
+        "convex cap; a mesh of the same triangles, for the positions of its boundary; or a .npy file with "
+        "heights (B,) or positions (B, 3) of the boundary's vertices, in the order of "
+        "Triangulation.boundaries",
     )
     parser.add_argument(
         "--start",
@@ -172,7 +173,11 @@ def run(options: argparse.Namespace) -> int:
             print_error(f"the method {method.name!r} takes lengths as exact: their errors are unused", "note")
         metric = metric.with_length_errors(0.0)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
-        print_error("the metric is convex in R^3, so no curved space is needed", "note")
+        print_error(
+            "the metric is convex in R^3: it is embedded in R^3; for curvature -1 write "
+            "--space hyperbolic=-1",
+            "note",
+        )
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         found = isoembed.embed(

@@ -93,13 +93,16 @@ def _space(text: str) -> Space | str:
         raise argparse.ArgumentTypeError(f"{curvature!r} is not a finite number") from None
     if space.name != name:
         sign = "negative" if name == "hyperbolic" else "positive"
-        raise argparse.ArgumentTypeError(f"{curvature} is not the curvature of {name} space, which is {sign}")
+        meant = f": {name}={-space.curvature:g}" if space.curvature else ""
+        raise argparse.ArgumentTypeError(
+            f"{curvature} is not the curvature of {name} space, which is {sign}{meant}"
+        )
     return space
 
 
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that silences the command."""
-    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but notes and errors")
 
 
 def add_verbose_option(parser: argparse.ArgumentParser) -> None:

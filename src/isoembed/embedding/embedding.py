@@ -131,11 +131,23 @@ class Embedding:
             return points
         return measures.outward(self.metric.faces, points, self.metric.normalized.space)
 
-    def distance(self, other: Embedding) -> float:
-        """Distance of the vertices from another realization's, rigid motions aside, in mean edge lengths."""
+    def distance(self, other: Embedding | ArrayLike) -> float:
+        """Largest distance of a vertex from another surface's, rigid motions aside, in mean edge lengths.
+
+        Parameters
+        ----------
+        other : Embedding, or array_like, shape (V, 3)
+            Another realization, or vertices in the same order and unit.
+
+        Raises
+        ------
+        ValueError
+            There are other than V vertices, or one is not finite.
+        """
         normalized, unit = self.metric.normalized, self.metric.unit
-        apart = alignment.distance(self.vertices / unit, other.vertices / unit, normalized.space)
-        return apart / normalized.mean_length
+        given = other.vertices if isinstance(other, Embedding) else other
+        x = vertex_array(self.triangulation, given)
+        return alignment.distance(self.vertices / unit, x / unit, normalized.space) / normalized.mean_length
 
     def _with_message(self, message: str) -> Self:
         """Return the same embedding with another message."""

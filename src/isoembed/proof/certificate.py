@@ -81,8 +81,8 @@ def overdetermined(more: int) -> Certificate:
     """The refusal of a problem with more equations than unknowns."""
     return Certificate(
         False,
-        f"not certified: there are {more} more equations than unknowns, and whether all of them can hold is "
-        "hidden by rounding",
+        f"not certified: there are {more} more equations than unknowns, so that nearly all lengths have no "
+        "exact surface, and within rounding none can be proven to exist",
     )
 
 

@@ -98,8 +98,8 @@ class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
     The volume of a cap is that between it and the plane of its boundary; of other surfaces with boundary, it
-    raises `InvalidMetric`.  They have no outside: they are not turned over, and the sign of the mean curvature
-    depends on the side from which triangles are counterclockwise.
+    raises `InvalidMetric`.  They have no outside: they are not turned over, and the sign of the mean
+    curvature depends on the side from which triangles are counterclockwise.
 
     Parameters
     ----------
@@ -194,8 +194,8 @@ class SheetEmbedding(Embedding):
             assert isinstance(other, SheetEmbedding)
             more = other.second_form_energy / self.second_form_energy
             said.append(
-                f"another surface, {self.distance(other):.1g} mean edge lengths from this one, has "
-                f"{more:.4g} times its int k1^2 + k2^2 dA"
+                f"another surface was found, whose vertices are up to {self.distance(other):.1g} mean edge "
+                f"lengths away and whose int k1^2 + k2^2 dA is {more:.4g} times that of this one"
             )
         return "".join(f"; {each}" for each in said)
 
@@ -210,11 +210,11 @@ class SheetEmbedding(Embedding):
 
     @cached_property
     def least_second_form_energy(self) -> float:
-        """Estimate of the integral of 2 abs(K) dA, which the `second_form_energy` of no smooth surface undercuts.
+        """Estimate of the integral of 2 abs(K) dA.
 
-        From the deficits inside; at the boundary, K is that of the neighbors inside.  The estimate has an error
-        of second order in the edge length, or of first order on irregular meshes, and so has the energy: that
-        of a mesh may be the smaller one.
+        The `second_form_energy` of a smooth surface is not below this integral.  The estimate is from the
+        deficits inside; at the boundary, K is that of the neighbors inside.  It tends to the integral as the
+        triangles shrink, as the energy of a mesh does to its own limit: of a mesh, either may be the smaller.
         """
         assert isinstance(self.surface, SheetSurface)
         t, areas = self.triangulation, self.surface._energy.areas

@@ -55,7 +55,7 @@ def volume(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> float:
 
 
 def above_boundary(triangulation: Triangulation, vertices: Floats, error: float = COPLANAR) -> Floats | None:
-    """The vertices about a point in the horizontal plane of the boundary, (V, 3); None if it is in no such one.
+    """The vertices about a point in the horizontal plane of the boundary, (V, 3); None if there is no such.
 
     About this point, the `cone_sum` is the volume between surface and plane, as the plane adds none.
 

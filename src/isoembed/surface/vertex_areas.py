@@ -1,8 +1,8 @@
 """The vertices' shares of the area of a surface: circumcentric, as of the Gaussian curvature.
 
-The integral of H around a vertex is that over its Voronoi cell to leading order, however regular the triangles
-around are.  Shares of a third of each triangle leave H at a vertex with five neighbors among others with six
-1/7 too large, on every refinement.
+The integral of H around a vertex is that over its Voronoi cell to leading order, however irregular the
+triangles around are.  Shares of a third of each triangle leave H at a vertex with five neighbors among others
+with six 1/7 too large, on every refinement.
 """
 
 from __future__ import annotations
