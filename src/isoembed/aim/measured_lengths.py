@@ -74,6 +74,7 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
         method=name,
         tolerance=tolerance,
         weight=fit.weight,
+        scatter=fit.scatter,
     )
 
 
@@ -103,21 +104,16 @@ def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
     found = measured_surface(measured, fit, exact.method, exact.tolerance)
     if exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness:
         return exact
-    digits = f"errors of their last digit, {rounding:.1e} of the mean edge length"
     if found.converged:
-        said = (
-            f"{found.message}; the errors are those of the last digit of the lengths, {rounding:.1e} of the "
-            "mean edge length: the surface that has them exactly is "
-            f"{'rougher' if exact.converged else 'not found'}; errors of zero take the lengths as exact"
-        )
-        return found._with_others([exact] if exact.converged else [])._with_message(said)
-    if found._advice:
-        doubt = f"no smooth surface has the lengths within {digits}: {found._advice}"
+        return found._with_others([exact] if exact.converged else [])
+    digits = f"errors of their last digit, {rounding:.1e} of the mean edge length"
+    if found._suspects:
+        doubt = f"no smooth surface has the lengths within {digits}: {found._advice(in_percent=True)}"
     elif exact.converged:
         doubt = f"no smooth surface has the lengths within {digits}; the errors may be larger"
     else:
         return exact
-    return exact._with_message(f"{exact.message}\n{doubt}")
+    return exact._with_message(f"{exact._sentence() if exact.converged else exact.message}\n{doubt}")
 
 
 def fit_within_errors(

@@ -453,11 +453,9 @@ class SmootherWithinErrors(Decision):
             return found
         smoother = exact.surface.fine_roughness < found.surface.fine_roughness
         if smoother or (not found.converged and has_small_errors(pipeline.metric)):
-            found = replace(found, vertices=exact.vertices, weight=0.0, message="")
+            found = replace(found, vertices=exact.vertices, weight=0.0, scatter=0.0, message="")
         elif not found.converged:
-            found = found._with_message(
-                f"{found.message}; a surface that has the lengths exactly was found, too, but it is rougher"
-            )._with(others=(exact,))
+            found = found._with_others([exact])
         return found
 
 

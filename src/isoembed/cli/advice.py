@@ -17,6 +17,7 @@ OPTIONS = (
     (r"marginal=False", "--not-marginal"),
     (r"geometry=", "--geometry"),
     (r"start=", "--start"),
+    (rf"length_errors=(E|{NUMBER})", r"--length-error \1"),
 )
 """Patterns of arguments, and the options that stand for them."""
 
