@@ -11,6 +11,8 @@ Give the triangles of a surface and the length of every edge; get the surface ba
 The public names are imported on first use, so that ``import isoembed`` costs nothing.
 """
 
+from importlib import import_module
+
 import lazy_loader
 
 from isoembed.version import __version__ as __version__
@@ -27,6 +29,13 @@ def __getattr__(name: str) -> object:
             raise
         from isoembed.similar_names import did_you_mean
 
-        raise AttributeError(
-            f"module 'isoembed' has no attribute {name!r}{did_you_mean(name, __all__)}"
-        ) from None
+        asked = _in_subpackage(name) or did_you_mean(name, __all__)
+        raise AttributeError(f"module 'isoembed' has no attribute {name!r}{asked}") from None
+
+
+def _in_subpackage(name: str) -> str:
+    """Question for a name that a subpackage has, as ``read_metric`` of `isoembed.io`."""
+    for package in ("io", "plot", "gluing", "papercraft", "smooth", "sheets", "proof", "relativity"):
+        if hasattr(import_module(f"{__name__}.{package}"), name):
+            return f"; did you mean 'isoembed.{package}.{name}'?"
+    return ""

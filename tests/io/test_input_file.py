@@ -94,8 +94,16 @@ def test_contents_are_read_as_they_are_asked_for(tmp_path):
             assert same is file
     (tmp_path / "latin.txt").write_bytes("é".encode("latin-1"))
     with InputFile(tmp_path / "latin.txt") as file:
-        assert file.head == "\ufffd"
-        with pytest.raises(FileError, match=r"latin\.txt is not a text file"):
+        assert (file.head, file.text) == ("\ufffd", "é")
+    (tmp_path / "wide.txt").write_bytes("é".encode("utf-16"))
+    with InputFile(tmp_path / "wide.txt") as file:
+        assert file.text == "é"
+    for damaged in (b"\x89\x00", b"\xe9\x85", "é".encode("utf-16")[:-1]):
+        (tmp_path / "damaged.txt").write_bytes(damaged)
+        with (
+            InputFile(tmp_path / "damaged.txt") as file,
+            pytest.raises(FileError, match=r"damaged\.txt is not a text file"),
+        ):
             file.text  # noqa: B018
 
 

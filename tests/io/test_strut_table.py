@@ -1,18 +1,24 @@
 """Strut tables as metrics: lengths by type or by strut, digits, and what is wrong with them."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 
 import isoembed
 import zoo
 from domes import dome
-from isoembed import InvalidMetric, InvalidParameter, embed
+from isoembed import InvalidMetric, InvalidParameter, MeshNote, embed
 from isoembed.io import FileError, read_metric
 from isoembed.io.surface import surface_of
 from isoembed.struts import strut_table
 from isoembed.surface.alignment import aligned
 
 OCTAHEDRON = [(0, 1), (0, 2), (0, 3), (0, 4), (5, 1), (5, 2), (5, 3), (5, 4), (1, 2), (2, 3), (3, 4), (4, 1)]
+
+
+def edges_of(faces):
+    return isoembed.Triangulation(faces).edges.tolist()
 
 
 def written(tmp_path, text):
@@ -90,19 +96,56 @@ def test_more_than_half_a_sphere_is_no_cap(tmp_path):
 
 
 def test_names_and_numbers_from_one(tmp_path):
-    named = [("NEWSTB"[a], "NEWSTB"[b]) for a, b in OCTAHEDRON]
-    for edges in (OCTAHEDRON, [(a + 1, b + 1) for a, b in OCTAHEDRON], named):
-        metric = read_metric(written(tmp_path, "from,to,length\n" + rows(edges, 2)))
+    given = {(min(ends), max(ends)): 2 + 0.001 * k for k, ends in enumerate(OCTAHEDRON)}
+    hubs = ["P0", "P2", "P10", "P11", "Q1", "q"]
+    for names, note in (
+        (range(6), None),
+        (range(1, 7), "hub 1 is vertex 0, hub 2 is vertex 1, hub 3 is vertex 2, ..., hub 6 is vertex 5"),
+        (hubs, "hub P0 is vertex 0, hub P2 is vertex 1, hub P10 is vertex 2, ..., hub q is vertex 5"),
+    ):
+        lines = [f"{names[b]},{names[a]},{length}\n" for (a, b), length in given.items()]
+        path = written(tmp_path, "from,to,length\n" + "".join(lines[::-1]))
+        with nullcontext() if note is None else pytest.warns(MeshNote, match=note):
+            metric = read_metric(path)
         assert (metric.triangulation.n_faces, metric.length_errors) == (8, None)
-        assert (metric.lengths == 2.0).all()
+        assert dict(zip(map(tuple, metric.edges.tolist()), metric.lengths.tolist(), strict=True)) == given
 
 
 def test_spreadsheets_with_decimal_commas(tmp_path):
-    text = "\ufeffFrom;To;Length\n" + rows(OCTAHEDRON[:8], "1,25").replace(",", ";").replace("1;25", "1,25")
-    text += rows(OCTAHEDRON[8:], "1,50").replace(",", ";").replace("1;50", "1,50")
-    metric = read_metric(written(tmp_path, text))
-    assert sorted(set(metric.lengths.tolist())) == [1.25, 1.5]
-    np.testing.assert_allclose(metric.length_errors, 0.01 / 12**0.5)
+    edges = dome(2)[1]
+    struts = [(a, b, "1,25" if a < 12 else "1,500") for a, b in edges_of(edges)]
+    for row, header in (
+        ("{0};{1};{2}\n", "\ufeffFrom;To;Length (m)\n"),
+        ("{0}\t{1}\t{2}\n", "from\tto\tlength [m]\n"),
+        ('"{0}","{1}","{2}"\n', "A survey,,\nfrom,to,length\n"),
+        ("{0};{1};{2}\n;;\n\n", "\nfrom;to;length\n\n"),
+    ):
+        metric = read_metric(written(tmp_path, header + "".join(row.format(*strut) for strut in struts)))
+        assert len(metric.lengths) == len(struts)
+        assert sorted(set(metric.lengths.tolist())) == [1.25, 1.5]
+        np.testing.assert_allclose(metric.length_errors, 0.01 / 12**0.5)
+
+
+@pytest.mark.parametrize("column", ["length error", "Length_error (mm)", "sigma", "error"])
+def test_a_column_of_errors(column, tmp_path):
+    errors = {ends: 0.01 * (k + 1) for k, ends in enumerate(OCTAHEDRON)}
+    table = "".join(f"{a},{b},2,{sigma}\n" for (a, b), sigma in errors.items())
+    metric = read_metric(written(tmp_path, f"from,to,length,{column}\n{table}"))
+    for ends, sigma in zip(metric.edges.tolist(), metric.length_errors, strict=True):
+        assert sigma == errors.get(tuple(ends), errors.get(tuple(ends[::-1])))
+    legend = "type,length,length error\nA,2,0.1\nB,3,0.2\n\n"
+    kinds = "".join(f"{a},{b},{'AB'[a == 0]}\n" for a, b in OCTAHEDRON)
+    metric = read_metric(written(tmp_path, f"{legend}from,to,type\n{kinds}"))
+    np.testing.assert_array_equal(metric.length_errors, (metric.lengths - 1) / 10)
+
+
+def test_tables_of_other_encodings(tmp_path):
+    text = "from,to,length\n" + rows([(f"ü{a}", f"ü{b}") for a, b in OCTAHEDRON], 2)
+    for encoding in ("utf-8", "utf-16", "latin-1"):
+        path = tmp_path / "struts.csv"
+        path.write_bytes(text.encode(encoding))
+        with pytest.warns(MeshNote, match="hub ü0 is vertex 0, hub ü1 is vertex 1"):
+            assert len(read_metric(path).lengths) == 12
 
 
 def test_chord_factors_are_lengths(tmp_path):
@@ -123,6 +166,9 @@ def test_chord_factors_are_lengths(tmp_path):
 )
 def test_errors_by_the_digits(lengths, error, tmp_path):
     text = "from,to,length\n" + rows(OCTAHEDRON[:8], lengths[0]) + rows(OCTAHEDRON[8:], lengths[1])
+    assert read_metric(written(tmp_path, text)).length_errors is None  # of a few struts, they are exact
+    edges = edges_of(dome(2)[1])
+    text = "from,to,length\n" + rows(edges[:80], lengths[0]) + rows(edges[80:], lengths[1])
     found = read_metric(written(tmp_path, text)).length_errors
     if error is None:
         assert found is None
@@ -146,10 +192,23 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
         ("from,to,length\n0,1,-1\n", FileError, "line 2: the length is '-1', not a positive finite number"),
         ("from,to,type\n0,1,A\n", FileError, "line 2: the strut has no length, and its type 'A' has none"),
         ("type,length\nA,0\n\nfrom,to,type\n0,1,A\n", FileError, "line 2: the length is '0'"),
+        (
+            "from,to,length\n0,1,3,125\n",
+            FileError,
+            "line 2: there are 4 cells below 3 columns; a decimal comma",
+        ),
+        ("from;to;length\n0;1;3,125 m\n", FileError, "line 2: the length is '3,125 m', not a positive"),
+        (
+            'from,to,length\n0,1,"1,250"\n1,2,881\n',
+            FileError,
+            "line 2: the length '1,250' may be 1250 or 1.250",
+        ),
+        ("from,to,length,error\n0,1,1,\n0,2,1,.1\n1,2,1,.1\n", FileError, "line 2: the length error is ''"),
+        ("von;nach;mm\n0;1;2\n", FileError, "its first line is 'von;nach;mm'"),
         ("from,to,length\n0,0,1\n", FileError, "line 2: a strut is from '0' to '0'"),
         ("from,to,length\n0,1,1\n1,0,1\n", FileError, "line 3: the hubs 1 and 0 are joined in line 2, too"),
         ("from,to,length\n0,1,1\n1,2,1\n", InvalidMetric, "between the hubs 0 and 1 is in no triangle"),
-        ("from,to,length\n1,2,1\n2,3,1\n", InvalidMetric, "between the hubs 1 and 2 is in no triangle"),
+        ("from,to,length\n1,2,1\n\n2,3,1\n", InvalidMetric, "between the hubs 1 and 2 is in no triangle"),
         ("from,to,length\nb,a,1\na,c,1\n", InvalidMetric, "between the hubs b and a is in no triangle"),
         (
             "from;to;long\n0;1;2\n",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import gzip
 import io
 import os
+import re
 import tokenize
 import zipfile
 import zlib
@@ -23,6 +25,7 @@ from isoembed.io.files import FileError, Tables, first_line, input_ending, open_
 from isoembed.io.hdf5 import HDF5_ENDINGS, array_of, enumerated, groups_in, listing, numbers_in
 
 GZIP = b"\x1f\x8b"
+NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f-\x9f]")  # control characters, of Latin-1 too
 
 
 class InputFile(os.PathLike[str]):
@@ -81,12 +84,15 @@ class InputFile(os.PathLike[str]):
         Raises
         ------
         FileError
-            It is not UTF-8.
+            It has bytes of no text.  Text is in UTF-8, UTF-16 with a byte order mark, or Latin-1.
         """
+        utf_16 = self.data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
         try:
-            return self.data.decode("utf-8")
+            return self.data.decode("utf-16" if utf_16 else "utf-8")
         except UnicodeDecodeError:
-            raise FileError(f"{self} is not a text file") from None
+            if utf_16 or NO_TEXT.search(self.data):
+                raise FileError(f"{self} is not a text file") from None
+            return self.data.decode("latin-1")
 
     @cached_property
     def arrays(self) -> dict[str, Tables]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.arrays import Indices
-from isoembed.errors import InvalidMetric
+from isoembed.errors import InvalidMetric, warn_of_mesh
 from isoembed.io.files import FileError, Tables
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
@@ -23,6 +23,18 @@ LENGTHS = ("length", "chord factor")
 """Columns of lengths: the first of these that a table has."""
 ONE_DIGIT = 0.03
 """Standard deviation, in mean lengths, above which decimals have one digit only, and are exact."""
+ERRORS = ("length error", "error", "sigma", "standard deviation")
+"""Columns of standard deviations of the lengths: the first of these that a table has."""
+UNIT = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
+"""A unit behind the name of a column, as in ``length (mm)``."""
+NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
+COMMA = re.compile(r"[+-]?\d*,(\d+)")
+"""A number with a decimal comma."""
+FEWEST = 30
+"""Struts from which on their lengths are taken as rounded: in fewer, nothing is overdetermined that a smooth
+surface could average."""
+LONGEST_QUOTE = 40
+"""Characters of a file's text in a message."""
 DECIMALS = re.compile(r"[+-]?\d*(?:\.(\d*))?")
 
 
@@ -35,12 +47,16 @@ def read(file: InputFile) -> Tables:
     """Read struts, their lengths, and the triangles that they make.
 
     A table with the columns ``from``, ``to``, and ``length`` or ``type`` has a row for each strut; one with
-    ``type`` and ``length``, or ``chord factor``, has the lengths of types.  A blank line is between tables;
-    other columns and tables are left aside.  Hubs are numbers or names.  Every three hubs that are joined are
-    a triangle, unless they cut the frame in two.
+    ``type`` and ``length``, or ``chord factor``, has the lengths of types.  Either may have a column
+    ``length error`` of standard deviations.  Other columns and tables are ignored.  Every three hubs that are
+    joined are a triangle, unless they cut the frame in two.
 
-    The errors of the lengths are those of the last digit that most have, the same in all, unless there is one
-    length only, or they have so few or so many digits that they are exact.
+    Hubs are numbers or names; they are vertices in this order, and a `MeshNote` says so unless hub 0 is
+    vertex 0, hub 1 is vertex 1, ...
+
+    Without that column, the errors of the lengths are those of the last digit that most have, the same in
+    all, unless there is one length only, there are fewer than 30 struts, or the digits are so few or so many
+    that the lengths are exact.
 
     Raises
     ------
@@ -51,56 +67,97 @@ def read(file: InputFile) -> Tables:
     """
     struts, legend = [], {}
     for row in _rows(file):
-        if "from" in row.cells and "to" in row.cells:
+        if "from" in row.cells:
             struts.append(row)
-        elif "type" in row.cells and (written := _written(row)):
-            legend[row.cells["type"]] = row.line, written
+        elif _written(row):
+            legend[row.cells["type"]] = row
     if not struts:
+        first = next((line for line in file.text.splitlines() if line.strip()), "")
         raise FileError(
             f"{file} is not a strut table: it has no rows below a line with 'from', 'to', and 'type' or "
-            "'length'"
+            f"'length'; its first line is {_short(first)}"
         )
-    lengths = []
+    measured = []
     for row in struts:
-        line, written = row.line, _written(row)
-        if not written:
+        if not _written(row):
             kind = row.cells.get("type", "")
             if not kind and not {"type", *LENGTHS} & row.cells.keys():
                 columns = ", ".join(row.cells)
-                raise FileError(f"{file}, line {line}: no 'length' or 'type' is among the columns {columns}")
+                raise FileError(
+                    f"{file}, line {row.line}: no 'length' or 'type' is among the columns {columns}"
+                )
             if kind not in legend:
                 raise FileError(
-                    f"{file}, line {line}: the strut has no length, and its type {kind!r} has none"
+                    f"{file}, line {row.line}: the strut has no length, and its type {kind!r} has none"
                 )
-            line, written = legend[kind]
-        lengths.append(_number(written, f"{file}, line {line}"))
-    texts = [_written(row) or legend[row.cells["type"]][1] for row in struts]
+            row = legend[kind]
+        measured.append(row)
+    texts = _with_points([(_written(row), f"{file}, line {row.line}") for row in measured])
+    lengths = [
+        _number(text, f"{file}, line {row.line}: the length is {_short(_written(row))}")
+        for text, row in zip(texts, measured, strict=True)
+    ]
     edges = _edges(struts, file)
     tables = {"faces": _triangles(edges, struts), "edges": edges, "lengths": np.array(lengths)}
+    _say_which_hub_is_which(_hubs(struts))
+    written = {row.line: _error_written(row) for row in measured}
+    if any(written.values()):
+        tables["length_errors"] = np.array(
+            [
+                _number(
+                    written[row.line].replace(",", "."),
+                    f"{file}, line {row.line}: the length error is {_short(written[row.line])}",
+                )
+                for row in measured
+            ]
+        )
+        return tables
     error = _error(texts, tables["lengths"])
     return {**tables, "length_errors": np.array(error)} if error else tables
 
 
 def _rows(file: InputFile) -> Iterator[_Row]:
-    """The rows of all tables below their headers, by the names of the columns."""
+    """Rows of struts and of types, by the names of the columns.
+
+    A table ends at the header of another one; below a blank line, at the first row without a number or a
+    known type.
+    """
     lines = file.text.removeprefix("\ufeff").splitlines()
     first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
     delimiter = next((sign for sign in ";\t" if sign in first), ",")
     header: list[str] = []
+    types: set[str] = set()
+    below_blank = False
     for number, line in enumerate(lines, 1):
         try:
             cells = [cell.strip() for row in csv.reader([line], delimiter=delimiter) for cell in row]
         except csv.Error as error:
             raise FileError(f"{file}, line {number}: {error}") from None
-        if not any(cells) or cells[0].startswith("#"):
-            header = [] if not any(cells) else header
-        elif not header:
-            header = [cell.lower() for cell in cells]
-        else:
-            named = dict(zip(header, cells, strict=False))
-            if delimiter == ";":  # of spreadsheets whose decimal point is a comma
-                named |= {name: named[name].replace(",", ".") for name in LENGTHS if name in named}
+        if not any(cells):
+            below_blank = True
+            continue
+        if cells[0].startswith("#"):
+            continue
+        names = [UNIT.sub("", cell).lower().replace("_", " ") for cell in cells]
+        named = dict(zip(header, cells, strict=False))
+        goes_on = any(map(NUMBER.fullmatch, cells)) or named.get("type", "") in types
+        if not header or _is_header(names) or (below_blank and not goes_on):
+            header, below_blank = names, False
+        elif _is_header(header):
+            if any(cells[len(header) :]):
+                comma = "; a decimal comma needs quotes, or semicolons between cells"
+                raise FileError(
+                    f"{file}, line {number}: there are {len(cells)} cells below {len(header)} columns"
+                    f"{comma if delimiter == ',' else ''}"
+                )
+            types |= {named["type"]} if named.get("type") else set()
+            below_blank = False
             yield _Row(number, named)
+
+
+def _is_header(names: Collection[str]) -> bool:
+    """Whether these are the columns of a table of struts or of types."""
+    return {"from", "to"} <= set(names) or ("type" in names and not set(LENGTHS).isdisjoint(names))
 
 
 def _written(row: _Row) -> str:
@@ -108,32 +165,67 @@ def _written(row: _Row) -> str:
     return next((row.cells[name] for name in LENGTHS if row.cells.get(name)), "")
 
 
-def _number(written: str, where: str) -> float:
+def _error_written(row: _Row) -> str:
+    """The standard deviation of the length in a row; empty where there is none."""
+    return next((row.cells[name] for name in ERRORS if row.cells.get(name)), "")
+
+
+def _short(text: str) -> str:
+    return repr(text if len(text) <= LONGEST_QUOTE else text[:LONGEST_QUOTE] + "...")
+
+
+def _with_points(written: Sequence[tuple[str, str]]) -> list[str]:
+    """Lengths and their places in the file, with a point for a decimal comma.
+
+    A comma before three digits could also separate thousands, where other lengths have none.
+    """
+    commas = [COMMA.fullmatch(text) for text, _ in written]
+    for (text, where), comma in zip(written, commas, strict=True):
+        if comma and len(comma[1]) == 3 and not all(commas):
+            raise FileError(
+                f"{where}: the length {text!r} may be {text.replace(',', '')} or "
+                f"{text.replace(',', '.')}, as other lengths have no comma"
+            )
+    return [
+        text.replace(",", ".") if comma else text for (text, _), comma in zip(written, commas, strict=True)
+    ]
+
+
+def _number(written: str, what: str) -> float:
     try:
         value = float(written)
     except ValueError:
         value = math.nan
     if not 0 < value < math.inf:
-        raise FileError(f"{where}: the length is {written[:40]!r}, not a positive finite number")
+        raise FileError(f"{what}, not a positive finite number")
     return value
 
 
+def _hubs(struts: Collection[_Row]) -> list[str]:
+    """The names of the hubs in their natural order, which is that of the vertices."""
+    return sorted({row.cells[end] for row in struts for end in ("from", "to")}, key=_natural_order)
+
+
+def _say_which_hub_is_which(hubs: Sequence[str]) -> None:
+    """Warn where the names of the hubs are not the numbers of their vertices."""
+    if hubs == [str(k) for k in range(len(hubs))]:
+        return
+    some = sorted({*range(min(3, len(hubs))), len(hubs) - 1})
+    named = [f"hub {hubs[k]} is vertex {k}" for k in some]
+    if len(hubs) > 4:
+        named.insert(3, "...")
+    warn_of_mesh(f"hubs are numbered from 0 in the order of their names: {', '.join(named)}")
+
+
 def _edges(struts: list[_Row], file: InputFile) -> Indices:
-    """The ends of the struts by numbers: as they are if these are all from 0 or from 1 on, or in order."""
+    """The ends of the struts by the numbers of their vertices."""
     names = [row.cells[end] for row in struts for end in ("from", "to")]
-    different = list(dict.fromkeys(names))
     for k, row in enumerate(struts):
         if not names[2 * k] or not names[2 * k + 1] or names[2 * k] == names[2 * k + 1]:
             raise FileError(
                 f"{file}, line {row.line}: a strut is from {names[2 * k]!r} to {names[2 * k + 1]!r}"
             )
-    are_numbers = all(name.isdecimal() and len(name) <= LONGEST for name in different)
-    numbers = sorted(map(int, different)) if are_numbers else []
-    first = numbers[0] if numbers else -1
-    if first in (0, 1) and numbers == list(range(first, first + len(numbers))):
-        place = {name: int(name) - first for name in different}
-    else:
-        place = {name: k for k, name in enumerate(different)}
+    place = {name: k for k, name in enumerate(_hubs(struts))}
     edges = np.array([place[name] for name in names]).reshape(-1, 2)
     seen: dict[frozenset[int], int] = {}
     for row, ends in zip(struts, map(frozenset, edges.tolist()), strict=True):
@@ -143,6 +235,15 @@ def _edges(struts: list[_Row], file: InputFile) -> Indices:
                 f"line {before}, too"
             )
     return edges
+
+
+def _natural_order(name: str) -> tuple[tuple[bool, int, str], ...]:
+    """Key by which ``P2`` is before ``P10``."""
+    parts = re.split(r"([0-9]+)", name)
+    return (
+        *((False, int(p), "") if p.isdecimal() and len(p) <= LONGEST else (True, 0, p) for p in parts),
+        (True, 0, name),
+    )
 
 
 def _triangles(edges: Indices, struts: Sequence[_Row]) -> Indices:
@@ -207,6 +308,8 @@ def _turned_alike(
 
 def _error(written: Collection[str], lengths: np.ndarray) -> float:
     """Standard deviation of lengths from their last digit; 0 where they are taken as exact."""
+    if len(written) < FEWEST:
+        return 0.0
     if len(set(written)) == 1:  # of one length, a triangle is regular, whatever its digits
         return 0.0
     decimals = [DECIMALS.fullmatch(word) for word in written]

@@ -15,6 +15,7 @@ from isoembed.io.format import Polygons, flattened
 from isoembed.io.surface import vertex_residuals
 from isoembed.metric.curvature import area
 from isoembed.progress.stages import Log
+from isoembed.reprs import short_repr
 from isoembed.similar_names import did_you_mean
 from isoembed.surface.flat_faces import FlatFaces
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: a residual of zero is shown as this
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Quantity:
     """A number at every vertex, or of every face.

@@ -9,6 +9,7 @@ from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.progress.stages import Progress
+from isoembed.reprs import short_repr
 from isoembed.space.models import from_model
 from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.measures import outward
@@ -16,6 +17,7 @@ from isoembed.surface.measures import outward
 ANSWER = "answer"
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Frame:
     """A surface on the way.

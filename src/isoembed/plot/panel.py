@@ -11,9 +11,11 @@ from isoembed.arrays import Floats
 from isoembed.io.format import Polygons
 from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.drawn import Drawn
+from isoembed.reprs import short_repr
 from isoembed.surface.segments import Segments
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Panel:
     """One surface of several in a row.

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
+from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import PulledBack, TwoMetric
 from isoembed.smooth.uncertain import EXACT, Uncertainty
@@ -18,6 +19,7 @@ from isoembed.smooth.uncertain import EXACT, Uncertainty
 FAILED = 1e-9  # radians: a larger error of the inverse is a failure
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class SphereMap:
     """The diffeomorphism ``u = F(v) = G(v) / |G(v)|`` of the sphere of directions, G in harmonics.

@@ -16,6 +16,7 @@ from isoembed.meshing.spreading import WHOLE, Cells, Zone, cell_centers, roundes
 from isoembed.meshing.surface_mesh import MIN_VERTICES, checked_count
 from isoembed.meshing.zone import ZoneLayout
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.reprs import short_repr
 from isoembed.smooth.gaussian_curvature import gaussian_curvature
 from isoembed.smooth.geodesics import definite_tensor, geodesic_lengths, in_own_unit
 from isoembed.smooth.grid_metric import GridMetric, sampled_on_grid
@@ -26,6 +27,7 @@ from isoembed.space import EUCLIDEAN, Space
 MOST_VERTICES = 10_000_000  # more fit into no memory
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class SphereMesh:
     """A triangulation of the sphere of directions, or of a zone, and the geodesic lengths of its edges.
