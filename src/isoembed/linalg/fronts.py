@@ -15,10 +15,9 @@ from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, In
 Number = cython.fused_type(cython.float, cython.double)
 Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
 
-BLOCK = cython.declare(
-    cython.longlong, 256
-)  # columns whose products are subtracted from all rows below at once
-TILE = cython.declare(cython.longlong, 64)  # of these rows, so that little above the diagonal is multiplied
+# columns whose products are subtracted from all rows below at once
+BLOCK = cython.declare(cython.longlong, 256)
+TILE = cython.declare(cython.longlong, 128)  # of these rows, so that little above the diagonal is multiplied
 # from so many columns on, and for so many rows below, a library multiplies faster
 NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longlong, 64)
 
@@ -135,7 +134,7 @@ def _subtract_products(
             columns[j, i] = front[at + top + i]
         for i in range(bottom - top):
             scaled[j, i] = front[at + top + i] * factor
-    for begin in range(0, bottom - top, 64):
+    for begin in range(0, bottom - top, 128):
         end, wide = min(begin + TILE, bottom - top), width - begin
         whole = room[2 * part : 2 * part + (end - begin) * wide].reshape(end - begin, wide)
         np.dot(left[:, begin:end].T, right[:, begin:], whole)
