@@ -57,7 +57,7 @@ COMMANDS = [
     ("isoembed unfold cube.ojb -o new.pdf", WRONG, "there is no file cube.ojb; did you mean 'cube.obj'?"),
     ("isoembed unfold cube.obj -o new.pfd", WRONG, "; did you mean '.pdf'?"),
     ("isoembed unfold part.txt -o new.pdf", WRONG, ".glb .gltf\n"),
-    ("isoembed view cube.obj --color gausian", WRONG, "did you mean 'gaussian-curvature'?"),
+    ("isoembed view cube.obj --color gausssian", WRONG, "did you mean 'gaussian-curvature'?"),
     ("isoembed embed metric.npz --bestfit", WRONG, "did you mean '--best-fit'?"),
     ("isoembed surface elipsoid --vertices 50 -o new.npz", WRONG, "did you mean 'ellipsoid'?"),
     ("isoembed energy --spacetime ker --surface horizon", WRONG, "did you mean 'kerr'?"),
