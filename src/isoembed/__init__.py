@@ -12,6 +12,7 @@ The public names are imported on first use, so that ``import isoembed`` costs no
 """
 
 from importlib import import_module
+from importlib.util import find_spec
 
 import lazy_loader
 
@@ -26,7 +27,7 @@ def __getattr__(name: str) -> object:
     try:
         return _imported(name)
     except AttributeError:
-        if name.startswith("_"):
+        if name.startswith("_") or find_spec(f"{__name__}.{name}"):  # a module, which the import system finds
             raise
         from isoembed.similar_names import did_you_mean
 

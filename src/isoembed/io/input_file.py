@@ -164,7 +164,7 @@ class InputFile(os.PathLike[str]):
         try:
             import h5py
         except ImportError:
-            raise FileError(f"reading {self} needs h5py: pip install 'isoembed[hdf5]'") from None
+            raise FileError(f"reading {self} needs h5py: pip install h5py") from None
         try:
             if not hasattr(self, "_hdf5"):
                 self._hdf5 = self._closing.enter_context(h5py.File(self._stream, "r"))
