@@ -46,9 +46,8 @@ def triangles(tmp_path):
     np.save(tmp_path / "p.npy", np.zeros(400))
 
 
-@pytest.mark.parametrize(
-    "space", [[], pytest.param(["--space", "hyperbolic"], marks=pytest.mark.slow)], ids=["flat", "hyperbolic"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("space", [[], ["--space", "hyperbolic"]], ids=["flat", "hyperbolic"])
 def test_pictures_show_the_curvature_of_the_smooth_surface(run, space, monkeypatch):
     drawn = []
     monkeypatch.setattr(plot, "picture_writer", lambda path, surface, color: drawn.append(color) or no_bytes)
