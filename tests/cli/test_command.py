@@ -481,6 +481,7 @@ def test_a_mistyped_command_is_answered_with_the_nearest_one(run, typed, meant):
     [
         ("--tolerence=1e-9", "--tolerence; did you mean '--tolerance'?"),
         ("--ouput", "--ouput; did you mean '--output'?"),
+        ("--image", "--image; did you mean '--picture'?"),
         ("--zzz", "--zzz (see"),
     ],
 )

@@ -10,6 +10,7 @@ import pytest
 
 import isoembed
 import zoo
+from isoembed import plot
 from isoembed.cli import energy as command
 from isoembed.io import write_metric
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -43,6 +44,27 @@ def triangles(tmp_path):
     write_metric(tmp_path / "kerr.json", mesh.metric)
     np.save(tmp_path / "k.npy", KERR.mean_curvature(mesh.directions))
     np.save(tmp_path / "p.npy", np.zeros(400))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("space", [[], ["--space", "hyperbolic"]], ids=["flat", "hyperbolic"])
+def test_pictures_show_the_curvature_of_the_smooth_surface(run, space, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(plot, "picture_writer", lambda path, surface, color: drawn.append(color) or no_bytes)
+    status, out, _ = run(*HORIZON, *space, "--vertices", 60, "--picture", "a.png", "--html", "a.html")
+    assert status == 0 and "a.png, a.html written" in out
+    assert "as in the file" in drawn[0].label and "as in the file" in Path("a.html").read_text()
+    assert np.ptp(drawn[0].values) > 0.05
+    assert 0.4 < drawn[0].values.min() < drawn[0].values.max() < 0.6
+
+
+def test_a_picture_of_a_surface_of_triangles(run, triangles):
+    status, out, _ = run("kerr.json", "--picture", "a.svg")
+    assert status == 0 and "a.svg written" in out and Path("a.svg").exists()
+
+
+def no_bytes(path):
+    path.touch()
 
 
 GRID = (32, 1)

@@ -36,6 +36,8 @@ from isoembed.typed_numbers import number
 
 # Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
+OTHER_NAMES = {"--image": "--picture", "--plot": "--picture", "--page": "--html", "--report": "--json"}
+"""Options by the names that other programs have for them."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -65,7 +67,9 @@ class Parser(argparse.ArgumentParser):
         for word in rest:
             name = word.partition("=")[0]
             if name.startswith("--"):
-                question = did_you_mean(name, self._option_string_actions)
+                usual = OTHER_NAMES.get(name)
+                known = self._option_string_actions
+                question = did_you_mean(usual if usual in known else name, known)
                 self.error(f"unrecognized arguments: {name}{question}")
             if question := self._without_option(word):
                 self.error(f"unrecognized arguments: {word}{question}")

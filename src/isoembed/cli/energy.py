@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -28,16 +29,20 @@ from isoembed.cli.options import (
     vertices,
 )
 from isoembed.cli.outputs import Outputs, print_written
+from isoembed.cli.pictures import add_picture_options, check_pictures, picture_writers
 from isoembed.cli.screen import UsageError, print_error, print_json, print_out
 from isoembed.cli.slices import OF_SLICE, add_geometry_option, add_slice_options, slice_label, slice_named
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.errors import InvalidMetric, NotEmbedded
-from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer
-from isoembed.io.files import input_ending
+from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, mesh_writer, surface_writer, write_atomically
+from isoembed.io.files import Writer, input_ending
 from isoembed.io.metric import in_space
+from isoembed.io.surface import read_with_curvatures
 from isoembed.io.title_line import WRITTEN
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.plot.coloring import from_file
+from isoembed.plot.endings import PAGE_ENDINGS, PICTURE_ENDINGS
 from isoembed.relativity.energies.embedded import conventions, embed_surface, embedded_report
 from isoembed.relativity.energies.mesh_energies import mesh_deviation, mesh_energies
 from isoembed.relativity.energies.report import checked_report, energy_table, mesh_report, unembedded_report
@@ -75,6 +80,7 @@ USUAL = (
     "space",
     "wang_yau",
     "output",
+    "picture",
 )
 """The options that ``--help`` lists."""
 
@@ -135,6 +141,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_output_option(
         parser, f"where to write the embedded surface, by its ending: {' '.join(SURFACE_ENDINGS)}"
     )
+    add_picture_options(parser, films=False)
     parser.add_argument(
         "--wang-yau",
         action="store_true",
@@ -159,7 +166,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Compute the energies; return the exit status."""
     number = vertices(options)
-    outputs = Outputs.of(options, output=SURFACE_ENDINGS, band=SURFACE_ENDINGS)
+    check_pictures(options)
+    outputs = Outputs.of(
+        options, output=SURFACE_ENDINGS, band=SURFACE_ENDINGS, picture=PICTURE_ENDINGS, html=PAGE_ENDINGS
+    )
     if options.sphere is not None:
         return _smooth(options, outputs, _sphere(options), number)
     if options.spacetime is not None:
@@ -199,9 +209,21 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     try:
         _show(options, _with_check(data, embedded_report(surface, found)))
     finally:
-        files = outputs.write(output=lambda path: mesh_writer(path, **shown.mesh(number)))
+        mesh = shown.mesh(number) if outputs else {}
+        files = outputs.write(output=lambda path: mesh_writer(path, **mesh), **_pictures(options, mesh))
     _end(options, files)
     return OK
+
+
+def _pictures(options: argparse.Namespace, mesh: dict[str, Any]) -> dict[str, Callable[[Path], Writer]]:
+    """Makers of the pictures that are asked for, as `isoembed view` makes them of the file of the mesh."""
+    if not (options.picture or options.html):
+        return {}
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "surface.npz"
+        write_atomically({path: mesh_writer(path, **mesh)})
+        surface, curvatures = read_with_curvatures(path)
+    return picture_writers(options, surface, given=from_file(curvatures))
 
 
 def _instead(options: argparse.Namespace, attempt: SmoothEmbedding) -> Iterator[str]:
@@ -311,7 +333,8 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     try:
         _show(options, mesh_report(embedding, energies, lengths, str(options.input), deviation))
     finally:
-        files = outputs.write(output=lambda path: surface_writer(path, embedding))
+        pictures = picture_writers(options, embedding)
+        files = outputs.write(output=lambda path: surface_writer(path, embedding), **pictures)
     _end(options, files)
     return OK
 

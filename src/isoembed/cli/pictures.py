@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from isoembed.cli.screen import UsageError
 from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import Writer
-from isoembed.plot.coloring import MEAN_CURVATURE, QUANTITIES, SIDES, spelled
+from isoembed.plot.coloring import EMPTY, MEAN_CURVATURE, QUANTITIES, SIDES, Quantity, spelled, usual
 from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS, PICTURE_ENDINGS
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ COLORS = {spelled(name): name for name in QUANTITIES}
 PICTURES = {"picture": PICTURE_ENDINGS, "html": PAGE_ENDINGS, "animate": ANIMATION_ENDINGS}
 
 
-def add_picture_options(parser: argparse.ArgumentParser) -> None:
+def add_picture_options(parser: argparse.ArgumentParser, *, films: bool = True) -> None:
     """Add the options that say which pictures are made."""
     parser.add_argument(
         "--picture",
@@ -36,9 +36,12 @@ def add_picture_options(parser: argparse.ArgumentParser) -> None:
         "--html",
         type=Path,
         metavar="FILE.html",
-        help="one page for the browser, with the surface to turn and color, the surfaces on the way along a "
-        "slider, and the report",
+        help="one page for the browser, with the surface to turn and color, "
+        f"{'the surfaces on the way along a slider, ' if films else ''}and the report",
     )
+    if not films:
+        parser.set_defaults(animate=None)
+        return
     parser.add_argument(
         "--animate",
         type=Path,
@@ -62,6 +65,12 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
 def color_of(options: argparse.Namespace) -> str | None:
     """The name of the quantity that the colors show, if one was chosen."""
     return COLORS[options.color] if options.color else None
+
+
+def shown(options: argparse.Namespace, embedding: Embedding, given: Mapping[str, Quantity]) -> str | Quantity:
+    """The quantity that the colors of a picture show, where it is given in place of the surface's own."""
+    name = color_of(options) or usual(embedding)
+    return given.get(name, name)
 
 
 def check_pictures(options: argparse.Namespace) -> None:
@@ -94,7 +103,10 @@ def film(options: argparse.Namespace) -> Film | None:
 
 
 def picture_writers(
-    options: argparse.Namespace, embedding: Embedding, seen: Film | None
+    options: argparse.Namespace,
+    embedding: Embedding,
+    seen: Film | None = None,
+    given: Mapping[str, Quantity] = EMPTY,
 ) -> dict[str, Callable[[Path], Writer]]:
     """Makers of the pictures that are asked for, by the names of their options."""
     if not any(getattr(options, name) for name in PICTURES):
@@ -106,7 +118,7 @@ def picture_writers(
         return () if seen is None else seen.frames(embedding)
 
     return {
-        "picture": lambda path: picture_writer(path, embedding, color=color_of(options)),
-        "html": lambda path: page_writer(path, embedding, frames=frames()),
+        "picture": lambda path: picture_writer(path, embedding, color=shown(options, embedding, given)),
+        "html": lambda path: page_writer(path, embedding, frames=frames(), given=given),
         "animate": lambda path: animation_writer(path, embedding, frames()),
     }

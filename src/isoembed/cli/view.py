@@ -8,7 +8,7 @@ from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.pictures import add_color_option, color_of
+from isoembed.cli.pictures import add_color_option, shown
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
@@ -18,7 +18,7 @@ from isoembed.io.files import ending
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
 from isoembed.io.surface import read_with_curvatures
 from isoembed.plot import PICTURE_ENDINGS, animation_writer, frames_of, picture_writer
-from isoembed.plot.coloring import EMPTY, Quantity, from_file, usual
+from isoembed.plot.coloring import EMPTY, Quantity, from_file
 from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS
 from isoembed.plot.film import Frame
 from isoembed.plot.page import page_writer, write_page
@@ -76,8 +76,7 @@ def run(options: argparse.Namespace) -> int:
     if ending(output) in PAGE_ENDINGS:
         writer = page_writer(output, surface, frames=frames, title=title, given=given)
     elif is_picture:
-        color = color_of(options) or usual(surface)
-        writer = picture_writer(output, surface, color=given.get(color, color))
+        writer = picture_writer(output, surface, color=shown(options, surface, given))
     else:
         writer = animation_writer(output, surface, frames)
     write_atomically({output: writer})

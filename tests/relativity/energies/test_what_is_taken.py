@@ -73,3 +73,10 @@ def test_values_that_are_not_finite_are_refused(field, name):
     with pytest.raises(InvalidParameter, match=f"{name} in the direction .* is .*nan.*: it must be finite"):
         surface = embed_surface(data)
         _ = surface.energies, surface.spin
+
+
+def test_a_horizon_whose_angular_momentum_is_not_known_says_so():
+    data = SurfaceData(GRID, marginal=True)
+    assert any(note.startswith("J is not known") for note in embed_surface(data).energies.notes)
+    known = replace(data, angular_momentum=0.0)
+    assert not any("J is not known" in note for note in embed_surface(known).energies.notes)

@@ -84,7 +84,7 @@ class Boxed(Own):
         ),
         (
             {"gradient": lambda self, x: 1.01 * self.hole.gradient(x)},
-            r"gamma_\w\w at .* by Wrong.gradient and",
+            r"gamma_\w\w at .* by Wrong.gradient and .* by differences of its metric$",
         ),
         (
             {"gradient": lambda self, x: self.hole.gradient(x)[:, 0]},

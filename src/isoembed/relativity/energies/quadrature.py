@@ -110,6 +110,10 @@ def _energies(
                 "the electromagnetic part of J is not known: the Christodoulou mass and J / M^2 are those of "
                 "the part of K_ij"
             )
+    if data.marginal and J is None:
+        notes.append(
+            "J is not known, and so the Christodoulou mass is not: K(., n) is needed, j_t and j_p in a file"
+        )
     if spin is not None and data.axis is not None and about is not None and spin.misses(about):
         notes.append(
             f"about the axis that was given J is {about:.6g}, "

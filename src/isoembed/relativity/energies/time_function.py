@@ -72,9 +72,9 @@ class TimeFunction:
         """
         harmonics = Harmonics(degree, degree)
         transform = SphereTransform(harmonics, 2 * degree + 2, 4 * degree + 4)
-        tau = cls(harmonics, transform.analysis(_values(function, transform.u)[:, None])[:, 0])
+        tau = cls(harmonics, transform.analysis(values_of(function, transform.u, "tau")[:, None])[:, 0])
         u = fibonacci_directions(1000)  # where the projection is checked
-        values = _values(function, u)
+        values = values_of(function, u, "tau")
         missed = float(np.abs(tau.values(u) - values).max())
         if missed > 1e-7 * np.abs(values).max():  # of the largest value
             raise InvalidParameter(
@@ -112,14 +112,6 @@ class TimeFunction:
         # dF takes v to 0; what is added to it makes it invertible and concerns no tangent vector.
         full = self.coordinates.differential(v) + u[:, :, None] * v[:, None, :]
         return np.asarray(np.linalg.solve(full.transpose(0, 2, 1), slope[:, :, None])[:, :, 0])
-
-
-def _values(function: Callable[[Floats], ArrayLike], u: Floats) -> Floats:
-    values = values_of(function, u, "tau")
-    if not np.isfinite(values).all():
-        i = int(np.argmin(np.isfinite(values)))
-        raise InvalidParameter(f"tau is {values[i]} at u = {u[i].tolist()}")
-    return values
 
 
 @dataclass(frozen=True)

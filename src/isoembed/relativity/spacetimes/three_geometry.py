@@ -65,7 +65,7 @@ class ThreeGeometry(ABC):
 
     @property
     def hindrance(self) -> str:
-        """Why no horizon can be found in the slice; by default empty: there may be one."""
+        """Reason why no horizon can be found in the slice; by default empty."""
         return ""
 
     @property
