@@ -157,6 +157,6 @@ def solve(
         raise NotEmbedded(str(failure), attempt, failure.evidence) from None
     except KeyboardInterrupt as interruption:
         raise Interrupted(checkpoints.last, log.stages) from interruption
-    if embedding.status == "not converged":
+    if not embedding.is_answer:
         raise NotEmbedded(embedding.message, embedding)
     return embedding

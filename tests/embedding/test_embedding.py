@@ -123,7 +123,7 @@ def test_the_report_is_the_contract():
     assert report["method"] == "test"
     assert report["version"] == isoembed.__version__
     counts = {"vertices": 42, "edges": 120, "faces": 80, "negative_deficits": 0}
-    assert report["input"] == {**counts, "precision": None}
+    assert report["input"] == {**counts, "mean_length": surface.metric.mean_length, "precision": None}
     assert set(report["residual"]) == {"max", "mean", "std"}
     assert report["residual"]["max"] == surface.residual
     assert report["residual"]["mean"] == pytest.approx(surface.residuals.mean())

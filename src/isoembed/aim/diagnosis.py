@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from isoembed.aim.acceptance import PLACED
 from isoembed.alexandrov.method import repair_that_succeeds
 from isoembed.arrays import Mask
 from isoembed.embedding.embedding import Embedding
@@ -63,7 +64,7 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
     if -total > 0.05 * 4 * np.pi:  # less negative curvature may be noise on a convex body
         return [found]
-    said = repair_that_succeeds(metric.normalized, float(rounded_up(-lowest)), 1e-10, Log())
+    said = repair_that_succeeds(metric.normalized, float(rounded_up(-lowest)), PLACED, Log())
     return [found, f"If the body is convex, {said}, on triangles of its own"] if said else [found]
 
 

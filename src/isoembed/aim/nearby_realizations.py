@@ -65,7 +65,6 @@ def nearby_realizations(
     errors = length_residuals(triangulation, vertices, lengths, system.space)
     best, met = vertices, [vertices] if np.abs(errors).max() <= residual_tolerance else []
     for _ in range(4):  # from realization to realization
-        recorder.factorizations += 1
         expansion = LengthExpansion(system, best, lengths)
         softest = softest_motions(expansion, SOFTEST)
         predicted = predicted_motions(expansion, softest, NEAR).motions

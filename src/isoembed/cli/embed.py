@@ -25,6 +25,7 @@ from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.methods import method_class, method_names
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Listener
+from isoembed.typed_numbers import number
 
 WHICH = ("convex", "smoothest")
 """The values of ``--which`` that are not a file."""
@@ -275,7 +276,7 @@ def _from_meshes(
 
 def _tolerance(text: str) -> float:
     try:
-        value = float(text)
+        value = number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
     if not (value > 0 and math.isfinite(value)):

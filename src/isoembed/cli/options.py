@@ -8,6 +8,7 @@ from typing import Any, Literal
 from isoembed.cli.screen import UsageError
 from isoembed.metric.given_mesh import MERGING
 from isoembed.space import Euclidean, Space
+from isoembed.typed_numbers import number
 
 DEFAULT, FEWEST = 1000, 12  # vertices
 OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
@@ -60,7 +61,7 @@ def add_merge_option(parser: argparse.ArgumentParser) -> None:
 
 def _merge(text: str) -> float:
     try:
-        value = float(text)
+        value = number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a number (write a file before --merge, not behind it)"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from isoembed.aim.accuracy import SAME
+from isoembed.aim.acceptance import SAME
 from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import print_written

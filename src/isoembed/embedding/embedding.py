@@ -58,7 +58,7 @@ class _Message:
             return ""
         known = embedding.__dict__
         if not known["message"]:
-            known["message"] = embedding._sentence()
+            known["message"] = embedding._sentence() + embedding._of_rounding()
         return str(known["message"])
 
     def __set__(self, embedding: Embedding, message: str) -> None:
@@ -285,6 +285,11 @@ class Embedding:
         return self.residual <= self.tolerance
 
     @property
+    def is_answer(self) -> bool:
+        """Whether `embed` returns it, and does not raise NotEmbedded: it has converged, or is a best fit."""
+        return self.converged
+
+    @property
     def status(self) -> str:
         """``"converged"`` or ``"not converged"``."""
         return "converged" if self.converged else "not converged"
@@ -359,7 +364,7 @@ class Embedding:
         ------
         FileError
             The ending is not known, the file cannot be written, or for a picture matplotlib is not installed:
-            ``pip install 'isoembed[plot]'``.
+            ``pip install matplotlib``.
         InvalidParameter
             There is no such quantity, or the file has no colors.
         """
@@ -395,7 +400,7 @@ class Embedding:
         Raises
         ------
         FileError
-            matplotlib is not installed: ``pip install 'isoembed[plot]'``.
+            matplotlib is not installed: ``pip install matplotlib``.
         InvalidParameter
             There is no such quantity to color it by.
         """
@@ -471,6 +476,20 @@ class Embedding:
                 "crumpled"
             )
         return said + "".join(self._beside(other) for other in self.others)
+
+    @property
+    def _takes_length_errors(self) -> bool:
+        """Whether there are error bars of such surfaces."""
+        return self.triangulation.is_sphere and self.space.is_euclidean
+
+    def _of_rounding(self) -> str:
+        """Clause on lengths whose digits show that they were rounded, where they may be given errors."""
+        rounding = self.metric.rounding
+        if rounding is None or not (self.converged and self._takes_length_errors):
+            return ""
+        return (
+            f"; the lengths look rounded: length_errors={rounding * self.metric.mean_length:.2g} gives error bars"
+        )
 
     def _beside(self, other: Embedding) -> str:
         """Clause on the distance and the shape of another realization."""

@@ -195,7 +195,7 @@ def check_drawable() -> None:
     try:
         import matplotlib.figure  # noqa: F401
     except ImportError:
-        raise FileError("pictures need matplotlib: pip install 'isoembed[plot]'") from None
+        raise FileError("pictures need matplotlib: pip install matplotlib") from None
 
 
 def _row(

@@ -150,6 +150,11 @@ class SheetEmbedding(Embedding):
             f"{self.metric.edges[e].tolist()}{self._trust()}{self._sides()}"
         )
 
+    @property
+    def _takes_length_errors(self) -> bool:
+        """Whether there are error bars of such surfaces: of caps."""
+        return self.condition == "plane"
+
     def _sides(self) -> str:
         """Clause on vertices inside a given curve whose mirror images have the lengths, too."""
         t = self.triangulation
@@ -231,7 +236,7 @@ class SheetEmbedding(Embedding):
 
         more = int(self.triangulation.boundary_vertices.sum()) - 3
         if self.condition == "curve" and more > 0:
-            return overdetermined(more)
+            return overdetermined(more, self.residual)
         if self.heights is None or not self.converged:
             found = super()._certificate
             if not found.certified or self.tensions is None:
