@@ -164,7 +164,7 @@ def run(options: argparse.Namespace) -> int:
         near = Path(options.which)
         own = read_surface(near, merge=options.merge).metric
         check_same_triangles(metric, own, source, near, "a surface is near to one on")
-    if isinstance(method, isoembed.Sheet):
+    if _is_surface(options.boundary) or _is_surface(options.start):
         method = _from_meshes(options, method, metric, source)
     if metric.length_errors is not None and not method.takes_length_errors:
         if errors is not None or (method.keeps_triangles and not method.takes_boundary):
@@ -259,9 +259,10 @@ def _is_surface(path: str | Path | None) -> bool:
 
 
 def _from_meshes(
-    options: argparse.Namespace, method: isoembed.Sheet, metric: PolyhedralMetric, source: Path
-) -> isoembed.Sheet:
+    options: argparse.Namespace, method: isoembed.Method, metric: PolyhedralMetric, source: Path
+) -> isoembed.Method:
     """The method with the boundary and the start that are in meshes of the same triangles."""
+    assert isinstance(method, isoembed.Sheet)
     found = {}
     for name, path in (("boundary", options.boundary), ("start", options.start)):
         if _is_surface(path):

@@ -102,7 +102,7 @@ def _duals_and_thirds(t: Triangulation, vertices: Floats, space: Space) -> tuple
 
 
 def _others(of_corners: Floats) -> tuple[Floats, Floats]:
-    """What belongs to the other two corners of each triangle."""
+    """Values of the other two corners of each triangle."""
     return np.roll(of_corners, -1, axis=1), np.roll(of_corners, 1, axis=1)
 
 
