@@ -154,4 +154,4 @@ def solve(
         raise Interrupted(checkpoints.last, log.stages) from interruption
     if embedding.status == "not converged":
         raise NotEmbedded(embedding.message, embedding)
-    return embedding
+    return embedding._noting_rounded_lengths()

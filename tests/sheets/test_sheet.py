@@ -175,6 +175,9 @@ def test_a_measured_curve_takes_a_tolerance():
     found = embed(metric, boundary=curve, tolerance=tolerance)
     assert found.converged and tolerance < 0.01
     assert distance(found.vertices, x) < 0.01
+    assert "misses the lengths by up to" in isoembed.certify(found).reason
+    exact = embed(metric, boundary=x[rim(metric)])
+    assert "hidden by rounding" in isoembed.certify(exact).reason
 
 
 def test_given_curve_from_a_start():
@@ -244,6 +247,8 @@ def horizon_profile(a, m):
 DISC, FACES = discs.hexagonal(3)
 SADDLE = PolyhedralMetric.from_mesh(np.column_stack([DISC, DISC[:, 0] * DISC[:, 1]]), FACES)
 ROUND = cap(DISC, FACES)[1]
+DOME_POINTS, DOME_FACES = discs.hexagonal(4)
+ELLIPTIC = discs.round_cap(DOME_POINTS, 1.4) * [1.1, 1.0, 0.75]
 CURVE = cap(DISC, FACES)[0][rim(ROUND)]
 TETRAHEDRON = PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], [1.0] * 6)
 RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
@@ -393,3 +398,40 @@ def test_a_cap_that_two_vertices_of_the_boundary_divide_is_not_fitted():
     )
     with pytest.raises(InvalidMetric, match=r"edge 1 \[0, 2\] joins two vertices of the boundary inside"):
         embed(halves, boundary="plane", length_errors=0.01)
+
+
+def test_a_cap_takes_errors_that_are_too_large():
+    """Edges of the boundary are once on the doubled cap, those inside twice: all count as much."""
+    dome = PolyhedralMetric.from_mesh(ELLIPTIC, DOME_FACES)
+    for sigma in np.geomspace(1e-4, 0.1, 16) * dome.mean_length:
+        found = embed(dome, boundary="plane", length_errors=sigma)
+        assert found.chi_square <= found.chi_square_limit
+    assert "errors look too small" not in found.message
+
+
+def test_a_wrong_length_of_a_cap_is_found_from_its_digits():
+    """Without errors: those of the digits are assumed, seen to be too small, and what is said leads on."""
+    dome = PolyhedralMetric.from_mesh(4000 * ELLIPTIC, DOME_FACES)
+    lengths = dome.lengths + np.random.default_rng(5).normal(0, 3, len(dome.lengths))
+    edge = int(np.argmax(~dome.triangulation.boundary_vertices[dome.edges].any(axis=1)))
+    lengths[edge] += 60
+    typed = dome.with_lengths(np.round(lengths))
+    with pytest.raises(InvalidMetric, match="of a convex cap none is negative"):
+        embed(typed, boundary="plane", length_errors=0).message
+    found = embed(typed, boundary="plane")
+    assert "the errors look too small" in found.message and "of the last digit" in found.message
+    larger = float(found.message.split("length_errors=")[1].split()[0])
+    try:
+        said = embed(typed, boundary="plane", length_errors=larger).message
+    except isoembed.NotEmbedded as failure:
+        said = str(failure)
+    assert f"edge {edge} {dome.edges[edge].tolist()} (-" in said
+    assert f"from {typed.lengths[edge]:.10g} to " in said
+
+
+def test_a_rounded_cap_says_how_to_have_error_bars():
+    dome = PolyhedralMetric.from_mesh(4000 * ELLIPTIC, DOME_FACES)
+    rounded = dome.with_lengths(np.round(dome.lengths))
+    hint = "; the lengths look rounded: length_errors=0.29 gives error bars"
+    assert embed(rounded, boundary="plane").message.endswith(hint)
+    assert isinstance(embed(rounded, boundary="plane", length_errors=0.29), isoembed.MeasuredSurface)

@@ -423,12 +423,12 @@ class FitWithinDigits(Strategy):
         return bool(doubtful) and pipeline.problem.metric.rounding is not None
 
     def run(self, state: State, pipeline: Pipeline) -> State:
-        from isoembed.aim.measured_lengths import within_digits
+        from isoembed.aim.measured_lengths import fit_within_digits
 
         start = state.start
         if start is None:
             start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
-        return replace(state, answer=within_digits(answered(state), start, pipeline.log))
+        return replace(state, answer=fit_within_digits(answered(state), start, pipeline.log))
 
 
 class AskedFor(Strategy):
