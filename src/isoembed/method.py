@@ -159,4 +159,4 @@ def solve(
         raise Interrupted(checkpoints.last, log.stages) from interruption
     if not embedding.is_answer:
         raise NotEmbedded(embedding.message, embedding)
-    return embedding
+    return embedding._noting_rounded_lengths()

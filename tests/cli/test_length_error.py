@@ -1,5 +1,6 @@
 """``--length-error`` of commands that embed: error bars of what is integrated."""
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +77,11 @@ def test_several_files(call, metric):
     assert call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "1e-4", "--jobs", "1")[0] == 0
     sigma = isoembed.Sensitivity(isoembed.embed(metric, length_errors=1e-4)).integral_deviation(1e-4)
     assert strict(Path("all/n.json").read_text())["deviation"]["volume"] == pytest.approx(sigma.volume)
+    with open("all/table.csv", newline="", encoding="utf-8") as file:
+        row = next(csv.DictReader(file))
+    for name in BARS:
+        assert float(row[f"{name}_deviation"]) == pytest.approx(getattr(sigma, name))
+    assert 0 < float(row["chi_square"]) < len(metric.lengths)
     np.save("e.npy", np.zeros(len(metric.lengths)))
     status, _, err = call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "e.npy")
     assert (status, err) == (2, "isoembed: error: --length-error of several files is a number\n")

@@ -217,6 +217,9 @@ def test_a_measured_curve_takes_a_tolerance():
     found = embed(metric, boundary=curve, tolerance=tolerance)
     assert found.converged and tolerance < 0.01
     assert distance(found.vertices, x) < 0.01
+    assert "misses the lengths by up to" in isoembed.certify(found).reason
+    exact = embed(metric, boundary=x[rim(metric)])
+    assert "hidden by rounding" in isoembed.certify(exact).reason
 
 
 def test_given_curve_from_a_start():
@@ -286,6 +289,8 @@ def horizon_profile(a, m):
 DISC, FACES = discs.hexagonal(3)
 SADDLE = PolyhedralMetric.from_mesh(np.column_stack([DISC, DISC[:, 0] * DISC[:, 1]]), FACES)
 ROUND = cap(DISC, FACES)[1]
+DOME_POINTS, DOME_FACES = discs.hexagonal(4)
+ELLIPTIC = discs.round_cap(DOME_POINTS, 1.4) * [1.1, 1.0, 0.75]
 CURVE = cap(DISC, FACES)[0][rim(ROUND)]
 TETRAHEDRON = PolyhedralMetric([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], [1.0] * 6)
 RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
@@ -436,3 +441,49 @@ def test_a_cap_that_two_vertices_of_the_boundary_divide_is_not_fitted():
     )
     with pytest.raises(InvalidMetric, match=r"edge 1 \[0, 2\] joins two vertices of the boundary inside"):
         embed(halves, boundary="plane", length_errors=0.01)
+
+
+def test_a_cap_takes_errors_that_are_too_large():
+    """Edges of the boundary are once on the doubled cap, those inside twice: all count as much."""
+    dome = PolyhedralMetric.from_mesh(ELLIPTIC, DOME_FACES)
+    for sigma in np.geomspace(1e-4, 0.1, 16) * dome.mean_length:
+        found = embed(dome, boundary="plane", length_errors=sigma)
+        assert found.chi_square <= found.chi_square_limit
+
+
+def test_a_wrong_length_of_a_cap_is_found_from_its_digits():
+    """The exact cap is rough, so the errors are those of the digits; with the true ones the length is named."""
+    dome = PolyhedralMetric.from_mesh(4000 * ELLIPTIC, DOME_FACES)
+    lengths = dome.lengths + np.random.default_rng(6).normal(0, 1, len(dome.lengths))
+    lengths[0] -= 60
+    typed = dome.with_lengths(np.round(lengths))
+    exact = embed(typed, boundary="plane", length_errors=0)
+    assert exact.surface.rough_edges.any()
+    found = embed(typed, boundary="plane")
+    assert isinstance(found, isoembed.MeasuredSurface)
+    assert "the errors, 0.29, are those of the last digit, and the surface that has" in found.message
+    assert [distance(other.vertices, exact.vertices) < 1e-6 for other in found.others] == [True]
+    assert "so closely that they do not tell" in found.message
+
+
+def test_a_cap_of_rounded_lengths_may_have_negative_deficits_within_them():
+    points, faces = discs.irregular(60)
+    metric = PolyhedralMetric.from_mesh(40000 * discs.round_cap(points, 0.05), faces)
+    rounded = metric.with_lengths(np.round(metric.lengths))
+    with pytest.raises(InvalidMetric, match="of a convex cap none is negative"):
+        embed(rounded, boundary="plane", length_errors=0)
+    found = embed(rounded, boundary="plane")
+    assert found.converged and "those of the last digit" in found.message
+    assert apart(found.vertices, 40000 * discs.round_cap(points, 0.05)) < 100.0
+    lengths = rounded.lengths.copy()
+    lengths[0] += 100
+    with pytest.raises(InvalidMetric, match="; with length_errors=E a smooth cap is fitted"):
+        embed(rounded.with_lengths(lengths), boundary="plane")
+
+
+def test_a_rounded_cap_says_how_to_have_error_bars():
+    dome = PolyhedralMetric.from_mesh(4000 * ELLIPTIC, DOME_FACES)
+    rounded = dome.with_lengths(np.round(dome.lengths))
+    hint = "; the lengths look rounded: length_errors=0.29 gives error bars"
+    assert embed(rounded, boundary="plane").message.endswith(hint)
+    assert isinstance(embed(rounded, boundary="plane", length_errors=0.29), isoembed.MeasuredSurface)

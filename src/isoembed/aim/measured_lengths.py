@@ -78,16 +78,32 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
     )
 
 
-def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
+def with_errors_of_digits(metric: PolyhedralMetric) -> PolyhedralMetric:
+    """The metric of rounded lengths, which has a `rounding`, with the errors of their last digit."""
+    assert metric.rounding is not None
+    return metric.with_length_errors(metric.rounding * metric.mean_length)
+
+
+def fit_within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
+    """A smooth surface fitted to rounded lengths, or the exact one: see `within_digits`.
+
+    It is fitted from a convex surface nearby, (V, 3).
+    """
+    metric = with_errors_of_digits(exact.metric)
+    with log.stage("fit within errors") as recorder:
+        fit = fit_within_errors(metric, np.asarray(metric.length_errors), start, recorder)
+    return within_digits(exact, measured_surface(metric, fit, exact.method, exact.tolerance))
+
+
+def within_digits(exact: Embedding, found: MeasuredSurface) -> Embedding:
     """The smooth surface that agrees with rounded lengths, in the place of a rough one, or of none.
 
     Parameters
     ----------
     exact : Embedding
         The surface that has these lengths, or the nearest attempt; of a normalized metric with a `rounding`.
-    start : ndarray, shape (V, 3)
-        A convex surface nearby.
-    log : Log
+    found : MeasuredSurface
+        The smooth one.
 
     Returns
     -------
@@ -95,25 +111,18 @@ def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
         A `MeasuredSurface`, with the exact one among its `others`; or the exact one, where no smooth surface
         agrees with the lengths within their digits, or none that is smoother.
     """
-    metric, rounding = exact.metric, exact.metric.rounding
-    assert rounding is not None
-    errors = np.full(len(metric.lengths), rounding * metric.mean_length)
-    measured = metric.with_length_errors(errors)
-    with log.stage("fit within errors") as recorder:
-        fit = fit_within_errors(measured, errors, start, recorder)
-    found = measured_surface(measured, fit, exact.method, exact.tolerance)
     if exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness:
         return exact
     if found.converged:
         return found._with_others([exact] if exact.converged else [])
-    digits = f"errors of their last digit, {rounding:.1e} of the mean edge length"
+    digits = f"errors of their last digit, {exact.metric.rounding:.1e} of the mean edge length"
     if found._suspects:
         doubt = f"no smooth surface has the lengths within {digits}: {found._advice(in_percent=True)}"
     elif exact.converged:
         doubt = f"no smooth surface has the lengths within {digits}; the errors may be larger"
     else:
         return exact
-    return exact._with_message(f"{exact._sentence() if exact.converged else exact.message}\n{doubt}")
+    return exact._with_message(f"{exact.message}\n{doubt}")
 
 
 def fit_within_errors(

@@ -413,12 +413,12 @@ class FitWithinDigits(Decision):
         return bool(doubtful) and pipeline.problem.metric.rounding is not None
 
     def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
-        from isoembed.aim.measured_lengths import within_digits
+        from isoembed.aim.measured_lengths import fit_within_digits
 
         start = state.start
         if start is None:
             start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
-        return within_digits(answer, start, pipeline.log)
+        return fit_within_digits(answer, start, pipeline.log)
 
 
 class AskedFor(Decision):

@@ -58,7 +58,7 @@ class _Message:
             return ""
         known = embedding.__dict__
         if not known["message"]:
-            known["message"] = embedding._sentence() + embedding._of_rounding()
+            known["message"] = embedding._sentence()
         return str(known["message"])
 
     def __set__(self, embedding: Embedding, message: str) -> None:
@@ -482,13 +482,16 @@ class Embedding:
         """Whether there are error bars of such surfaces."""
         return self.triangulation.is_sphere and self.space.is_euclidean
 
-    def _of_rounding(self) -> str:
-        """Clause on lengths whose digits show that they were rounded, where they may be given errors."""
+    def _noting_rounded_lengths(self) -> Self:
+        """The same smooth surface; if its lengths look rounded, the message says how to have error bars."""
         rounding = self.metric.rounding
         if rounding is None or not (self.converged and self._takes_length_errors):
-            return ""
-        return (
-            f"; the lengths look rounded: length_errors={rounding * self.metric.mean_length:.2g} gives error bars"
+            return self
+        if self.surface.rough_edges.any():
+            return self
+        error = rounding * self.metric.mean_length
+        return self._with_message(
+            f"{self.message}; the lengths look rounded: length_errors={error:.2g} gives error bars"
         )
 
     def _beside(self, other: Embedding) -> str:

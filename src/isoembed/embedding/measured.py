@@ -22,8 +22,12 @@ SIGNIFICANCE = 1e-3
 """Significance level of each test: the true lengths of all edges fail it once in a thousand."""
 SUSPECTS = 3
 """Edges that the message of a failure names at most: a blunder is as a rule the first, or beside it."""
-UNDERSTATED = 2.0
-"""Ratio of the scatter of the lengths to their errors above which these are too small for a smooth surface."""
+FOLLOWED = 0.05
+"""Chi-square over the number of edges below which the fit follows the lengths, and does not test their errors."""
+SCATTERED = 2.0
+"""Ratio of the scatter of the lengths to their errors above which a smooth surface has larger ones."""
+MARGIN = 1.1
+"""Factor by which a residual that stands out exceeds its limits: of 97 bodies with right lengths none did."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,14 +115,14 @@ class MeasuredSurface(Embedding):
     def _doubtful(self) -> int | None:
         """The edge whose residual stands out of the others of a surface that has converged, if one does.
 
-        It is beyond one standard deviation and, in those of the other residuals, beyond Baarda's limit.  A
-        fit that has followed a blunder in part is left with such a residual; it follows blunders where few
-        other lengths contradict them.
+        It is beyond one standard deviation and, in those of the other residuals, beyond Baarda's limit, by a
+        margin.  A fit that has followed a blunder in part is left with such a residual; it follows blunders
+        where few other lengths contradict them.
         """
         off = self._standardized
         e = int(np.argmax(off))
-        stands_out = off[e] > self._outlier_limit * np.sqrt(np.mean(np.delete(off, e) ** 2))
-        return e if self.weight and off[e] > 1.0 and stands_out else None
+        stands_out = off[e] > MARGIN * self._outlier_limit * np.sqrt(np.mean(np.delete(off, e) ** 2))
+        return e if self.weight and off[e] > MARGIN and stands_out else None
 
     @property
     def _root_mean_square(self) -> float:
@@ -177,14 +181,14 @@ class MeasuredSurface(Embedding):
 
     def _doubts(self) -> str:
         """Clauses on what the tests do not tell: errors that are understated, and a length that stands out."""
-        rms, mean = self._root_mean_square, self.metric.mean_length
-        said = ""
-        if self.scatter > UNDERSTATED * rms:
-            said = (
-                f"; the errors look too small: if the surface is smooth, they are about {self.scatter * mean:.2g} "
-                f"and not {rms * mean:.2g}; length_errors={self.scatter * mean:.2g} takes them so, which shows "
-                "wrong lengths and widens the deviations"
-            )
+        said, larger = "", f"{self.scatter * self.metric.mean_length:.2g}"
+        if self.chi_square < FOLLOWED * len(self.residuals):
+            said = "; the surface follows the lengths so closely that they do not tell whether the errors are right"
+            if self.scatter > SCATTERED * self._root_mean_square:
+                said += (
+                    f": it is rough, or the errors are larger, about {larger} if it is smooth, which "
+                    f"length_errors={larger} takes as given"
+                )
         e = self._doubtful
         if e is not None:
             said += (

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.aim.adaptive import Aim
+from isoembed.aim.measured_lengths import with_errors_of_digits, within_digits
 from isoembed.alexandrov.method import convex_polyhedron
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter, NotEmbedded
@@ -158,14 +159,18 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
     try:
         check_cap(metric)
     except InvalidMetric as error:
-        if metric.rounding is None or not metric.triangulation.boundaries:
+        if metric.rounding is None or metric.triangulation.is_closed:
             raise
-        measured = metric.with_length_errors(metric.rounding * metric.mean_length)
+        measured = with_errors_of_digits(metric)
         if (deficits(measured) < -explained_angles(measured)).any():
             raise InvalidMetric(f"{error}; with length_errors=E a smooth cap is fitted") from None
         return measured_cap(measured, Sheet.name, tolerance, log)
     found = _raised(metric, np.zeros(len(metric.triangulation.boundaries[0])), tolerance, log, "plane")
     concave = int(found.surface.concave_edges.sum())
+    rough = concave or found.surface.rough_edges.any() or not found.converged
+    if rough and metric.rounding is not None:
+        smooth = measured_cap(with_errors_of_digits(metric), Sheet.name, tolerance, log)
+        return cast(SheetEmbedding, within_digits(found, smooth))
     if found.converged and not concave:
         return found._with(uniqueness=CAP)
     if not concave:
