@@ -19,7 +19,7 @@ ConstReal = cython.typedef(cython.const[cython.double])
 Number = cython.fused_type(cython.float, cython.double)
 Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
 
-BLOCK = cython.declare(cython.longlong, 256)  # columns whose products are subtracted from all rows below at once
+BLOCK = cython.declare(cython.longlong, 256)  # columns whose products the rows below lose at once
 TILE = cython.declare(cython.longlong, 128)  # of these rows, so that little above the diagonal is multiplied
 # from so many columns on, and for so many rows below, a library multiplies faster
 NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longlong, 64)
