@@ -123,7 +123,7 @@ def test_the_report_is_the_contract():
     assert report["method"] == "test"
     assert report["version"] == isoembed.__version__
     counts = {"vertices": 42, "edges": 120, "faces": 80, "negative_deficits": 0}
-    assert report["input"] == {**counts, "precision": None}
+    assert report["input"] == {**counts, "mean_length": surface.metric.mean_length, "precision": None}
     assert set(report["residual"]) == {"max", "mean", "std"}
     assert report["residual"]["max"] == surface.residual
     assert report["residual"]["mean"] == pytest.approx(surface.residuals.mean())
@@ -259,6 +259,16 @@ def test_lengths_are_those_of_the_surface_and_not_those_asked_for():
     surface = Embedding(metric, x, method="given", tolerance=1e-10)
     assert surface.lengths == pytest.approx(metric.lengths / 3)
     assert surface.residual == pytest.approx(2 / 3 * metric.lengths.max() / metric.mean_length)
+
+
+def test_distance_from_vertices_is_that_from_a_surface():
+    one = embedding(*zoo.icosphere(1), 2.0)
+    moved = one.vertices @ zoo.rotation(1).T + [5.0, 0, 0]
+    moved[3] *= 1.01
+    other = Embedding(one.metric, moved, method="given", tolerance=1.0)
+    assert one.distance(moved) == one.distance(moved.tolist()) == one.distance(other) > 0
+    with pytest.raises(ValueError, match=r"the vertices have shape \(5, 3\), not \(42, 3\)"):
+        one.distance(moved[:5])
 
 
 def test_gaussian_curvature_has_a_unit_and_is_that_of_a_sphere():

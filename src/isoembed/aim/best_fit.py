@@ -18,21 +18,22 @@ Girard, A fast 'Monte-Carlo cross-validation' procedure for large least squares 
 Numer. Math. 56 (1989).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
+from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.progress.work import Budget
 
 WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
 MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
 REDUNDANT = 0.1  # share of a wrong length that its residual shows: if less, no other length contradicts it
 DOUBT = 2.0  # errors: a fit that misses the other lengths by more is not a witness against one
+TELLING = 0.1  # degrees of freedom, over the edges, of a fit whose noise is that of the lengths
 PROBES = 4  # random vectors that estimate degrees of freedom, to a percent
 
 
@@ -51,12 +52,15 @@ class BestFit:
         of what it misses, corrected for what it followed.
     score : float
         By cross-validation: the less, the better it predicts lengths.
+    scatter : float
+        `noise` of the fit with the least score so far, 0 if this has too few degrees of freedom to tell.
     """
 
     vertices: Floats
     weight: float
     noise: float
     score: float
+    scatter: float = 0.0
 
     @property
     def degrees_of_freedom(self) -> float:
@@ -82,7 +86,7 @@ def best_fit(
     start : ndarray, shape (V, 3)
         A smooth surface of about this shape and size, such as the polyhedron of a convex metric nearby.
     recorder : StageRecorder
-        Counts Gauss-Newton steps and factorizations.
+        Counts Gauss-Newton steps.
     most : float
         Factorizations: no mu but the first is tried where that might take more.
 
@@ -124,6 +128,7 @@ class Fits:
     ) -> None:
         self._metric, self._energy, self._recorder = metric, energy, recorder
         self._budget = budget
+        self._best: BestFit | None = None
         signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(PROBES, len(metric.lengths)))
         self._probes = signs[:, np.argsort(np.argsort(metric.lengths))]  # whatever the numbers of the edges
 
@@ -143,7 +148,11 @@ class Fits:
         except SingularMatrix:
             return BestFit(x, weight, np.inf, np.inf)
         noise = float(np.sqrt(r @ r / free)) / unit
-        return BestFit(x, weight, noise, noise / np.sqrt(free))
+        found = BestFit(x, weight, noise, noise / np.sqrt(free))
+        if self._best is None or found.score < self._best.score:
+            self._best = found
+        tells = self._best.degrees_of_freedom > TELLING * len(r)
+        return replace(found, scatter=self._best.noise if tells else 0.0)
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
         """Trace of ``I - H``, which takes errors of the lengths to what the fit leaves of them.
@@ -151,7 +160,6 @@ class Fits:
         ``H = J (J^T J + mu R^T R)^-1 J^T``.  Its trace is estimated by random vectors (Girard): the mean of
         ``z^T (I - H) z``, with z of random signs.
         """
-        self._recorder.factorizations += 1
         self._solve = self._energy.solver(x, self._metric.lengths, mu, 0.0)
         left = sum(float(z @ self._left(x, z)) for z in self._probes)
         return max(left / PROBES, 1.0)  # the estimate is not good enough to tell less from none

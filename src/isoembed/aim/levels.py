@@ -90,7 +90,7 @@ def pulled_back_by_levels(
         stencils = _stencils(metric, convex, count)
         if stencils is None:
             return None
-        energy = InterpolatedEnergy(metric, stencils, convex, x)
+        energy = InterpolatedEnergy(metric, stencils, convex, x, recorder.work)
         settling = 1e-6 * energy.unit**2  # mean edge lengths^2: mu of the coarse steps of the levels
         z = energy.relaxed(x[stencils.cells.vertices], energy.lengths, settling, 0.0, recorder)
         split = _split(system, metric.lengths, energy)
@@ -127,7 +127,6 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
         if found.reason is not Reason.SINGULAR:
             break
         recorder.iterations += 1
-        recorder.factorizations += 1
     return x
 
 
@@ -160,7 +159,7 @@ def _guided(
     stencils = _stencils(metric, convex, _first(len(convex)))
     if stencils is None:
         return None
-    energy = InterpolatedEnergy(metric, stencils, convex, convex)
+    energy = InterpolatedEnergy(metric, stencils, convex, convex, recorder.work)
     ends = metric.edges[energy.edges.edges]
     ratio = np.linalg.norm(convex[ends[:, 0]] - convex[ends[:, 1]], axis=1) / energy.lengths
     ratio = np.maximum(ratio, SHORTEST)

@@ -37,9 +37,9 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.measured import SIGNIFICANCE, SUSPECTS, MeasuredSurface
+from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.progress.work import Budget
 
 LEAST_WEIGHT = 1e-14
 """mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
@@ -74,6 +74,7 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
         method=name,
         tolerance=tolerance,
         weight=fit.weight,
+        scatter=fit.scatter,
     )
 
 
@@ -103,21 +104,16 @@ def within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
     found = measured_surface(measured, fit, exact.method, exact.tolerance)
     if exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness:
         return exact
-    digits = f"errors of their last digit, {rounding:.1e} of the mean edge length"
     if found.converged:
-        said = (
-            f"{found.message}; the errors are those of the last digit of the lengths, {rounding:.1e} of the "
-            "mean edge length: the surface that has them exactly is "
-            f"{'rougher' if exact.converged else 'not found'}; errors of zero take the lengths as exact"
-        )
-        return found._with_others([exact] if exact.converged else [])._with_message(said)
-    if found._advice:
-        doubt = f"no smooth surface has the lengths within {digits}: {found._advice}"
+        return found._with_others([exact] if exact.converged else [])
+    digits = f"errors of their last digit, {rounding:.1e} of the mean edge length"
+    if found._suspects:
+        doubt = f"no smooth surface has the lengths within {digits}: {found._advice(in_percent=True)}"
     elif exact.converged:
         doubt = f"no smooth surface has the lengths within {digits}; the errors may be larger"
     else:
         return exact
-    return exact._with_message(f"{exact.message}\n{doubt}")
+    return exact._with_message(f"{exact._sentence() if exact.converged else exact.message}\n{doubt}")
 
 
 def fit_within_errors(
@@ -155,7 +151,7 @@ def _fit_of_smooth_start(
     rms = float(
         1 / np.sqrt(np.mean(errors**-2.0))
     )  # of weights: lengths with large errors have no part in it
-    energy = RegularizedEnergy(metric, start).weighted(rms / errors)
+    energy = RegularizedEnergy(metric, start, recorder.work).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
     # lengths: no body collapses, however sharp its corners.

@@ -23,9 +23,12 @@ COLUMNS = {
     "vertices": ("input", "vertices"),
     "negative_deficits": ("input", "negative_deficits"),
     "residual": ("residual", "max"),
-    "area": ("area",),
-    "volume": ("volume",),
-    "integrated_mean_curvature": ("integrated_mean_curvature",),
+    **{
+        column: place
+        for name in ("area", "volume", "integrated_mean_curvature")
+        for column, place in ((name, (name,)), (f"{name}_deviation", ("deviation", name)))
+    },
+    "chi_square": ("measured", "chi_square"),
     "concave_edges": ("convexity", "concave_edges"),
     "others": ("others",),
 }

@@ -12,6 +12,8 @@ from scipy.special import chdtri, ndtri
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
+from isoembed.metric.precision import rounding_error
+from isoembed.surface.estimate import Estimate
 
 if TYPE_CHECKING:
     from isoembed.proof.certificate import Certificate
@@ -20,6 +22,8 @@ SIGNIFICANCE = 1e-3
 """Significance level of each test: the true lengths of all edges fail it once in a thousand."""
 SUSPECTS = 3
 """Edges that the message of a failure names at most: a blunder is as a rule the first, or beside it."""
+UNDERSTATED = 2.0
+"""Ratio of the scatter of the lengths to their errors above which these are too small for a smooth surface."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,6 +42,9 @@ class MeasuredSurface(Embedding):
     weight : float
         Of the roughness against the squares of the residuals, in squared mean edge lengths; 0 if the lengths
         are met exactly.
+    scatter : float
+        Root mean square of the errors of the lengths, over the mean edge length, by the account of the smooth
+        surface that best predicts each from the others (generalized cross-validation); 0 if none tells.
 
     References
     ----------
@@ -46,6 +53,7 @@ class MeasuredSurface(Embedding):
 
     _: KW_ONLY
     weight: float
+    scatter: float = 0.0
 
     def __post_init__(self) -> None:
         if self.length_errors is None:
@@ -100,13 +108,36 @@ class MeasuredSurface(Embedding):
         return [e for e in worst if self._standardized[e] > self._outlier_limit]
 
     @property
-    def _advice(self) -> str:
+    def _doubtful(self) -> int | None:
+        """The edge whose residual stands out of the others of a surface that has converged, if one does.
+
+        It is beyond one standard deviation and, in those of the other residuals, beyond Baarda's limit.  A
+        fit that has followed a blunder in part is left with such a residual; it follows blunders where few
+        other lengths contradict them.
+        """
+        off = self._standardized
+        e = int(np.argmax(off))
+        stands_out = off[e] > self._outlier_limit * np.sqrt(np.mean(np.delete(off, e) ** 2))
+        return e if self.weight and off[e] > 1.0 and stands_out else None
+
+    @property
+    def _root_mean_square(self) -> float:
+        """Root mean square of the errors of the lengths, over the mean edge length."""
+        sigma = np.asarray(self.metric.length_errors) / self.metric.mean_length
+        return float(np.sqrt(np.mean(sigma**2)))
+
+    def _named(self, e: int, *, in_percent: bool) -> str:
+        """An edge and how much longer it is on the surface: both lengths in their unit, or only percent."""
+        given, found = float(self.metric.lengths[e]), float(self.lengths[e])
+        lengths = f": from {given:.10g} to {Estimate(found, 0.02 * abs(found - given)).rounded}"
+        return f"edge {e} {self.edges[e].tolist()} ({100 * (found / given - 1):+.2g} %{'' if in_percent else lengths})"
+
+    def _advice(self, *, in_percent: bool = False) -> str:
         """Advice on lengths to check, if the surface misses some; else empty."""
         suspects = self._suspects
         if not suspects:
             return ""
-        changes = 100 * (self.lengths / self.metric.lengths - 1)
-        named = ", ".join(f"edge {e} {self.edges[e].tolist()} ({changes[e]:+.2g} %)" for e in suspects)
+        named = ", ".join(self._named(e, in_percent=in_percent) for e in suspects)
         others = np.delete(self._standardized, suspects)
         agree = others @ others <= self.chi_square_limit and others.max() <= self._outlier_limit
         return (
@@ -127,16 +158,52 @@ class MeasuredSurface(Embedding):
             f"{self.chi_square_limit:.4g}, and {largest}, "
             f"{'at most' if off[e] <= limit else 'more than'} {limit:.1f} (significance {SIGNIFICANCE:g})"
         )
-        if self.converged:
-            sigma = np.asarray(self.metric.length_errors) / self.metric.mean_length
-            rms = float(np.sqrt(np.mean(sigma**2)))
+        if self.converged and not self.weight:
             return (
-                f"the lengths agree with those given within their errors, {rms:.2g} of the mean edge length: "
-                f"{test}"
+                "the surface reproduces the given lengths together with their errors, "
+                f"{self._root_mean_square:.2g} of the mean edge length, which it may be bent by: no smoother "
+                f"one was found that agrees with them within these{self._of_digits()}"
+            )
+        if self.converged:
+            return (
+                "the lengths agree with those given within their errors, "
+                f"{self._root_mean_square:.2g} of the mean edge length: {test}{self._doubts()}"
+                f"{self._of_digits()}"
             )
         found = "no smooth surface was found whose lengths agree with those given within their errors"
-        remedy = self._advice or "the errors may be larger than stated"
-        return f"{found}: on the nearest surface {test}; {remedy}"
+        remedy = self._advice() or f"the errors may be larger than stated{self._of_digits()}"
+        rougher = "; a surface that has the lengths exactly was found, too, but it is rougher"
+        return f"{found}: on the nearest surface {test}; {remedy}{rougher if self.others else ''}"
+
+    def _doubts(self) -> str:
+        """Clauses on what the tests do not tell: errors that are understated, and a length that stands out."""
+        rms, mean = self._root_mean_square, self.metric.mean_length
+        said = ""
+        if self.scatter > UNDERSTATED * rms:
+            said = (
+                f"; the errors look too small: if the surface is smooth, they are about {self.scatter * mean:.2g} "
+                f"and not {rms * mean:.2g}; length_errors={self.scatter * mean:.2g} takes them so, which shows "
+                "wrong lengths and widens the deviations"
+            )
+        e = self._doubtful
+        if e is not None:
+            said += (
+                f"; if one length is wrong, it is probably that of {self._named(e, in_percent=False)}, though "
+                "too few others contradict it to tell"
+            )
+        return said
+
+    def _of_digits(self) -> str:
+        """Clause on errors that are those of the last digit of the lengths, as they are assumed to be."""
+        sigma = np.asarray(self.metric.length_errors)
+        rounding = (rounding_error(self.metric.lengths) or 0.0) * self.metric.mean_length
+        if not np.allclose(sigma, rounding, rtol=0.01, atol=0.0):  # typed with two digits
+            return ""
+        rougher = ", and the surface that has the lengths exactly is rougher" if self.others else ""
+        return (
+            f"; the errors, {rounding:.2g}, are those of the last digit{rougher}: if the lengths were measured "
+            "with larger ones, give length_errors=E; length_errors=0 takes them as exact"
+        )
 
     @property
     def _reported(self) -> Mapping[str, Any]:
@@ -148,5 +215,6 @@ class MeasuredSurface(Embedding):
             "largest_standardized_residual_limit": self._outlier_limit,
             "significance": SIGNIFICANCE,
             "weight": self.weight,
+            "scatter": self.scatter or None,
         }
         return {"measured": found}

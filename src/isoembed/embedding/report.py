@@ -38,6 +38,7 @@ def report(embedding: Embedding) -> dict[str, Any]:
     certificate = NOT_ASKED
     if entries <= 1_200_000:  # of J J^T, of 30,000 vertices: for more, a report asks for no certificate
         certificate = embedding._certificate
+    worst = int(np.argmax(embedding.residuals))
     found = {
         "status": embedding.status,
         "message": embedding.message,
@@ -49,6 +50,7 @@ def report(embedding: Embedding) -> dict[str, Any]:
             "vertices": triangulation.n_vertices,
             "edges": triangulation.n_edges,
             "faces": triangulation.n_faces,
+            "mean_length": embedding.metric.mean_length,
             "negative_deficits": int(negative_deficits(embedding.metric).sum()),
             "precision": _precision(embedding),
         },
@@ -56,6 +58,9 @@ def report(embedding: Embedding) -> dict[str, Any]:
             "max": embedding.residual,
             "mean": float(embedding.residuals.mean()),
             "std": float(embedding.residuals.std()),
+            "edge": triangulation.edges[worst].tolist(),
+            "given_length": embedding.metric.lengths[worst],
+            "length": embedding.lengths[worst],
         },
         "convexity": {
             "concave_edges": int(surface.concave_edges.sum()),

@@ -10,16 +10,13 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Real
 
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
 Number = cython.fused_type(cython.float, cython.double)
 Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
 
-BLOCK = cython.declare(cython.longlong, 256)  # columns whose products the rows below lose at once
+# columns whose products are subtracted from all rows below at once
+BLOCK = cython.declare(cython.longlong, 256)
 TILE = cython.declare(cython.longlong, 128)  # of these rows, so that little above the diagonal is multiplied
 # from so many columns on, and for so many rows below, a library multiplies faster
 NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longlong, 64)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from isoembed.aim.adaptive import Aim
+from isoembed.arrays import Floats
 from isoembed.embedding.measured import MeasuredSurface
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.mesh.triangulation import frozen
@@ -20,8 +21,8 @@ from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, doubled, upright
-from isoembed.sheets.placement import turned_about_vertical
 from isoembed.sheets.surface import SheetEmbedding
+from isoembed.surface.placement import turned_about_vertical
 
 if TYPE_CHECKING:
     from isoembed.sheets.derivatives import SheetDerivatives
@@ -55,6 +56,15 @@ class MeasuredCap(MeasuredSurface, SheetEmbedding):
         return {**super()._reported, **super(MeasuredSurface, self)._reported}
 
 
+def explained_angles(metric: PolyhedralMetric) -> Floats:
+    """Angles about each vertex that the errors of the lengths explain, shape (V,).
+
+    An angle of a triangle depends on a length by one over a height, of which none is much less than a side.
+    """
+    sigma = np.asarray(metric.length_errors, dtype=np.float64)
+    return np.asarray(2 * metric.triangulation.degrees * sigma.max() / metric.lengths.min())
+
+
 def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log) -> MeasuredCap:
     """Fit a cap, by the method of this name, to a normalized metric with `length_errors`.
 
@@ -66,9 +76,7 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
     """
     check_disc(metric)
     t, n = metric.triangulation, metric.triangulation.n_vertices
-    # An angle of a triangle depends on a length by one over a height, of which none is much less than a side.
-    sigma = np.asarray(metric.length_errors, dtype=np.float64)
-    explained = 2 * t.degrees * sigma.max() / metric.lengths.min()
+    sigma, explained = np.asarray(metric.length_errors, dtype=np.float64), explained_angles(metric)
     beyond = np.where(t.boundary_vertices, deficits(metric) + explained, 0.0)
     if (beyond < 0).any():
         v = int(np.argmin(beyond))
@@ -89,7 +97,9 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
     copied[inside] = n + np.arange(len(inside))
     own = np.concatenate([np.arange(n), inside])
     closed = doubled(metric).simplicial()
-    closed = closed.with_length_errors(sigma[t.edge_indices(own[closed.edges])])
+    # Edges inside count twice there, and those of the boundary are to count as much.
+    once = np.where(t.boundary_edges, np.sqrt(0.5), 1.0)
+    closed = closed.with_length_errors((once * sigma)[t.edge_indices(own[closed.edges])])
     try:
         found = Aim().run(closed.normalized, tolerance, log)
     except NotEmbedded as failure:
@@ -108,5 +118,6 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         tolerance=tolerance,
         stages=log.stages,
         weight=found.weight,
+        scatter=found.scatter,
         condition="plane",
     )

@@ -33,13 +33,13 @@ from isoembed.sheets.least_bending import (
     thinned,
 )
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.sheets.measured_cap import measured_cap
+from isoembed.sheets.measured_cap import explained_angles, measured_cap
 from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
-from isoembed.sheets.placement import standard_sheet, turned_about_vertical
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
 from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.measures import face_areas
+from isoembed.surface.placement import standard_sheet, turned_about_vertical
 
 CONDITIONS = "free", "plane"
 HEIGHTS = 5  # steps in which the boundary is raised
@@ -107,10 +107,9 @@ class Sheet(Method):
             The boundary or the start does not fit the metric.
         """
         found = self._found(metric, tolerance, log)
-        if not found.converged:
-            others = "" if self.start is None else "; without start= others are tried"
-            raise NotEmbedded(f"{found.message}{others}", found)
-        return found
+        if found.converged or self.start is None:
+            return found
+        return found._with_message(f"{found.message}; without start= others are tried")
 
     def scaled(self, factor: float) -> Sheet:
         """See `isoembed.Method`."""
@@ -156,11 +155,19 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
         raise InvalidParameter("boundary='plane' takes no start: the convex cap is unique")
     if metric.length_errors is not None:
         return measured_cap(metric, Sheet.name, tolerance, log)
-    check_cap(metric)
+    try:
+        check_cap(metric)
+    except InvalidMetric as error:
+        if metric.rounding is None or not metric.triangulation.boundaries:
+            raise
+        measured = metric.with_length_errors(metric.rounding * metric.mean_length)
+        if (deficits(measured) < -explained_angles(measured)).any():
+            raise InvalidMetric(f"{error}; with length_errors=E a smooth cap is fitted") from None
+        return measured_cap(measured, Sheet.name, tolerance, log)
     found = _raised(metric, np.zeros(len(metric.triangulation.boundaries[0])), tolerance, log, "plane")
     concave = int(found.surface.concave_edges.sum())
     if found.converged and not concave:
-        return replace(found, uniqueness=CAP)
+        return found._with(uniqueness=CAP)
     if not concave:
         return found
     return found._with_message(

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, kron
 
 from isoembed.arrays import Floats
-from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
 from isoembed.surface.interpolation_loops import cell_products
@@ -30,6 +30,8 @@ class InterpolatedRigidity:
     triangulation : Triangulation
         Of all vertices.
     stencils : Stencils
+    work : Work, optional
+        Counts the factorizations.
 
     Attributes
     ----------
@@ -39,8 +41,8 @@ class InterpolatedRigidity:
         Their cells.
     """
 
-    def __init__(self, triangulation: Triangulation, stencils: Stencils) -> None:
-        self._triangulation, self._stencils = triangulation, stencils
+    def __init__(self, triangulation: Triangulation, stencils: Stencils, work: Work | None = None) -> None:
+        self._triangulation, self._stencils, self._work = triangulation, stencils, work
         cells = stencils.cells.of_vertex[triangulation.edges]
         inner = np.flatnonzero(cells[:, 0] == cells[:, 1])
         # too few edges inside: those across the border are measured, too
@@ -83,7 +85,9 @@ class InterpolatedRigidity:
     @cached_property
     def _solver(self) -> Solver:
         order = dissect(csr_array(self.pattern)).block_order(3)
-        return analyze(kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order)
+        return analyze(
+            kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order, work=self._work
+        )
 
     def factor(self, differences: CellRows, rows: Floats, penalty: csr_array) -> SymmetricFactor:
         """Factor ``(J P)^T J P + penalty``, in single precision, the penalty acting on x, y and z alike.

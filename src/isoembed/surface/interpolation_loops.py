@@ -5,14 +5,8 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Flag, Int, Real, Single
 from cython.cimports.libc.math import sqrt
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Flag = cython.typedef(cython.uchar)
-Single = cython.typedef(cython.float)
 
 INF = cython.declare(cython.double, float("inf"))
 
