@@ -80,7 +80,6 @@ USUAL = (
     "space",
     "wang_yau",
     "output",
-    "picture",
 )
 """The options that ``--help`` lists."""
 
