@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import isoembed
-from isoembed import Interrupted, NotEmbedded, PolyhedralMetric
+from isoembed import Interrupted, InvalidParameter, NotEmbedded, PolyhedralMetric
 from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.io import FileError, InputFile
 from page_blocks import blocks
@@ -109,6 +109,19 @@ def test_it_is_embedded_by_a_method_that_is_passed(shells, metric):
     assert newton.iterations > 2
     with pytest.raises(NotEmbedded, match="miss the tolerance"):
         isoembed.embed(metric, method=shells.Isomap(steps=1))
+
+
+def test_what_a_method_returns_is_checked(metric):
+    class Points(isoembed.Method):
+        name = "points"
+
+        def run(self, metric, tolerance, log):
+            return np.zeros((6, 3))
+
+    with pytest.raises(
+        InvalidParameter, match=r"the method 'points' returned array\(\[\[.*, which is no Embedding"
+    ):
+        isoembed.embed(metric, method=Points())
 
 
 def test_it_goes_on_from_a_checkpoint(shells, metric):

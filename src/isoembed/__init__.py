@@ -1,4 +1,4 @@
-"""Isometric embedding of polyhedral metrics in Euclidean 3-space: from lengths to a surface.
+"""Isometric embedding of polyhedral metrics in Euclidean, hyperbolic and spherical space.
 
 Give the triangles of a surface and the length of every edge; get the surface back::
 

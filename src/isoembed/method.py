@@ -151,12 +151,15 @@ def solve(
     checkpoints = Checkpoints(resume, fingerprint)
     log = Log(progress, checkpoints)
     try:
-        embedding = method.scaled(1 / metric.unit).run(unit, tolerance, log)._in_unit_of(metric)
+        found = method.scaled(1 / metric.unit).run(unit, tolerance, log)
     except NotEmbedded as failure:
         attempt = failure.embedding._in_unit_of(metric)
         raise NotEmbedded(str(failure), attempt, failure.evidence) from None
     except KeyboardInterrupt as interruption:
         raise Interrupted(checkpoints.last, log.stages) from interruption
+    if not isinstance(found, Embedding):
+        raise InvalidParameter(f"the method {method.name!r} returned {found!r:.40}, which is no Embedding")
+    embedding = found._in_unit_of(metric)
     if not embedding.is_answer:
         raise NotEmbedded(embedding.message, embedding)
     return embedding._noting_rounded_lengths()

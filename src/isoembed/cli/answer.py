@@ -155,7 +155,7 @@ def _proof(embedding: isoembed.Embedding) -> str:
     if not embedding.converged or embedding.metric.length_errors is not None:
         return ""
     if embedding.triangulation.n_vertices > CERTIFIED:
-        return "not certified: 'isoembed certify' does that for many vertices"
+        return f"not certified: of more than {CERTIFIED:,} vertices, 'isoembed certify' does it"
     from isoembed.embedding.certify import certify
 
     return certify(embedding).reason
