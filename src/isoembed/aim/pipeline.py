@@ -82,7 +82,10 @@ class State:
         for name in FITS:
             fit = getattr(self, name)
             if fit is not None:
-                kept |= {name: fit.vertices, f"{name} numbers": [fit.weight, fit.noise, fit.score, fit.scatter]}
+                kept |= {
+                    name: fit.vertices,
+                    f"{name} numbers": [fit.weight, fit.noise, fit.score, fit.scatter],
+                }
         return kept | {f"candidate {k}": surface.vertices for k, surface in enumerate(self.candidates)}
 
     @classmethod
