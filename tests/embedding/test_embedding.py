@@ -124,7 +124,7 @@ def test_the_report_is_the_contract():
     assert report["version"] == isoembed.__version__
     counts = {"vertices": 42, "edges": 120, "faces": 80, "negative_deficits": 0}
     assert report["input"] == {**counts, "mean_length": surface.metric.mean_length, "precision": None}
-    assert set(report["residual"]) == {"max", "mean", "std"}
+    assert set(report["residual"]) == {"max", "mean", "std", "edge", "given_length", "length"}
     assert report["residual"]["max"] == surface.residual
     assert report["residual"]["mean"] == pytest.approx(surface.residuals.mean())
     assert report["residual"]["std"] == pytest.approx(surface.residuals.std())

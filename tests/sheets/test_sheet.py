@@ -452,7 +452,7 @@ def test_a_cap_takes_errors_that_are_too_large():
 
 
 def test_a_wrong_length_of_a_cap_is_found_from_its_digits():
-    """The exact cap is rough, so the errors are those of the digits; with the true ones the length is named."""
+    """The exact cap is rough, so the errors are those of the digits."""
     dome = PolyhedralMetric.from_mesh(4000 * ELLIPTIC, DOME_FACES)
     lengths = dome.lengths + np.random.default_rng(6).normal(0, 1, len(dome.lengths))
     lengths[0] -= 60

@@ -23,7 +23,7 @@ SIGNIFICANCE = 1e-3
 SUSPECTS = 3
 """Edges that the message of a failure names at most: a blunder is as a rule the first, or beside it."""
 FOLLOWED = 0.05
-"""Chi-square over the number of edges below which the fit follows the lengths, and does not test their errors."""
+"""Chi-square over the number of edges below which the fit follows the lengths: it does not test errors."""
 SCATTERED = 2.0
 """Ratio of the scatter of the lengths to their errors above which a smooth surface has larger ones."""
 MARGIN = 1.1
@@ -134,7 +134,8 @@ class MeasuredSurface(Embedding):
         """An edge and how much longer it is on the surface: both lengths in their unit, or only percent."""
         given, found = float(self.metric.lengths[e]), float(self.lengths[e])
         lengths = f": from {given:.10g} to {Estimate(found, 0.02 * abs(found - given)).rounded}"
-        return f"edge {e} {self.edges[e].tolist()} ({100 * (found / given - 1):+.2g} %{'' if in_percent else lengths})"
+        change = f"{100 * (found / given - 1):+.2g} %{'' if in_percent else lengths}"
+        return f"edge {e} {self.edges[e].tolist()} ({change})"
 
     def _advice(self, *, in_percent: bool = False) -> str:
         """Advice on lengths to check, if the surface misses some; else empty."""
@@ -180,10 +181,13 @@ class MeasuredSurface(Embedding):
         return f"{found}: on the nearest surface {test}; {remedy}{rougher if self.others else ''}"
 
     def _doubts(self) -> str:
-        """Clauses on what the tests do not tell: errors that are understated, and a length that stands out."""
+        """Clauses on what the tests do not tell: errors that are understated, a length that stands out."""
         said, larger = "", f"{self.scatter * self.metric.mean_length:.2g}"
         if self.chi_square < FOLLOWED * len(self.residuals):
-            said = "; the surface follows the lengths so closely that they do not tell whether the errors are right"
+            said = (
+                "; the surface follows the lengths so closely that they do not tell whether the errors are "
+                "right"
+            )
             if self.scatter > SCATTERED * self._root_mean_square:
                 said += (
                     f": it is rough, or the errors are larger, about {larger} if it is smooth, which "
@@ -192,8 +196,8 @@ class MeasuredSurface(Embedding):
         e = self._doubtful
         if e is not None:
             said += (
-                f"; if one length is wrong, it is probably that of {self._named(e, in_percent=False)}, though "
-                "too few others contradict it to tell"
+                f"; if one length is wrong, it is probably that of {self._named(e, in_percent=False)}, "
+                "though too few others contradict it to tell"
             )
         return said
 
@@ -205,8 +209,8 @@ class MeasuredSurface(Embedding):
             return ""
         rougher = ", and the surface that has the lengths exactly is rougher" if self.others else ""
         return (
-            f"; the errors, {rounding:.2g}, are those of the last digit{rougher}: if the lengths were measured "
-            "with larger ones, give length_errors=E; length_errors=0 takes them as exact"
+            f"; the errors, {rounding:.2g}, are those of the last digit{rougher}: if the lengths were "
+            "measured with larger ones, give length_errors=E; length_errors=0 takes them as exact"
         )
 
     @property
