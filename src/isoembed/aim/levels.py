@@ -6,6 +6,7 @@ grows more slowly than the number of all: what quintics miss shrinks faster than
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from math import ceil, log
 from typing import Any
 
@@ -16,7 +17,9 @@ from isoembed.aim.interpolated_energy import InterpolatedEnergy
 from isoembed.aim.regularized_continuation import FADE, SHORTEST, guided
 from isoembed.aim.split_newton import SplitNewton
 from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric
 from isoembed.linalg import SingularMatrix
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.nonlinear.descent import Reason
 from isoembed.nonlinear.stopping import below
@@ -157,6 +160,42 @@ def _guided(
     The convex surface's charts are noisy: as mu falls, soft motions would follow their errors, on
     ergospheres whose necks are narrow past the point from where they come back.
     """
+    followed = _followed(metric, convex, recorder)
+    if followed is None:
+        return None
+    stencils, energy, z, mu = followed
+    x, z = _split_step(system, metric.lengths, energy, stencils, convex, z, recorder)
+    for _ in range(2):  # steps in the charts of the last surface, while mu falls
+        energy.in_charts_of(x)
+        z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
+        x, z = _split_step(system, metric.lengths, energy, stencils, x, z, recorder)
+        mu *= FADE
+    return x
+
+
+def smooth_start(metric: PolyhedralMetric, start: Floats, recorder: StageRecorder) -> Floats:
+    """The end of the guided path, interpolated: smooth, and near the lengths, however noisy they are.
+
+    Of fewer vertices, or where the path cannot be followed, the convex surface that is the start, (V, 3).
+    """
+    if not goes_by_levels(metric, None):
+        return start
+    convex = start - start.mean(axis=0)
+    with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
+        followed = _followed(metric, convex, recorder)
+        if followed is not None:
+            stencils, energy, z, mu = followed
+            x = _interpolation(stencils, metric.triangulation, convex) @ z
+            energy.in_charts_of(x)
+            z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
+            return _interpolation(stencils, metric.triangulation, x) @ z
+    return start
+
+
+def _followed(
+    metric: PolyhedralMetric, convex: Floats, recorder: StageRecorder
+) -> tuple[Stencils, InterpolatedEnergy, Floats, float] | None:
+    """The chosen vertices at the end of the guided path, (C, 3), what interpolates them, and the last mu."""
     stencils = _stencils(metric, convex, _first(len(convex)))
     if stencils is None:
         return None
@@ -167,13 +206,7 @@ def _guided(
     chosen = convex[stencils.cells.vertices]
     recorder.show(level=f"{len(chosen):,} of {len(convex):,} vertices")
     z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder)
-    x, z = _split_step(system, metric.lengths, energy, stencils, convex, z, recorder)
-    for _ in range(2):  # steps in the charts of the last surface, while mu falls
-        energy.in_charts_of(x)
-        z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
-        x, z = _split_step(system, metric.lengths, energy, stencils, x, z, recorder)
-        mu *= FADE
-    return x
+    return stencils, energy, z, mu
 
 
 def _split_step(
@@ -196,9 +229,16 @@ def _split(
     """Newton's method whose smooth motions are interpolated in these charts."""
     if energy.factor is None:
         raise SingularMatrix("no step of the coarse surface has factors")
+    return SplitNewton(
+        system, lengths, _interpolation(stencils, system.triangulation, charts), energy.factor
+    )
+
+
+def _interpolation(stencils: Stencils, triangulation: Triangulation, charts: Floats) -> CellRows:
+    """The matrix that interpolates in these charts, (V, C)."""
     cell = stencils.cells.of_vertex
-    weights = stencils.interpolation(charts, system.triangulation.faces, np.arange(len(cell)), cell)
-    return SplitNewton(system, lengths, CellRows.of(stencils, weights, cell), energy.factor)
+    weights = stencils.interpolation(charts, triangulation.faces, np.arange(len(cell)), cell)
+    return CellRows.of(stencils, weights, cell)
 
 
 def _stencils(metric: PolyhedralMetric, convex: Floats, count: int) -> Stencils | None:

@@ -22,6 +22,11 @@ SUSPECTS = 3
 """Edges that the message of a failure names at most: a blunder is as a rule the first, or beside it."""
 
 
+def outlier_limit(count: int) -> float:
+    """Limit that the largest of so many normal errors exceeds with probability 0.001, in standard deviations."""
+    return float(-ndtri(SIGNIFICANCE / 2 / count))
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredSurface(Embedding):
     """Smooth surface fitted to edge lengths with known standard deviations.
@@ -75,8 +80,7 @@ class MeasuredSurface(Embedding):
 
     @property
     def _outlier_limit(self) -> float:
-        """Limit that the largest normal error exceeds with probability 0.001, in standard deviations."""
-        return float(-ndtri(SIGNIFICANCE / 2 / len(self.residuals)))
+        return outlier_limit(len(self.residuals))
 
     @property
     def converged(self) -> bool:
