@@ -229,9 +229,7 @@ def _split(
     """Newton's method whose smooth motions are interpolated in these charts."""
     if energy.factor is None:
         raise SingularMatrix("no step of the coarse surface has factors")
-    return SplitNewton(
-        system, lengths, _interpolation(stencils, system.triangulation, charts), energy.factor
-    )
+    return SplitNewton(system, lengths, _interpolation(stencils, system.triangulation, charts), energy.factor)
 
 
 def _interpolation(stencils: Stencils, triangulation: Triangulation, charts: Floats) -> CellRows:

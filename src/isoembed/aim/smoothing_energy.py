@@ -1,8 +1,8 @@
 """Regularized energy for fits: its steps are solved with factors that serve several surfaces and weights.
 
-The matrix of a step, ``J^T J + mu R^T R``, fills more than the one with K in the place of R, but its factors
-make conjugate gradients converge at once where mu is large, and in some ten iterations on other surfaces nearby
-and with a mu a little smaller or larger.
+The matrix of a step, ``J^T J + mu R^T R``, fills more than the one with K in the place of R, but with its
+factors conjugate gradients converge at once, and in some ten iterations on other surfaces nearby and with a
+mu a little smaller or larger.
 """
 
 from __future__ import annotations

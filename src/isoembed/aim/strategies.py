@@ -197,7 +197,7 @@ class NewtonOnLengths(Strategy):
 
 
 class FitOfNoise(Strategy):
-    """Best fit, if it is asked for, to lengths that look noisy: no surface with exactly these is sought first.
+    """Best fit, if asked for, to lengths that look noisy: no surface with exactly these is sought first.
 
     Needs the start; as a rule the fit is the answer.
     """
@@ -343,7 +343,9 @@ class BestFitting(Strategy):
         from isoembed.aim.anneal import POLISH_STEPS
 
         asked = pipeline.method.best_fit
-        return with_best_fit(state, pipeline, np.inf if asked else pipeline.patch_budget(state) - POLISH_STEPS)
+        return with_best_fit(
+            state, pipeline, np.inf if asked else pipeline.patch_budget(state) - POLISH_STEPS
+        )
 
 
 class VertexReflections(Strategy):
@@ -514,7 +516,7 @@ def with_best_fit(state: State, pipeline: Pipeline, most: float) -> State:
     problem, start = pipeline.problem, started(state)
     with pipeline.log.stage("best fit") as recorder:
         near = smooth_start(problem.metric, start, recorder)
-        fit = best_fit(problem.metric, SmoothingEnergy(problem.metric, start), near, recorder, most)
+        fit = best_fit(problem.metric, SmoothingEnergy(problem.metric, near), near, recorder, most)
         if fit is None:
             return state
         polished = problem.annealed(fit.vertices, recorder)

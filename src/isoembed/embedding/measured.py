@@ -23,7 +23,7 @@ SUSPECTS = 3
 
 
 def outlier_limit(count: int) -> float:
-    """Limit that the largest of so many normal errors exceeds with probability 0.001, in standard deviations."""
+    """Limit that the largest of so many normal errors exceeds once in a thousand, in standard deviations."""
     return float(-ndtri(SIGNIFICANCE / 2 / count))
 
 
