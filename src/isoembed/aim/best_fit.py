@@ -215,7 +215,7 @@ class Fits:
         return found
 
     def missed(self, fit: BestFit, edge: int) -> float:
-        """Excess of the length of an edge on a fit to the others; 0 if these do not tell.  The fit is the last."""
+        """Excess of an edge on a fit to the other lengths; 0 if these do not tell.  The fit is the last."""
         column = self._column(fit, edge)
         r = self._energy.residuals(fit.vertices, self._metric.lengths)
         return 0.0 if column is None else float(r[edge] / column[edge])
