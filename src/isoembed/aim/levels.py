@@ -6,6 +6,7 @@ grows more slowly than the number of all: what quintics miss shrinks faster than
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from math import ceil, log
 from typing import Any
 
@@ -16,6 +17,7 @@ from isoembed.aim.interpolated_energy import InterpolatedEnergy
 from isoembed.aim.regularized_continuation import FADE, SHORTEST, guided
 from isoembed.aim.split_newton import SplitNewton
 from isoembed.arrays import Floats
+from isoembed.errors import InvalidMetric
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.nonlinear.descent import Reason
@@ -156,6 +158,42 @@ def _guided(
     The convex surface's charts are noisy: as mu falls, soft motions would follow their errors, on
     ergospheres whose necks are narrow past the point from where they come back.
     """
+    followed = _followed(metric, convex, recorder)
+    if followed is None:
+        return None
+    energy, z, mu = followed
+    split = _split(system, metric.lengths, energy)
+    x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
+    for _ in range(2):  # steps in the charts of the last surface, while mu falls
+        energy.in_charts_of(x)
+        z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
+        split = _split(system, metric.lengths, energy)
+        x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
+        mu *= FADE
+    return x
+
+
+def smooth_start(metric: PolyhedralMetric, start: Floats, recorder: StageRecorder) -> Floats:
+    """The end of the guided path, interpolated: smooth, and near the lengths, however noisy they are.
+
+    Of fewer vertices, or where the path cannot be followed, the convex surface that is the start, (V, 3).
+    """
+    if not goes_by_levels(metric, None):
+        return start
+    convex = start - start.mean(axis=0)
+    with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
+        followed = _followed(metric, convex, recorder)
+        if followed is not None:
+            energy, z, mu = followed
+            energy.in_charts_of(energy.P @ z)
+            return energy.P @ energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
+    return start
+
+
+def _followed(
+    metric: PolyhedralMetric, convex: Floats, recorder: StageRecorder
+) -> tuple[InterpolatedEnergy, Floats, float] | None:
+    """The energy of chosen vertices, these at the end of the guided path, (C, 3), and the last mu."""
     stencils = _stencils(metric, convex, _first(len(convex)))
     if stencils is None:
         return None
@@ -166,15 +204,7 @@ def _guided(
     chosen = convex[stencils.cells.vertices]
     recorder.show(level=f"{len(chosen):,} of {len(convex):,} vertices")
     z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder)
-    split = _split(system, metric.lengths, energy)
-    x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
-    for _ in range(2):  # steps in the charts of the last surface, while mu falls
-        energy.in_charts_of(x)
-        z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
-        split = _split(system, metric.lengths, energy)
-        x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
-        mu *= FADE
-    return x
+    return energy, z, mu
 
 
 def _split(system: LengthSystem, lengths: Floats, energy: InterpolatedEnergy) -> SplitNewton:

@@ -32,11 +32,11 @@ from itertools import compress
 import numpy as np
 from scipy.special import chdtri
 
-from isoembed.aim.best_fit import WEIGHT, BestFit, Fits
-from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.best_fit import WEIGHT, BestFit, Fits, Outlier
+from isoembed.aim.smoothing_energy import SmoothingEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.embedding.measured import SIGNIFICANCE, SUSPECTS, MeasuredSurface
+from isoembed.embedding.measured import SIGNIFICANCE, SUSPECTS, MeasuredSurface, outlier_limit
 from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -56,9 +56,6 @@ lengths could tell."""
 
 OUTLIER = 7.0
 """Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
-
-CANDIDATES = 4
-"""Lengths with the largest residuals, of which one may be a blunder: their residuals are studentized."""
 
 SMALL = 1e-5
 """Errors, over the mean edge length, so small that the surface with exactly these lengths is sought as well.
@@ -160,7 +157,7 @@ def _fit_of_smooth_start(
     rms = float(
         1 / np.sqrt(np.mean(errors**-2.0))
     )  # of weights: lengths with large errors have no part in it
-    energy = RegularizedEnergy(metric, start, recorder.work).weighted(rms / errors)
+    energy = SmoothingEnergy(metric, start, recorder.work).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
     # lengths: no body collapses, however sharp its corners.
@@ -168,15 +165,23 @@ def _fit_of_smooth_start(
     bound = START * float(metric.lengths @ metric.lengths) / metric.mean_length**2
     weight = min(WEIGHT, bound / penalty) if penalty > 0 else WEIGHT
     known = rms / metric.mean_length  # as the noise that a fit sees, over the mean edge length
+    limit = outlier_limit(len(errors)) * rms
     found: list[BestFit] = []
-    vertices = start
+    vertices, suspect, worst = start, None, None
     while True:
         fit = fits.fit(vertices, weight)
+        if suspect is not None and fits.persists(fit, suspect):
+            return fit, suspect.edge
+        if worst is not None and fits.persists(fit, worst):
+            return found[-1], None
         found.append(fit)
-        suspect = fits.outlier(fit, rms, CANDIDATES, most)
-        if suspect is not None or fit.noise <= known:
-            break
         r = energy.residuals(fit.vertices, metric.lengths)
+        suspect = fits.outlier(fit, rms, most)
+        if fit.noise <= known:
+            e = int(np.argmax(np.abs(r)))
+            worst = Outlier(e, fits.missed(fit, e)) if abs(r[e]) > limit else None
+            if worst is None and suspect is None:
+                break
         if np.sqrt(np.mean(r**2)) < BELOW_NOISE * rms:
             return fit, None
         least = int(np.argmin([one.noise for one in found]))
@@ -185,8 +190,10 @@ def _fit_of_smooth_start(
             return next(compress(found, agrees), found[least]), None
         vertices, weight = fit.vertices, fit.weight / np.sqrt(10.0)
     before = found[-2:][0]
+    passes = np.abs(energy.residuals(before.vertices, metric.lengths)).max() <= limit
     # The nearer, by the ratio to what is known.
-    return before if before.noise * fit.noise < known**2 else fit, suspect
+    nearer = before.noise > known and before.noise * fit.noise < known**2
+    return before if passes and nearer else fit, None
 
 
 def _largest_ratio(degrees_of_freedom: float) -> float:

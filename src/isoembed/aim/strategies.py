@@ -58,15 +58,18 @@ class FitWithinErrors(Strategy):
         return pipeline.metric.length_errors is not None
 
     def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.best_fit import looks_noisy
+        from isoembed.aim.levels import smooth_start
         from isoembed.aim.measured_lengths import fit_within_errors
 
         metric, errors = pipeline.metric, np.asarray(pipeline.metric.length_errors)
         start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
         with pipeline.log.stage("fit within errors") as recorder:
-            fit = fit_within_errors(metric, errors, start, recorder)
+            near = smooth_start(metric, start, recorder)
+            fit = fit_within_errors(metric, errors, near, recorder)
         found = measured_candidate(fit, pipeline)
-        is_final = found.converged and not has_small_errors(metric)
-        return replace(state, measured=fit, answer=found if is_final else None)
+        exact = has_small_errors(metric) or not (found.converged or looks_noisy(metric, start))
+        return replace(state, measured=fit, answer=None if exact else found)
 
 
 class NewtonOnRadii(Strategy):
@@ -191,6 +194,30 @@ class NewtonOnLengths(Strategy):
         return replace(state, trusted=on_branch and state.candidates[-1].converged, cost=cost)
 
 
+class FitOfNoise(Strategy):
+    """Best fit, if asked for, to lengths that look noisy: no surface with exactly these is sought first.
+
+    Needs the start; as a rule the fit is the answer.
+    """
+
+    key = "fit of noise"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        from isoembed.aim.best_fit import looks_noisy
+
+        asked = pipeline.method.best_fit and not state.trusted
+        return asked and looks_noisy(pipeline.problem.metric, started(state))
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.diagnosis import UNLIKE
+
+        state = with_best_fit(state, pipeline, np.inf)
+        fit = state.fit
+        if fit is None or fit.noise > UNLIKE or not missed(state, pipeline):
+            return state
+        return replace(state, answer=fitted_surface(fit, pipeline.problem))
+
+
 class PatchReflections(Strategy):
     """Step 3 for metrics with dents: reflections of the patches, so that each is pushed in or out.
 
@@ -308,20 +335,15 @@ class BestFitting(Strategy):
     key = "best fit"
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
-        return missed(state, pipeline)
+        return state.fit is None and missed(state, pipeline)
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         from isoembed.aim.anneal import POLISH_STEPS
-        from isoembed.aim.best_fit import best_fit
 
-        problem, start = pipeline.problem, started(state)
-        left = np.inf if pipeline.method.best_fit else pipeline.patch_budget(state) - POLISH_STEPS
-        with pipeline.log.stage("best fit") as recorder:
-            fit = best_fit(problem.metric, problem.energy(start), start, recorder, left)
-            if fit is None:
-                return state
-            polished = problem.annealed(fit.vertices, recorder)
-        return state.adding(problem.surface(fit.vertices), polished, fit=fit)
+        asked = pipeline.method.best_fit
+        return with_best_fit(
+            state, pipeline, np.inf if asked else pipeline.patch_budget(state) - POLISH_STEPS
+        )
 
 
 class VertexReflections(Strategy):
@@ -366,16 +388,7 @@ def choose(state: State, pipeline: Pipeline) -> Embedding:
         return found
     from isoembed.aim.diagnosis import diagnosis
 
-    fitted = None
-    if fit is not None:
-        fitted = FittedSurface(
-            problem.metric,
-            fit.vertices,
-            noise=fit.noise,
-            weight=fit.weight,
-            method=problem.name,
-            tolerance=problem.tolerance,
-        )
+    fitted = None if fit is None else fitted_surface(fit, problem)
     if method.best_fit and fitted is not None:
         return fitted
     return found._with_message(diagnosis(found, fitted, method.effort))
@@ -474,6 +487,36 @@ def accepted(state: State, problem: Problem, vertices: Floats) -> State:
     return state.adding(found, trusted=True) if is_accepted(found) else state
 
 
+def with_best_fit(state: State, pipeline: Pipeline, most: float) -> State:
+    """The state with the best fit, if there is one, and where Newton's method leads from there."""
+    from isoembed.aim.best_fit import best_fit
+    from isoembed.aim.levels import smooth_start
+    from isoembed.aim.smoothing_energy import SmoothingEnergy
+
+    problem, start = pipeline.problem, started(state)
+    with pipeline.log.stage("best fit") as recorder:
+        near = smooth_start(problem.metric, start, recorder)
+        fit = best_fit(
+            problem.metric, SmoothingEnergy(problem.metric, near, recorder.work), near, recorder, most
+        )
+        if fit is None:
+            return state
+        polished = problem.annealed(fit.vertices, recorder)
+    return state.adding(problem.surface(fit.vertices), polished, fit=fit)
+
+
+def fitted_surface(fit: BestFit, problem: Problem) -> FittedSurface:
+    """The surface of a best fit."""
+    return FittedSurface(
+        problem.metric,
+        fit.vertices,
+        noise=fit.noise,
+        weight=fit.weight,
+        method=problem.name,
+        tolerance=problem.tolerance,
+    )
+
+
 def missed(state: State, pipeline: Pipeline) -> bool:
     """Whether no candidate is accepted."""
     return not is_accepted(smoothest(state.candidates, pipeline.problem.is_convex, searched=False))
@@ -560,6 +603,7 @@ STRATEGIES = (
     NewtonFromPolytope(),
     NearestPolyhedron(),
     NewtonOnLengths(),
+    FitOfNoise(),
     PatchReflections(),
     GuidedPath(),
     LocalSearch(),

@@ -30,6 +30,11 @@ MARGIN = 1.1
 """Factor by which a residual that stands out exceeds its limits: of 97 bodies with right lengths none did."""
 
 
+def outlier_limit(count: int) -> float:
+    """Limit that the largest of so many normal errors exceeds once in a thousand, in standard deviations."""
+    return float(-ndtri(SIGNIFICANCE / 2 / count))
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredSurface(Embedding):
     """Smooth surface fitted to edge lengths with known standard deviations.
@@ -87,8 +92,7 @@ class MeasuredSurface(Embedding):
 
     @property
     def _outlier_limit(self) -> float:
-        """Limit that the largest normal error exceeds with probability 0.001, in standard deviations."""
-        return float(-ndtri(SIGNIFICANCE / 2 / len(self.residuals)))
+        return outlier_limit(len(self.residuals))
 
     @property
     def converged(self) -> bool:

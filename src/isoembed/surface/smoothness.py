@@ -111,7 +111,7 @@ class QuinticResiduals:
         """The `fine_roughness` of vertices near this surface."""
         size = self.own[:, None]
         twice = self._times(self._times(vertices[self.order]) / size) / size
-        return _robust_mean(np.linalg.norm(twice, axis=1) / self.units)
+        return robust_mean(np.linalg.norm(twice, axis=1) / self.units)
 
     def _times(self, vectors: Floats) -> Floats:
         return residuals_of(self.indptr, self.indices, self.weights, self.own, vectors)
@@ -151,10 +151,10 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats, ordered: Orde
     _, surface = ordered or in_spatial_order(triangulation, vertices)
     blocks = list(_residuals(surface, 5))
     twice = np.linalg.norm(_fit_errors(blocks, _fit_errors(blocks, surface.vertices)), axis=1)
-    return _robust_mean(twice / surface.units)
+    return robust_mean(twice / surface.units)
 
 
-def _robust_mean(values: Floats) -> float:
+def robust_mean(values: Floats) -> float:
     """Robust mean of sizes: few large ones do not outweigh all others."""
     return float(np.mean(values**ROBUST_EXPONENT) ** (1 / ROBUST_EXPONENT))
 

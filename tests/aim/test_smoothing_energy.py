@@ -1,0 +1,81 @@
+"""Factors that serve several steps of a fit: the same steps, fewer factorizations."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+import isoembed
+import smooth_bodies
+from isoembed.aim.adaptive import Aim
+from isoembed.aim.best_fit import looks_noisy
+from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.smoothing_energy import SmoothingEnergy
+from isoembed.embedding.fitted import FittedSurface
+from isoembed.gallery import Bean, CassiniPeanut, triangulate
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.surface.alignment import distance
+
+
+def scan(body, count, noise, seed=0):
+    """A body with curvature of both signs, its metric, and that with normal errors of the lengths."""
+    vertices, faces = triangulate(body, count)
+    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    errors = noise * metric.mean_length * np.random.default_rng(seed).standard_normal(len(metric.lengths))
+    return vertices, metric, metric.with_lengths(metric.lengths + errors)
+
+
+def test_steps_are_those_of_the_energy_with_fewer_factorizations():
+    vertices, _, metric = scan(CassiniPeanut(), 300, 1e-3)
+    kept, energy = SmoothingEnergy(metric, vertices), RegularizedEnergy(metric, vertices)
+    recorder, plain = smooth_bodies.recorder(), smooth_bodies.recorder()
+    mu = 10.0 * metric.mean_length**2
+    x = kept.minimized(vertices, metric.lengths, mu, 1e-6, 6, recorder)
+    y = energy.minimized(vertices, metric.lengths, mu, 1e-6, 6, plain)
+    assert distance(x, y) < 1e-5
+    assert recorder.factorizations < plain.factorizations
+
+
+def test_no_least_squares_solver_finds_less():
+    vertices, _, metric = scan(CassiniPeanut(), 300, 3e-3)
+    metric, vertices = metric.normalized, vertices / metric.unit
+    energy, mu = SmoothingEnergy(metric, vertices), 1.0
+    x = energy.minimized(vertices, metric.lengths, mu, 1e-4, 20, smooth_bodies.recorder())
+    a, b = metric.edges.T
+    R = energy.fit_residuals
+
+    def residuals(flat):
+        y = flat.reshape(-1, 3)
+        d = np.linalg.norm(y[a] - y[b], axis=1)
+        errors = (d**2 - metric.lengths**2) / (2 * metric.lengths)
+        return np.concatenate([errors, np.sqrt(mu) * (R @ y).ravel()])
+
+    reached = least_squares(
+        residuals, x.ravel(), method="trf", jac_sparsity=None, max_nfev=3, tr_solver="lsmr"
+    )
+    value = energy.value(x, metric.lengths, mu)
+    assert value == pytest.approx(np.sum(residuals(x.ravel()) ** 2), rel=1e-9)
+    assert 2 * reached.cost > 0.999 * value
+
+
+@pytest.mark.parametrize("noise", [0.0, 3e-3])
+def test_noise_is_told_from_a_smooth_surface(noise):
+    vertices, _, metric = scan(Bean(), 800, noise)
+    assert looks_noisy(metric, vertices) == (noise > 0)
+
+
+def test_noisy_lengths_are_fitted_at_once():
+    vertices, exact, metric = scan(Bean(), 800, 3e-3)
+    found = isoembed.embed(metric, method=Aim(best_fit=True))
+    assert isinstance(found, FittedSurface)
+    assert found.noise == pytest.approx(3e-3, rel=0.3)
+    assert distance(found.vertices, vertices) < 0.3 * exact.mean_length
+    assert not {"guided pull back", "local search"} & {stage.name for stage in found.stages}
+
+
+@pytest.mark.slow
+def test_smoothing_is_not_taken_for_a_blunder():
+    """At the ends of the bean large weights miss several lengths by more than seven deviations."""
+    vertices, exact, metric = scan(Bean(), 2000, 1e-3)
+    found = isoembed.embed(metric, length_errors=1e-3 * exact.mean_length)
+    assert found.converged
+    assert distance(found.vertices, vertices) < 0.2 * exact.mean_length
