@@ -56,7 +56,7 @@ def enumerated(surface, discarded, options):
     with Log().stage("realizations") as recorder:
         search = RealizationSearch(
             normalized,
-            LengthSystem(metric.triangulation),
+            LengthSystem(metric.triangulation, work=recorder.work),
             surface.vertices / metric.unit,
             recorder,
             options.motions,

@@ -135,16 +135,15 @@ def of_vertices(vertices, faces):
     from isoembed import GluedMetric
     from isoembed.alexandrov.newton import Analyses, pinned
     from isoembed.alexandrov.polytope import Polytope
-    from isoembed.progress.stages import Log
+    from isoembed.linalg import Work
 
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     x = (vertices - vertices.mean(axis=0)) / metric.unit
     radii = np.linalg.norm(x, axis=1)
     tables = GluedMetric.of(metric.normalized).half_edges(directed=False)
     p = Polytope.on(tables, radii)
-    with Log().stage("one") as recorder:
-        solution = pinned(p, Analyses.of(tables), recorder, x / radii[:, None])
-        return least_seconds(lambda: solution.refactorized(p, recorder))
+    solution = pinned(p, Analyses.of(tables, Work()), x / radii[:, None])
+    return least_seconds(lambda: solution.refactorized(p))
 
 
 def least_seconds(work):

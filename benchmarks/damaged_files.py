@@ -113,6 +113,12 @@ def sources(folder):
     add("lengths.json", json.dumps(lengths))
     np.savez_compressed(folder / "lengths.npz", **lengths)
     add_file("lengths.npz")
+    struts = list(enumerate(surface.metric.edges.tolist()))
+    types = "".join(f"{k},{length},0.001\n" for k, length in enumerate(lengths["lengths"]))
+    rows_of_types = "".join(f"{a},{b},{k}\n" for k, (a, b) in struts)
+    add("types.csv", f"type,length (m),length error\n{types}\nfrom,to,type\n{rows_of_types}")
+    commas = "".join(f"P{a};P{b};{lengths['lengths'][k]:.3f}\n" for k, (a, b) in struts).replace(".", ",")
+    add("commas.csv", f"A survey\n\nFrom;To;Length\n{commas}".encode("utf-16"))
     for ending in (".json", ".fold"):
         write_net(folder / f"net{ending}", unfold(surface))
         add_file(f"net{ending}", read_net)

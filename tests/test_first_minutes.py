@@ -16,7 +16,7 @@ COMMANDS = [
     ("isoembed", WRONG, "Five things to try:"),
     ("isoembed --version", DONE, f"isoembed {isoembed.__version__}"),
     ("isoembed -h", DONE, "usage: isoembed"),
-    ("isoembed help", WRONG, "did you mean '--help'?"),
+    ("isoembed help unfold", WRONG, "unknown command 'help': of a command, isoembed COMMAND --help"),
     ("isoembed metric.npz", WRONG, "isoembed embed metric.npz"),
     ("isoembed embed --help", DONE, "examples:"),
     # The five things.
@@ -28,6 +28,10 @@ COMMANDS = [
     # Habits.
     ("isoembed embed metric.npz", DONE, "int H dA"),
     ("isoembed embed metric.npz new.ply", WRONG, "did you mean -o new.ply?"),
+    ("isoembed unfold cube.obj new.pdf", WRONG, "required: -o/--output; did you mean -o new.pdf?"),
+    ("isoembed unfold cube.obj --size 20.5", WRONG, "required: -o/--output (see"),
+    ("isoembed glue net.json new.ply", WRONG, "unrecognized arguments: new.ply; did you mean -o new.ply?"),
+    ("isoembed nets cube", WRONG, "'cube' is one of the nets of 'platonic'"),
     ("isoembed embed metric.npz -o new.png", WRONG, "did you mean --picture new.png?"),
     ("isoembed embed metric.npz -o no/new.ply", WRONG, "there is no folder"),
     ("isoembed view cube.obj -o new.svg --color 'Gaussian curvature'", DONE, "new.svg written, "),
@@ -50,6 +54,10 @@ COMMANDS = [
     # Typos.
     ("isoembed emebd metric.npz", WRONG, "did you mean 'embed'?"),
     ("isoembed embed metrics.npz", WRONG, "did you mean 'metric.npz'?"),
+    ("isoembed unfold cube.ojb -o new.pdf", WRONG, "there is no file cube.ojb; did you mean 'cube.obj'?"),
+    ("isoembed unfold cube.obj -o new.pfd", WRONG, "; did you mean '.pdf'?"),
+    ("isoembed unfold part.txt -o new.pdf", WRONG, ".glb .gltf\n"),
+    ("isoembed view cube.obj --color gausian", WRONG, "did you mean 'gaussian-curvature'?"),
     ("isoembed embed metric.npz --bestfit", WRONG, "did you mean '--best-fit'?"),
     ("isoembed surface elipsoid --vertices 50 -o new.npz", WRONG, "did you mean 'ellipsoid'?"),
     ("isoembed energy --spacetime ker --surface horizon", WRONG, "did you mean 'kerr'?"),
@@ -84,6 +92,7 @@ def folder(tmp_path, monkeypatch):
     isoembed.embed((vertices, faces)).save("cube.obj")
     isoembed.unfold("cube.obj").save("net.json")
     (tmp_path / "part.step").write_text("ISO-10303-21;")
+    (tmp_path / "part.txt").write_text("a part")
 
 
 @pytest.mark.parametrize(("line", "status", "said"), COMMANDS, ids=[line for line, *_ in COMMANDS])

@@ -1,6 +1,12 @@
 """Loops are compiled, and arrays that they are not made for are refused, whatever else is wrong with them."""
 
 import importlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
 
 import numpy as np
 import pytest
@@ -27,6 +33,34 @@ VERTICES = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 @pytest.mark.parametrize("name", MODULES)
 def test_modules_of_loops_are_compiled(name):
     assert not importlib.import_module(name).__file__.endswith(".py")
+
+
+def test_modules_of_loops_import_lower_packages_only():
+    """Imports of C are not seen by `lint-imports`."""
+    linter = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]
+    layers = linter["contracts"][0]["layers"]
+    for name in MODULES:
+        text = (SOURCES / name.replace(".", "/")).with_suffix(".py").read_text(encoding="utf-8")
+        for package in re.findall(r"cimports\.isoembed\.(\w+)\.", text):
+            assert layers.index(package) >= layers.index(name.split(".")[1]), name
+
+
+def test_modules_of_loops_run_as_python(tmp_path):
+    pytest.importorskip("Cython")
+    shutil.copytree(SOURCES, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("*.so", "*.pyd"))
+    code = f"""
+from importlib import import_module
+import numpy as np
+from isoembed import PolyhedralMetric, embed
+for name in {MODULES}:
+    assert import_module(name).__file__.endswith(".py"), name
+vertices, faces = np.array({VERTICES.tolist()}), np.array({FACES[:, ::-1].tolist()})
+for method in ("aim", "alexandrov"):
+    print(embed(PolyhedralMetric.from_mesh(vertices, faces), method=method).volume)
+"""
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    assert [float(volume) for volume in done.stdout.split()] == pytest.approx([1 / 6] * 2), done.stderr
 
 
 @pytest.mark.parametrize(

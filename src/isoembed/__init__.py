@@ -15,6 +15,7 @@ from importlib import import_module
 
 import lazy_loader
 
+from isoembed import cimports as _cimports  # noqa: F401
 from isoembed.version import __version__ as __version__
 
 _imported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

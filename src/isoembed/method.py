@@ -19,6 +19,7 @@ from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Listener, Log
 
 TOLERANCE = 1e-10
+ONLY_EUCLIDEAN = "surfaces with boundary or handles are embedded in R^3 only, with flat triangles"
 """Largest residual that counts as converged, unless another is given."""
 
 
@@ -116,8 +117,12 @@ def solve(
             mesh.check_sphere()
         except InvalidMetric as error:
             caps = "" if mesh.is_closed else ", boundary='plane' for convex caps"
+            if metric.curvature:
+                raise InvalidMetric(f"{error}; {ONLY_EUCLIDEAN}") from None
             raise InvalidMetric(f"{error}; boundary='free' is for such surfaces{caps}") from None
     if metric.curvature and not method.takes_curved:
+        if mesh and not mesh.is_sphere:
+            raise InvalidParameter(f"the metric has the curvature {metric.curvature:.6g}; {ONLY_EUCLIDEAN}")
         raise InvalidParameter(
             f"the metric has the curvature {metric.curvature:.6g}, and the method {method.name!r} embeds in "
             'Euclidean space only: take the method "aim" or "alexandrov"'
@@ -152,6 +157,6 @@ def solve(
         raise NotEmbedded(str(failure), attempt, failure.evidence) from None
     except KeyboardInterrupt as interruption:
         raise Interrupted(checkpoints.last, log.stages) from interruption
-    if embedding.status == "not converged":
+    if not embedding.is_answer:
         raise NotEmbedded(embedding.message, embedding)
     return embedding._noting_rounded_lengths()

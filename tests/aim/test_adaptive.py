@@ -24,6 +24,7 @@ from isoembed.gallery import (
     Sphere,
     triangulate,
 )
+from isoembed.linalg import Work
 from isoembed.metric.polyhedral import PolyhedralMetric
 from sprinkled import box
 
@@ -119,7 +120,7 @@ def test_of_a_convex_metric_the_convex_realization_goes_before_a_smoother_one():
     vertices = np.vstack([ring, [[0, 0, 0.3], [0, 0, -0.8]]])
     faces = [[i, (i + 1) % 5, 5] for i in range(5)] + [[(i + 1) % 5, i, 6] for i in range(5)]
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    problem = Problem(metric, 1e-10, "aim")
+    problem = Problem(metric, 1e-10, "aim", Work())
     tip_in = vertices * np.where(np.arange(7) == 5, -1, 1)[:, None]  # it has the same lengths
     found = smoothest([problem.surface(tip_in), problem.surface(vertices)], problem.is_convex, False)
     assert not found.surface.concave_edges.any()

@@ -13,8 +13,8 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
+from isoembed.linalg.work import Budget, Work
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.work import Budget, Work
 from isoembed.surface.measures import edge_lengths
 from isoembed.surface.rigidity import edge_rows
 
@@ -29,7 +29,7 @@ def noisy(vertices, faces, noise, seed=0):
 
 
 def fitted(metric, start, recorder):
-    return best_fit(metric, RegularizedEnergy(metric, start), start, recorder, np.inf)
+    return best_fit(metric, RegularizedEnergy(metric, start, recorder.work), start, recorder, np.inf)
 
 
 BODIES = {
@@ -71,7 +71,8 @@ def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
 
 def test_no_other_weight_is_tried_when_no_more_may_be_spent():
     metric, start, _ = noisy(*BODIES["peanut"], 1e-4)
-    energy, recorder = RegularizedEnergy(metric, start), smooth_bodies.recorder()
+    recorder = smooth_bodies.recorder()
+    energy = RegularizedEnergy(metric, start, recorder.work)
     assert best_fit(metric, energy, start, recorder, 1.0).weight == module.WEIGHT
     assert recorder.factorizations <= module.MAX_STEPS + 1
     most = 25

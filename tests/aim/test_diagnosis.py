@@ -11,11 +11,13 @@ import zoo
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.diagnosis import diagnosis
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.alexandrov.method import repair_that_succeeds
 from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import NotEmbedded
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.progress.stages import Log
 
 
 def of_body(vertices, faces):
@@ -55,7 +57,7 @@ def test_noise_on_a_convex_body():
     assert f"but for errors of about {surface.noise:.0e} of the mean edge length" in text
     assert surface.noise == pytest.approx(2e-3, rel=0.35)
     assert "method=Aim(best_fit=True)" in text
-    repair = float(re.search(r"method=Alexandrov\(repair=(\S+)\) finds it", text)[1])
+    repair = float(re.search(r"method=Alexandrov\(repair=(\S+)\) finds a polyhedron", text)[1])
     assert isoembed.embed(metric, method=isoembed.Alexandrov(repair=repair)).converged
 
 
@@ -66,6 +68,19 @@ def test_a_wrong_length_is_found():
     text, _ = diagnosed(metric.with_lengths(lengths), x)
     v = int(re.search(r"miss them most at the edges of vertex (\d+)", text)[1])
     assert v in metric.edges[100]
+
+
+@pytest.mark.parametrize(("factor", "change"), [(1.1, "0.02"), (1.3, "0.07"), (1.5, "")])
+def test_a_repair_that_changes_lengths_by_much_is_not_advised(factor, change):
+    metric, _ = of_body(*smooth_bodies.ellipsoid(400))
+    lengths = metric.lengths.copy()
+    lengths[100] *= factor
+    metric = metric.with_lengths(lengths)
+    repair = 1.01 * -deficits(metric).min()
+    solid = isoembed.embed(metric, method=isoembed.Alexandrov(repair=repair))
+    said = repair_that_succeeds(metric, repair, 1e-10, Log())
+    assert bool(said) == bool(change) == (solid.repair.largest_change < 0.1)
+    assert f"lengths changed by {change}" in said or not change
 
 
 def test_lengths_of_no_surface():

@@ -42,6 +42,8 @@ def test_nothing_is_tried_when_no_more_may_be_spent():
     vertices, faces = with_a_vertex_on_some_faces(0.03)
     metric, (flat, _) = PolyhedralMetric.from_mesh(vertices, faces), with_a_vertex_on_some_faces(0.0)
     recorder = smooth_bodies.recorder()
-    found = finish(LengthSystem(metric.triangulation), flat, metric.lengths, recorder, lambda _: True)
+    found = finish(
+        LengthSystem(metric.triangulation, work=recorder.work), flat, metric.lengths, recorder, lambda _: True
+    )
     assert found is flat
     assert recorder.factorizations == 0

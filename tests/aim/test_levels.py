@@ -123,4 +123,4 @@ def test_last_steps_end_where_they_cannot_be_held(peanut, monkeypatch):
     recorder, nearby = smooth_bodies.recorder(), x * (1 + 1e-9 * np.sin(x))
     found = levels._ended(LengthSystem(metric.triangulation), metric.lengths, nearby, recorder)
     assert (found == nearby).all()
-    assert recorder.factorizations == 2
+    assert recorder.iterations == 2

@@ -23,8 +23,8 @@ def saddle():
     return metric, vertices * (metric.mean_length / edge_lengths(metric.edges, vertices).mean())
 
 
-def system(metric):
-    return LengthSystem(metric.triangulation)
+def system(metric, recorder):
+    return LengthSystem(metric.triangulation, work=recorder.work)
 
 
 def disk(metric, center, rings):
@@ -47,8 +47,8 @@ def reflected(metric, vertices, inside):
 def test_a_patch_on_the_wrong_side_is_turned_back(saddle, center, rings):
     (metric, true), recorder = saddle, smooth_bodies.recorder()
     wrong = reflected(metric, true, disk(metric, center, rings))
-    energy = RegularizedEnergy(metric, true)
-    found = local_search(energy, system(metric), wrong, metric.lengths, recorder, 200.0).end
+    energy = RegularizedEnergy(metric, true, recorder.work)
+    found = local_search(energy, system(metric, recorder), wrong, metric.lengths, recorder, 200.0).end
     assert np.abs(energy.residuals(wrong, metric.lengths)).max() > 1e-3
     assert np.abs(energy.residuals(found, metric.lengths)).max() < 1e-6 * metric.mean_length
     assert recorder.factorizations < 200
@@ -58,8 +58,8 @@ def test_what_misses_least_is_kept_though_the_search_goes_on(saddle):
     (metric, true), recorder = saddle, smooth_bodies.recorder()
     errors = np.random.default_rng(0).standard_normal(len(metric.lengths))
     lengths = metric.lengths * (1 + 0.003 * errors)
-    energy = RegularizedEnergy(metric, true)
-    found = local_search(energy, system(metric), true, lengths, recorder, 60.0)
+    energy = RegularizedEnergy(metric, true, recorder.work)
+    found = local_search(energy, system(metric, recorder), true, lengths, recorder, 60.0)
 
     def missed(x):
         return np.abs(energy.residuals(x, lengths)).max()
@@ -70,7 +70,8 @@ def test_what_misses_least_is_kept_though_the_search_goes_on(saddle):
 def test_what_it_may_cost(saddle):
     (metric, true), recorder = saddle, smooth_bodies.recorder()
     wrong = reflected(metric, true, disk(metric, 150, 3))
-    local_search(RegularizedEnergy(metric, true), system(metric), wrong, metric.lengths, recorder, 0.0)
+    energy = RegularizedEnergy(metric, true, recorder.work)
+    local_search(energy, system(metric, recorder), wrong, metric.lengths, recorder, 0.0)
     assert 0 < recorder.factorizations <= 10  # a step of either relaxation, and no disk
 
 

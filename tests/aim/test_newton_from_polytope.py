@@ -14,6 +14,7 @@ from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.gallery import CassiniPeanut, triangulate
+from isoembed.linalg import Work
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
@@ -27,7 +28,7 @@ def solved(metric):
     given, log = GluedMetric.of(metric), Log()
     with log.stage("waypoint") as recorder:
         convex = Convexification(given).metric(NEAR_MARGIN, recorder)
-    analyses = Analyses.of(given.half_edges())
+    analyses = Analyses.of(given.half_edges(), log.work)
     start = polytope_start(given, convex, analyses, log)
     return start, newton_from_polytope(given, start, analyses, log, partial(outward, given.faces)), log
 
@@ -72,7 +73,8 @@ def test_it_deviates_to_second_order():
         metric = PolyhedralMetric.from_mesh(x, faces)
         convex = GluedMetric.of(metric.with_lengths(start.lengths))
         given = GluedMetric.of(metric)
-        analyses, log = Analyses.of(given.half_edges()), Log()
+        log = Log()
+        analyses = Analyses.of(given.half_edges(), log.work)
         start = polytope_start(given, convex, analyses, log)
         solution = newton_from_polytope(given, start, analyses, log, partial(outward, given.faces))
         missed.append(solution.branch_deviation)
@@ -97,7 +99,7 @@ def test_flat_vertices_have_no_radii():
     vertices, faces, flat = box(3)
     assert flat.any()
     metric = GluedMetric.of(in_units(vertices, faces)[1])
-    assert polytope_start(metric, metric, Analyses.of(metric.half_edges()), Log()) is None
+    assert polytope_start(metric, metric, Analyses.of(metric.half_edges(), Work()), Log()) is None
 
 
 @pytest.mark.parametrize("rank", [0, 10, 20, 40])
@@ -113,7 +115,7 @@ def test_a_vertex_that_went_in_comes_out(rank):
     pushed[v] -= 2 * ((vertices[v] - vertices[ring].mean(axis=0)) @ normal) * normal
     recorder = smooth_bodies.recorder()
     p = Polytope.on(tables, np.linalg.norm(pushed, axis=1))
-    start = pinned(p, Analyses.of(tables), recorder)
+    start = pinned(p, Analyses.of(tables, recorder.work))
     inside, _ = without_curvature(start, 1e-12, recorder)
     assert np.flatnonzero(inverted_vertices(inside.polytope)).tolist() == [v]
     outside = _reflected(inside, recorder)

@@ -3,7 +3,7 @@
 import numpy as np
 
 import smooth_bodies
-from isoembed.aim.accuracy import REALIZED
+from isoembed.aim.acceptance import REALIZED
 from isoembed.aim.newton_on_lengths import newton_on_lengths
 from isoembed.aim.strategies import LENGTHS_DEVIATION
 from isoembed.gallery import Ellipsoid, triangulate
@@ -18,7 +18,7 @@ def solved(share):
     metric, x = metric.normalized, vertices / metric.unit
     start = x + share * np.random.default_rng(0).normal(size=x.shape)
     recorder = smooth_bodies.recorder()
-    system = LengthSystem(metric.triangulation)
+    system = LengthSystem(metric.triangulation, work=recorder.work)
     return newton_on_lengths(system, start, metric.lengths, REALIZED, recorder), x, recorder
 
 

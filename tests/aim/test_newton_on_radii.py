@@ -15,6 +15,7 @@ from isoembed.alexandrov import homotopy
 from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.gallery import HarmonicSurface, triangulate
+from isoembed.linalg import Work
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
@@ -26,7 +27,7 @@ from sprinkled import box
 def at_once(metric):
     """What the given triangles alone lead to, and the log."""
     given, log = GluedMetric.of(metric), Log()
-    analyses = Analyses.of(given.half_edges())
+    analyses = Analyses.of(given.half_edges(), log.work)
     return newton_on_radii(given, analyses, log, partial(outward, given.faces)), log
 
 
@@ -77,5 +78,5 @@ def test_every_vertex_that_is_turned_inside_out_adds_a_negative_eigenvalue(count
     tables = GluedMetric.of(metric).half_edges()
     p = Polytope.on(tables, np.linalg.norm(mirrored + np.array([0.01, 0.02, 0.03]), axis=1))
     assert np.abs(p.curvatures).max() < 1e-12
-    state = pinned(p, Analyses.of(tables), smooth_bodies.recorder())
+    state = pinned(p, Analyses.of(tables, Work()))
     assert state.inverse.negative_pivots == homotopy.CONVEX + count

@@ -59,10 +59,9 @@ def search(vertices, faces, factor=1.0):
     metric = given.with_lengths(given.lengths * factor).normalized
     start = vertices / np.linalg.norm(vertices, axis=1)[:, None] / given.unit
     recorder = smooth_bodies.recorder()
-    energy = RegularizedEnergy(metric, start)
-    choices = reflected_realizations(
-        metric, LengthSystem(metric.triangulation), energy, start, dents(metric), recorder
-    )
+    energy = RegularizedEnergy(metric, start, recorder.work)
+    system = LengthSystem(metric.triangulation, work=recorder.work)
+    choices = reflected_realizations(metric, system, energy, start, dents(metric), recorder)
     return choices, metric, recorder
 
 
@@ -99,8 +98,9 @@ def test_a_start_that_is_too_far_from_the_lengths_is_given_up_at_once():
     metric = PolyhedralMetric.from_mesh(vertices * [6.0, 1.0, 1.0], faces)
     patches = dents(PolyhedralMetric.from_mesh(vertices, faces))
     start = vertices * [1.0, 6.0, 1.0]
-    recorder, energy = smooth_bodies.recorder(), RegularizedEnergy(metric, start)
-    system = LengthSystem(metric.triangulation)
+    recorder = smooth_bodies.recorder()
+    energy = RegularizedEnergy(metric, start, recorder.work)
+    system = LengthSystem(metric.triangulation, work=recorder.work)
     assert not list(reflected_realizations(metric, system, energy, start, patches, recorder))
     assert recorder.factorizations < 20
 

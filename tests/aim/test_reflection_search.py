@@ -31,7 +31,8 @@ def pushed_in():
 
 def searched(metric, charts, start, most):
     recorder = smooth_bodies.recorder()
-    energy, system = RegularizedEnergy(metric, charts), LengthSystem(metric.triangulation)
+    energy = RegularizedEnergy(metric, charts, recorder.work)
+    system = LengthSystem(metric.triangulation, work=recorder.work)
     return with_reflected_vertices(energy, system, start, metric.lengths, recorder, most), recorder
 
 

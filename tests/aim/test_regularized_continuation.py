@@ -26,7 +26,7 @@ def test_it_leads_from_the_sphere_to_smooth_bodies(surface, irregular):
     start = x / np.linalg.norm(x, axis=1)[:, None] * np.linalg.norm(x, axis=1).mean()
     recorder = smooth_bodies.recorder()
     found = regularized_continuation(
-        RegularizedEnergy(metric, start), start, log_linear(metric, start), recorder
+        RegularizedEnergy(metric, start, recorder.work), start, log_linear(metric, start), recorder
     ).vertices
     assert np.abs(length_residuals(metric.triangulation, found, metric.lengths)).max() < 1e-6
     assert smooth_bodies.misfit(found, x) < 1e-3
@@ -43,11 +43,11 @@ def test_neither_the_unit_nor_the_numbering_matters():
         metric = PolyhedralMetric.from_mesh(scale * moved, others)
         start = scale * moved / np.linalg.norm(moved, axis=1)[:, None]
         recorder = smooth_bodies.recorder()
-        energy, path = RegularizedEnergy(metric, start), log_linear(metric, start)
+        energy, path = RegularizedEnergy(metric, start, recorder.work), log_linear(metric, start)
         x = regularized_continuation(energy, start, path, recorder).vertices
         found.append((x[new] / scale, recorder.factorizations))
     for x, factorizations in found[1:]:
-        assert factorizations == found[0][1]
+        assert factorizations == found[0][1] > 0
         assert smooth_bodies.misfit(x, found[0][0]) < 1e-9
 
 
@@ -57,7 +57,10 @@ def test_lengths_without_a_surface_are_given_up_soon():
     lengths = metric.lengths * (1 + noise)
     recorder = smooth_bodies.recorder()
     found = regularized_continuation(
-        RegularizedEnergy(metric, x), x, lambda t: metric.lengths**t * lengths ** (1 - t), recorder
+        RegularizedEnergy(metric, x, recorder.work),
+        x,
+        lambda t: metric.lengths**t * lengths ** (1 - t),
+        recorder,
     ).vertices
     assert np.abs(length_residuals(metric.triangulation, found, lengths)).max() > 1e-6
     assert recorder.factorizations <= 50

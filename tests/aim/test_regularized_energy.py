@@ -11,7 +11,8 @@ from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity import HeldTriangle, edge_rows, length_residuals
+from isoembed.surface.rigidity import edge_rows, length_residuals
+from isoembed.surface.vertex_system import HeldTriangle
 
 
 def normalized(vertices, faces):

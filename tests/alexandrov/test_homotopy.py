@@ -21,6 +21,7 @@ from isoembed.alexandrov.pins import independent_directions
 from isoembed.alexandrov.placement import placed, polished, realized
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.intrinsic.loops import flip
+from isoembed.linalg import Work
 from isoembed.metric.curvature import deficits
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log
@@ -140,7 +141,7 @@ def test_newton_gives_up_far_from_a_solution():
     tables, epsilon = problem(*zoo.random_hull(40, 2))
     start = Polytope.over(tables, np.full(40, 50.0))
     with Log().stage("newton") as recorder:
-        assert newton(start, epsilon, Analyses.of(tables), recorder) is None
+        assert newton(start, epsilon, Analyses.of(tables, recorder.work), recorder) is None
 
 
 def test_the_pins_see_the_apex_at_right_angles():
@@ -169,7 +170,7 @@ def test_a_path_that_ends_within_reach_of_newtons_method(monkeypatch):
 
 def test_triangles_that_did_not_change_are_analyzed_once():
     tables, _ = problem(*zoo.random_hull(60, 3), scrambled=0)
-    analyses, p = Analyses.of(tables), Polytope.over(tables, np.full(60, 50.0))
+    analyses, p = Analyses.of(tables, Work()), Polytope.over(tables, np.full(60, 50.0))
     first = analyses.solver(p.jacobian())
     assert analyses.solver(p.jacobian()) is first
     flipped = tables.copy()

@@ -122,4 +122,4 @@ def test_completion(call, tmp_path):
 def test_completion_needs_shtab(capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert main(["--completion", "zsh"]) == 2
-    assert "pip install 'isoembed[completion]'" in capsys.readouterr().err
+    assert "pip install shtab" in capsys.readouterr().err

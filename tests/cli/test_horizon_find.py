@@ -199,6 +199,8 @@ GUESS = ["--guess", 0, 0, 0, 0.5]
             "mass 1 must be positive, not -1",
         ),
         (["kerr-schild", "--spin", 0, 1.2, 0], "there is no horizon: the spin 1.2 exceeds the mass 1"),
+        (["kerr-schild", "--spin", 1.2], "there is no horizon: the spin 1.2 exceeds the mass 1"),
+        (["boyer-lindquist"], "singular on the horizon: take --geometry kerr-schild, or 'isoembed energy"),
         (["isotropic", "--axis", 0, 0, 0], "--axis 0 0 0 is not an axis"),
         (["isotropic", "--vertices", 11], "--vertices must be at least 12, not 11"),
     ],

@@ -7,6 +7,7 @@ import pytest
 
 import zoo
 from isoembed import PolyhedralMetric
+from isoembed.cli.realizations import LEGEND
 from isoembed.io import read_surface, write_metric
 from strict_json import strict
 
@@ -30,12 +31,14 @@ def test_a_file_is_no_folder(call, files):
     assert (status, out, err) == (2, "", "isoembed: error: the output m.npz is not a folder\n")
 
 
-def test_the_realizations_are_listed_and_written(call, files):
+def test_the_realizations_are_listed_and_written(call, files, monkeypatch):
     status, out, err = call("realizations", "s.npz", "m.npz", "-o", "out")
     assert (status, err) == (0, "")
-    head, first, second, message, files_written = out.splitlines()
+    head, first, second, legend, message, files_written = out.splitlines()
     assert head.split() == ["distance", "nearest", "roughness", "fine", "radius", "isolation"]
     assert (first.split()[0], second.split()[0]) == ("1", "2")
+    assert [line.count("SURFACE itself") for line in (first, second)].count(1) == 1
+    assert legend == LEGEND
     assert message.startswith("2 realizations of these lengths found within 0.12 mean edge lengths of the")
     assert files_written.startswith("out/realization-1.ply, out/realization-2.ply written, ")
     surfaces = [read_surface(Path("out", f"realization-{i}.ply")) for i in (1, 2)]
@@ -45,6 +48,10 @@ def test_the_realizations_are_listed_and_written(call, files):
     found = strict(call("realizations", "s.npz", "m.npz", "--json", "--surfaces", "1")[1])
     assert found["region"] == {"distance": 0.12, "motions": 5, "unsolved": 0}
     assert [each["searched"] for each in found["realizations"]].count(True) == 1
+    monkeypatch.setattr("isoembed.cli.realizations.LISTED", 1)
+    head, row, more, legend, _ = call("realizations", "s.npz", "m.npz")[1].splitlines()
+    assert "SURFACE itself" in row
+    assert more == "the 1 nearest of 2; --json and --output have all"
     assert found["apart"][0][1] > found["realizations"][0]["certificate"]["isolation"]
 
 
@@ -73,7 +80,11 @@ def test_numbers_out_of_range(call, files, arguments, sentence):
 def test_files_that_do_not_go_together(call, files):
     write_metric("small.npz", PolyhedralMetric.from_mesh(*zoo.icosahedron()))
     status, _, err = call("realizations", "s.npz", "small.npz")
-    assert (status, err) == (2, "isoembed: error: s.npz has 13 vertices, small.npz has 12\n")
+    assert (status, err) == (
+        2,
+        "isoembed: error: s.npz has 13 vertices, small.npz has 12: realizations are on the same triangles, "
+        "with the same numbers of vertices\n",
+    )
 
 
 def test_the_input_is_not_overwritten(call, files):
@@ -97,8 +108,9 @@ def test_which_of_them_is_the_answer(call, files):
 def test_other_surfaces_to_be_near_to_are_refused(call, files):
     x, faces = zoo.icosahedron()
     np.savez("other.npz", vertices=x, faces=faces)
-    refused = (2, "", "isoembed: error: other.npz has 12 vertices, m.npz has 13\n")
-    assert call("embed", "m.npz", "--which", "other.npz") == refused
+    status, out, err = call("embed", "m.npz", "--which", "other.npz")
+    assert (status, out) == (2, "")
+    assert "error: other.npz has 12 vertices, m.npz has 13: a surface is near to one on the same tri" in err
     status, _, err = call("embed", "m.npz", "--which", "none.ply")
     assert status == 2 and "none.ply" in err
     status, _, err = call("embed", "m.npz", "--method", "alexandrov", "--which", "convex")

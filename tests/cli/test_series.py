@@ -63,12 +63,22 @@ def rows(folder="out"):
 
 def test_films_of_earlier_commands_are_told_of(call):
     moment = {"series": "ah1", "time": 0.0, "iteration": 0}
-    Store.made(Path("out")).keep(Result.without_answer("ah1.t0", "refused", "wrong", moment=moment), "0")
+    Store.made(Path("out")).keep(Result.without_answer("ah1.t0", "failed", "wrong", moment=moment), "0")
     assert call("series", "-o", "out")[2].count("of an earlier command") == 0
     Path("out/horizons.gif").write_bytes(b"")
     note = "isoembed: note: of an earlier command: horizons.gif; --film makes a new one\n"
     assert note in call("series", "-o", "out")[2]
-    assert call("series", "-o", "out", "--quiet") == (0, "", "")
+    assert note not in call("series", "-o", "out", "--quiet")[2]
+
+
+def test_a_folder_of_refused_horizons_says_so(call):
+    moment = {"series": "ah1", "time": 0.0, "iteration": 0}
+    for label, status in (("ah1.t0", "refused"), ("ah1.t1", "failed")):
+        Store.made(Path("out")).keep(Result.without_answer(label, status, "wrong", moment=moment), "0")
+    status, out, err = call("series", "-o", "out", "--film")
+    assert status == 3 and "2 of 2: 1 refused, 1 failed" in out
+    assert err.startswith("isoembed: error: ah1.t0: wrong\nisoembed: error: ah1.t1: wrong\n")
+    assert err.endswith("isoembed: note: there is no film: no horizon is embedded\n")
 
 
 @pytest.mark.slow

@@ -53,8 +53,14 @@ def test_lengths_on_triangles_of_another_space(call):
 @pytest.mark.parametrize(
     ("option", "said"),
     [
-        ("hyperbolic=1", "argument --space: 1 is not the curvature of hyperbolic space, which is negative"),
-        ("spherical=-2", "argument --space: -2 is not the curvature of spherical space, which is positive"),
+        (
+            "hyperbolic=1",
+            "argument --space: 1 is not the curvature of hyperbolic space, which is negative: hyperbolic=-1",
+        ),
+        (
+            "spherical=-2",
+            "argument --space: -2 is not the curvature of spherical space, which is positive: spherical=2",
+        ),
         ("hyperbolic=0", "argument --space: 0 is not the curvature of hyperbolic space, which is negative"),
         ("hyperbolic=low", "argument --space: 'low' is not a finite number"),
         ("hyperbolic=-inf", "argument --space: '-inf' is not a finite number"),
@@ -83,6 +89,14 @@ def test_methods_that_embed_in_r3_alone(call):
         status == 2
         and "the metric has the curvature -1, and the method 'paper' embeds in Euclidean space" in err
     )
+
+
+def test_a_metric_that_is_convex_in_r3_is_embedded_there(call):
+    written("m.npz", 0.0)
+    status, _, err = call("embed", "m.npz", "--space", "hyperbolic", "-o", "s.ply")
+    assert status == 0
+    assert "it is embedded in R^3; for curvature -1 write --space hyperbolic=-1\n" in err
+    assert read_metric("s.ply").curvature == 0.0
 
 
 def test_many_files(call, monkeypatch):

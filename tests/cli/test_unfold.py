@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -47,7 +48,9 @@ def test_pages(kind, magic, call, tmp_path):
     write("cube.off", *zoo.cube())
     status, out, err = call("unfold", "cube.off", "-o", f"net.{kind}", "--paper", "letter", "--scale", "40")
     assert (status, err) == (0, "")
-    assert out.startswith(f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit\nnet.{kind} written, ")
+    assert out.startswith(
+        f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit; 1 page of letter\nnet.{kind} written, "
+    )
     assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
 
 
@@ -61,11 +64,36 @@ def test_edges_are_cut_and_kept(call):
     assert status == 0 and out.startswith("1 sheet, 11 pairs of sides, 19 folds\n")
 
 
+@pytest.mark.parametrize(
+    ("typed", "plain"),
+    [
+        (["--size", "15cm"], ["--size", "150"]),
+        (["--size", '4"', "--kerf", "0,15"], ["--size", "101.6", "--kerf", "0.15"]),
+        (["--scale", "1,5cm", "--paper", "21x29,7cm"], ["--scale", "15", "--paper", "A4"]),
+        (["--scale", "1:0,1", "--paper", "ROLL:60CM"], ["--scale", "10", "--paper", "roll:600"]),
+        (["--paper", "8.5x11in"], ["--paper", "letter"]),
+    ],
+)
+def test_lengths_as_people_type_them(typed, plain, call):
+    write("cube.off", *zoo.cube())
+    assert call("unfold", "cube.off", "-o", "a.svg", *typed)[0] == 0
+    assert call("unfold", "cube.off", "-o", "b.svg", *plain)[0] == 0
+    with open("a.svg") as one, open("b.svg") as other:
+        assert one.read() == other.read()
+
+
+def test_dxf_without_ezdxf(call, monkeypatch):
+    write("cube.off", *zoo.cube())
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    status, _, err = call("unfold", "cube.off", "-o", "net.dxf")
+    assert status == 2 and "writing net.dxf needs ezdxf: pip install ezdxf; .svg needs nothing" in err
+
+
 def test_few_pages(call):
     write("solid.obj", *zoo.random_hull(30, 1))
     for objective, pages in (
-        ("sheets", "150 mm a unit; cut into 8 islands to fit on pages; 7 pages"),
-        ("pages", "150 mm a unit; 6 pages"),
+        ("sheets", "150 mm a unit; cut into 8 islands that fit on pages; 7 pages of A4"),
+        ("pages", "150 mm a unit; 6 pages of A4"),
     ):
         status, out, _ = call(
             "unfold", "solid.obj", "-o", "a.svg", "--scale", "150", "--objective", objective
@@ -79,9 +107,10 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
         "unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers", "--paper", "A9"
     )
     assert (status, out) == (2, "") and "paper is 'A9', not one of A0" in err
-    assert call("unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers")[0] == 0
+    status, out, _ = call("unfold", "cube.off", "-o", "net.svg", "--size", "150", "--numbers")
+    assert status == 0 and "; 6 pages of A4 and a drawing of the solid\n" in out
     text = (tmp_path / "net.svg").read_text()
-    assert "page 7 of 7" in text and text.count(">F5<") == 2
+    assert "page 6 of 6" in text and text.count(">F5<") == 2
 
 
 @pytest.mark.parametrize(
@@ -122,10 +151,18 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             ["cube.ply", "-o", "a.svg", "--glue"],
             "unrecognized arguments: --glue (see 'isoembed unfold --help')",
         ),
-        (["cube.ply", "-o", "a.svg", "--size", "25cm"], "argument --size: '25cm' is not a number (see"),
-        (["cube.ply", "-o", "a.svg", "--kerf", "0,15"], "'0,15' is not a number: write a point for"),
-        (["cube.ply", "-o", "a.svg", "--cut", "0-0"], "cut[0] (0, 0) is not an edge between two faces"),
-        (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0.0, not a positive finite number"),
+        (
+            ["cube.ply", "-o", "a.svg", "--size", "2ft"],
+            "argument --size: '2ft' is not a length, as 15, 15mm,",
+        ),
+        (["cube.ply", "-o", "a.svg", "--size", "1,500"], "'1,500' is not a length, as 15, 15mm, 1.5cm and"),
+        (["cube.ply", "-o", "a.svg", "--cut", "0-0"], ": --cut 0-0 is not an edge between two faces"),
+        (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0, not a positive finite number"),
+        (
+            ["cube.ply", "-o", "a.svg", "--scale", "3m"],
+            "no format has room for it: give a page of your own, --paper WIDTHxHEIGHT in mm",
+        ),
+        (["cube.ply", "-o", "a.svg", "--paper", "21x29.7"], "; in centimeters, write '21x29.7cm'"),
         (["nothing.ply", "-o", "a.svg"], "there is no file nothing.ply"),
         (["metric.npz", "-o", "a.svg"], "metric.npz is a metric without vertices"),
     ],

@@ -13,9 +13,12 @@ from PIL import Image
 
 import zoo
 from isoembed.cli import main
+from isoembed.errors import MeshNote
 from isoembed.io import write_surface
 from isoembed.io.registry import FORMATS
+from isoembed.io.surface import read_with_curvatures
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.plot.coloring import from_file, quantities
 from isoembed.surface.measures import area
 
 
@@ -37,6 +40,38 @@ def folder(tmp_path, monkeypatch):
 
 def write(name, **tables):
     FORMATS[Path(name).suffix].write(Path(name), tables)
+
+
+@pytest.mark.parametrize("kind", ["npz", "json", "ply", "vtk", "vtu", "vtp"])
+def test_curvatures_in_the_file_are_the_colors(kind, folder):
+    vertices, faces = ellipsoid()
+    H, K = np.random.default_rng(1).random((2, len(vertices)))
+    write(f"a.{kind}", vertices=vertices, faces=faces, mean_curvature=H, gaussian_curvature=K)
+    surface, given = read_with_curvatures(f"a.{kind}")
+    np.testing.assert_array_equal(given["mean_curvature"], H)
+    found = {each.name: each for each in quantities(surface, from_file(given))}
+    np.testing.assert_array_equal(found["Gaussian curvature"].values, K)
+    assert "as in the file" in found["mean curvature"].label and "residual" in found
+
+
+def test_curvatures_of_merged_vertices_are_left_aside(folder):
+    vertices, faces = ellipsoid()
+    twice = np.concatenate([vertices, vertices[:1]])
+    faces = np.concatenate([np.where(faces[:1] == 0, len(vertices), faces[:1]), faces[1:]])
+    write("a.ply", vertices=twice, faces=faces, mean_curvature=np.ones(len(twice)))
+    with pytest.warns(MeshNote):
+        surface, given = read_with_curvatures("a.ply", merge=0.0)
+    assert surface.triangulation.n_vertices == len(vertices) and not given
+
+
+def test_curvatures_in_a_text_ply(folder):
+    rows = [(0, 0, 0, 1), (1, 0, 0, 2), (0, 1, 0, 3), (0, 0, 1, 4)]
+    head = ["ply", "format ascii 1.0", "element vertex 4", "property float x", "property float y"]
+    head += ["property float z", "property float mean_curvature", "element face 4"]
+    head += ["property list uchar int vertex_indices", "end_header"]
+    faces = ["3 0 2 1", "3 0 1 3", "3 1 2 3", "3 2 0 3"]
+    Path("a.ply").write_text("\n".join([*head, *(" ".join(map(str, row)) for row in rows), *faces, ""]))
+    assert read_with_curvatures("a.ply")[1]["mean_curvature"].tolist() == [1.0, 2.0, 3.0, 4.0]
 
 
 @pytest.mark.parametrize("kind", ["npz", "json", "ply", "obj", "stl", "off", "vtk", "vtu"])

@@ -261,6 +261,16 @@ def test_lengths_are_those_of_the_surface_and_not_those_asked_for():
     assert surface.residual == pytest.approx(2 / 3 * metric.lengths.max() / metric.mean_length)
 
 
+def test_distance_from_vertices_is_that_from_a_surface():
+    one = embedding(*zoo.icosphere(1), 2.0)
+    moved = one.vertices @ zoo.rotation(1).T + [5.0, 0, 0]
+    moved[3] *= 1.01
+    other = Embedding(one.metric, moved, method="given", tolerance=1.0)
+    assert one.distance(moved) == one.distance(moved.tolist()) == one.distance(other) > 0
+    with pytest.raises(ValueError, match=r"the vertices have shape \(5, 3\), not \(42, 3\)"):
+        one.distance(moved[:5])
+
+
 def test_gaussian_curvature_has_a_unit_and_is_that_of_a_sphere():
     small, large = (embedding(*zoo.icosphere(3), scale).gaussian_curvature for scale in (1.0, 7.0))
     assert small == pytest.approx(1, rel=0.01)

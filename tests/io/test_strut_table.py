@@ -204,6 +204,8 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
             "line 2: the length '1,250' may be 1250 or 1.250",
         ),
         ("from,to,length,error\n0,1,1,\n0,2,1,.1\n1,2,1,.1\n", FileError, "line 2: the length error is ''"),
+        ("type,length,color\n2\n,2\n\nfrom,to,type\n0,1\n", FileError, "its type '' has none"),
+        ("from,length,to\n0,1\n", FileError, "line 2: a strut is from '0' to ''"),
         ("von;nach;mm\n0;1;2\n", FileError, "its first line is 'von;nach;mm'"),
         ("from,to,length\n0,0,1\n", FileError, "line 2: a strut is from '0' to '0'"),
         ("from,to,length\n0,1,1\n1,0,1\n", FileError, "line 3: the hubs 1 and 0 are joined in line 2, too"),

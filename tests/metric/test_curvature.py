@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import discs
 import zoo
 from curved import body
 from isoembed.metric.curvature import (
@@ -18,6 +19,7 @@ from isoembed.metric.curvature import (
     face_areas,
     gaussian_curvature,
 )
+from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.space import Space
 from regular_in_space import SOLIDS, regular_solid
@@ -70,6 +72,20 @@ def test_sums(n, seed):
     assert deficits(metric).sum() == pytest.approx(4 * np.pi, rel=1e-12)  # Gauss-Bonnet
     assert deficits(metric).min() > 0  # a convex body
     assert dual_areas(metric).sum() == pytest.approx(area(metric), rel=1e-10)
+
+
+def test_metrics_have_deficits_and_an_area():
+    """A regular octahedron of side 2, a square of side 3, and the octant of a sphere of radius 5, twice."""
+    vertices, faces = zoo.octahedron()
+    octahedron = PolyhedralMetric.from_mesh(2**0.5 * vertices, faces)
+    assert octahedron.deficits == pytest.approx(2 * np.pi / 3, rel=1e-14)
+    assert octahedron.area == pytest.approx(8 * 3**0.5, rel=1e-14)
+    square = PolyhedralMetric.from_mesh([[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0]], [[0, 1, 2], [0, 2, 3]])
+    assert square.deficits == pytest.approx(np.pi / 2, rel=1e-14)
+    assert square.area == pytest.approx(9, rel=1e-14)
+    octants = PolyhedralMetric([[0, 1, 2], [0, 2, 1]], [2.5 * np.pi] * 3, curvature=1 / 25)
+    assert octants.deficits == pytest.approx(np.pi, rel=1e-14)
+    assert octants.area == GluedMetric.of(octants).area == pytest.approx(25 * np.pi, rel=1e-14)
 
 
 def test_gauss_bonnet_holds_for_lengths_that_come_from_no_surface():
@@ -191,6 +207,15 @@ def test_labels_and_orientation_change_nothing(seed):
         assert deficits(twin)[number] == pytest.approx(deficits(metric), rel=1e-10)
         assert dual_areas(twin)[number] == pytest.approx(dual_areas(metric), rel=1e-8, abs=1e-12)
         assert area(twin) == pytest.approx(area(metric), rel=1e-11)
+
+
+def test_gaussian_curvature_is_unknown_on_a_boundary():
+    """Where deficits are the exterior angles of the boundary."""
+    points, faces = discs.hexagonal(8)
+    metric = PolyhedralMetric.from_mesh(discs.round_cap(points, 1.0), faces)
+    found, rim = gaussian_curvature(metric), metric.triangulation.boundary_vertices
+    assert np.isnan(found[rim]).all()
+    assert found[~rim] == pytest.approx(1.0, rel=0.1)
 
 
 def test_gaussian_curvature_and_area_converge_on_the_sphere():

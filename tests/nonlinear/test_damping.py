@@ -98,6 +98,8 @@ def test_nothing_is_tried_when_no_more_may_be_spent():
     assert found.reason is Reason.EXHAUSTED
     assert len(trials) == 4
     assert found.value < value(np.array([-1.2, 1.0]))
+    again = descended([-1.2, 1.0], Damping(1.0), max_trials=3)
+    assert (again.reason, again.value) == (Reason.EXHAUSTED, found.value)
 
 
 def test_a_step_that_gains_little_is_the_last():

@@ -1,6 +1,7 @@
 """Nets folded by a share of their angles: flat, rigid, shut; and the page that shows it."""
 
 import base64
+import json
 import re
 import xml.etree.ElementTree as ElementTree
 
@@ -10,7 +11,7 @@ from scipy.spatial.distance import pdist
 
 import solids
 import zoo
-from isoembed import InvalidParameter, unfold
+from isoembed import Embedding, InvalidParameter, PolyhedralMetric, unfold
 from isoembed.papercraft import partly_folded
 from isoembed.papercraft.folding_page import FRAMES
 
@@ -64,6 +65,20 @@ def test_the_page_has_the_film_and_the_net(body, tmp_path):
     [picture] = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', text)
     assert ElementTree.fromstring(base64.b64decode(picture)).get("width") == "297mm"
     assert str(net) in text
+    [data] = re.findall(r'href="data:application/json;base64,([^"]+)"', text)
+    told = json.loads(base64.b64decode(data))
+    surface = embed_given(body)
+    assert told["net"] == {"pairs_of_sides": len(net.sides), "folds": len(net.folds[0])}
+    assert told["solid"]["vertices"] - told["solid"]["edges"] + told["solid"]["faces"] == 2
+    assert told["solid"]["vertices"] == len(body[0])
+    assert told["solid"]["area"] == pytest.approx(surface.area, rel=1e-12)
+    assert told["solid"]["volume"] == pytest.approx(surface.volume, rel=1e-12)
+    assert "ertificate" not in text and "deficit" not in text.partition("<script")[0]  # those of a net
+
+
+def embed_given(body):
+    """The surface with the vertices of a body."""
+    return Embedding(PolyhedralMetric.from_mesh(*body), body[0], method="given", tolerance=1e-10)
 
 
 def test_the_page_of_a_net_with_a_narrow_slit(tmp_path):

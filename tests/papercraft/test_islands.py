@@ -171,7 +171,9 @@ def test_a_paper_named_by_a_refusal_is_the_smallest():
     with pytest.raises(isoembed.InvalidParameter, match=r"; paper='A1' has room for it$"):
         laid_out(net, scale=1.0)
     laid_out(net, "A1", scale=1.0)
-    with pytest.raises(isoembed.InvalidParameter, match="no format has room for it"):
+    with pytest.raises(
+        isoembed.InvalidParameter, match="no format has room for it: give a page of your own, paper="
+    ):
         laid_out(net, scale=4.0)
 
 

@@ -44,6 +44,18 @@ def test_each_face_has_its_number_on_the_net_and_on_the_solid(name):
     assert [cut.tolist() for cut in drawing.cuts] == [cut.tolist() for cut in plain.cuts]
 
 
+def test_the_drawing_is_no_net():
+    """On its page there are no ruler, no legend and no scale, as it is not to scale."""
+    net = net_of(*zoo.icosahedron())
+    plain, drawing = drawn(net), drawn(net, numbers=True)
+    words = [one.text for one in drawing.notes if one.y < -plain.height and not one.text.startswith("F")]
+    assert words == ["the solid, with the numbers of its faces; not to scale, not to be cut"]
+    assert drawing.legend and all(ends[:, 1].min() > -plain.height for _, ends in drawing.legend)
+    on_page = [ends for ends in drawing.ruler if ends[:, 1].min() < -plain.height]
+    assert len(on_page) == len(seen(net)[0])  # the visible edges
+    assert "page" not in drawing.notes[0].text  # of one page of the net
+
+
 def test_faces_of_no_solid_have_no_numbers():
     with pytest.raises(
         InvalidParameter, match="numbers need the faces of a solid, which this net does not have"

@@ -222,11 +222,11 @@ def test_names_of_papers_in_any_case(typed, name):
             "paper is 'A9', not one of A0, A1, .*, tabloid, nor WIDTHxHEIGHT or roll:WIDTH in mm",
         ),
         ({"paper": "roll:70"}, "paper is 'roll:70': less than 80 mm has no room for margins and ruler"),
-        ({"size": 0.0}, "size is 0.0, not a positive finite number of mm"),
+        ({"size": 0.0}, "size is 0, not a positive finite number of mm"),
         ({"size": 10.0, "scale": 2.0}, "give either a scale, here 2 mm, or a size, here 10 mm, not both"),
         ({"scale": "big"}, "scale is 'big', not a positive finite number of mm"),
         ({"material": "leather"}, "material is 'leather', not an isoembed.papercraft.Material"),
-        ({"scale": -1.0}, "scale is -1.0, not a positive finite number of mm"),
+        ({"scale": -1.0}, "scale is -1, not a positive finite number of mm"),
         ({"scale": float("nan")}, "scale is nan, not a positive finite number of mm"),
         (
             {"scale": 400.0},

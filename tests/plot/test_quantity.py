@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+import discs
 import zoo
 from isoembed import Embedding, InvalidParameter, PolyhedralMetric
 from isoembed.gallery import BentTube, Ellipsoid, KerrHorizon, Sphere, triangulate
 from isoembed.plot import QUANTITIES, Quantity, quantities, quantity
+from isoembed.plot.coloring import face_means
 
 
 def exact(surface, n, **how):
@@ -35,6 +37,16 @@ def test_gaussian_curvature_is_unknown_where_there_is_no_dual_area():
         Embedding(metric, vertices, method="exact", tolerance=1e-10), "Gaussian curvature"
     ).values
     assert np.isnan(values).tolist() == [True, True, False, False]
+
+
+def test_colors_of_gaussian_curvature_leave_out_the_boundary():
+    points, faces = discs.hexagonal(6)
+    vertices = discs.round_cap(points, 1.0)
+    cap = Embedding(PolyhedralMetric.from_mesh(vertices, faces), vertices, method="exact", tolerance=1e-10)
+    shown = quantity(cap, "Gaussian curvature")
+    assert (np.isnan(shown.values) == cap.triangulation.boundary_vertices).all()
+    assert 0.9 < shown.bounds[0] < shown.bounds[1] < 1.1
+    assert face_means(shown.values, cap.faces) == pytest.approx(1.0, rel=0.1)  # at the boundary, too
 
 
 def test_the_residual_is_that_of_the_edges_around():

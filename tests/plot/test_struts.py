@@ -21,7 +21,7 @@ def framed(*shape):
 def test_struts_have_the_colors_of_their_types():
     surface, table = framed(3, -0.21)
     drawn = strut_figure(surface, table)
-    [axes] = drawn.axes
+    axes, _ = drawn.axes
     [shapes] = axes.collections
     lengths = [len(path.vertices) for path in shapes.get_paths()]
     lines = np.array([n <= 3 for n in lengths])  # two ends, closed
@@ -39,10 +39,22 @@ def test_struts_have_the_colors_of_their_types():
     assert len(axes.texts) > 20
 
 
+@pytest.mark.parametrize(("shape", "views"), [((2,), 2), ((3, -0.21), 2), ((2, 0.7), 1)])
+def test_each_hub_has_its_number_in_one_of_two_opposite_views(shape, views):
+    """A flat cap shows all in one."""
+    surface, table = framed(*shape)
+    drawn = strut_figure(surface, table)
+    assert len(drawn.axes) == views
+    every = {text.get_text() for axes in drawn.axes for text in axes.texts}
+    assert every == set(map(str, range(len(surface.vertices))))
+    if surface.triangulation.is_closed:  # and in both where it is in sight from neither side alone
+        assert all(len(axes.texts) < len(every) for axes in drawn.axes)
+
+
 def test_many_types_and_hubs(tmp_path):
     surface, table = framed(6)
     drawn = strut_figure(surface, table)
-    [axes] = drawn.axes
+    axes, _ = drawn.axes
     assert len(drawn.legends[0].get_texts()) == 9 and not axes.texts
     write_struts_picture(tmp_path / "a.svg", surface, table)
     assert b"<svg" in (tmp_path / "a.svg").read_bytes()

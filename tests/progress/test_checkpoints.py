@@ -4,7 +4,6 @@ import numpy as np
 
 from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.stages import Log
-from isoembed.progress.work import Budget, Work
 
 
 def test_the_last_that_was_kept_is_the_checkpoint():
@@ -74,13 +73,3 @@ def test_factorizations_are_counted_once_however_often_a_run_is_interrupted():
     assert list(run(rest)) == []
     assert rest.work.factorizations == 44
     assert [stage.factorizations for stage in rest.stages] == [3, 0, 1]
-
-
-def test_a_budget_counts_from_when_it_is_made():
-    work = Work(5)
-    budget = Budget(work, 3)
-    work.factorizations += 2
-    budget.spend(0.5)
-    assert (budget.spent, budget.left, budget.exhausted) == (2.5, 0.5, False)
-    budget.spend(1.0)
-    assert (budget.left, budget.exhausted) == (0.0, True)

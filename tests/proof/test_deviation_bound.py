@@ -67,7 +67,13 @@ def test_the_exact_surface_is_within_the_bounds_without_errors(body):
     areas = np.sqrt((normals**2).sum(axis=1)) / 2
     around = np.zeros(t.n_vertices, dtype=np.longdouble)
     integrals = np.zeros(t.n_vertices, dtype=np.longdouble)
-    np.add.at(around, t.faces.ravel(), np.repeat(areas / 3, 3))
+    for corner in range(3):  # the center of the circumcircle, and the middles of the two sides
+        p, q, r = (x[t.faces[:, (corner + k) % 3]] for k in range(3))
+        u, v, w = q - p, r - p, normals
+        squares = [(each**2).sum(axis=1)[:, None] for each in (u, v, w)]
+        center = (squares[0] * np.cross(v, w) + squares[1] * np.cross(w, u)) / (2 * squares[2])
+        kites = np.cross(u / 2, center) + np.cross(center, v / 2)
+        np.add.at(around, t.faces[:, corner], (kites * w).sum(axis=1) / np.sqrt(squares[2][:, 0]) / 2)
     np.add.at(integrals, t.edges.ravel(), np.repeat(lengths * theta / 4, 2))
     exact = {
         "dihedral_angles": theta - dihedral_angles(t, found.vertices),

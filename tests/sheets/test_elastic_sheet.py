@@ -9,7 +9,7 @@ from isoembed.progress.stages import Log
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldTriangle, HeldVertices
+from isoembed.surface.vertex_system import HeldTriangle, HeldVertices
 
 POINTS, FACES = discs.hexagonal(4)
 X = discs.round_cap(POINTS, 1.0)

@@ -6,9 +6,9 @@ import pytest
 import discs
 import zoo
 from isoembed import PolyhedralMetric, embed
-from isoembed.sheets.placement import standard_sheet
 from isoembed.surface.alignment import aligned
 from isoembed.surface.measures import face_normals
+from isoembed.surface.placement import standard_sheet
 
 POINTS, FACES = discs.irregular(80)
 X, Y = POINTS.T

@@ -20,6 +20,7 @@ from isoembed import (
     embed,
     realizations,
 )
+from isoembed.cli.summary import summary
 from isoembed.metric.conformal_sphere import conformal_sphere
 from isoembed.metric.dents import dents
 from isoembed.metric.least_space import least_convex_space
@@ -57,6 +58,47 @@ def test_convex_cap(mesh):
     assert (found.uniqueness is not None) == (not found.surface.concave_edges.any()) == (len(x) == 127)
     assert np.ptp(found.vertices[rim(metric), 2]) < 1e-12
     assert distance(found.vertices / 7.5, x) < 1e-12
+
+
+@pytest.mark.parametrize("how", [{"boundary": "free"}, {}, {"method": "alexandrov"}])
+def test_surfaces_with_boundary_in_curved_space_are_refused(how):
+    square = PolyhedralMetric([[0, 1, 2], [0, 2, 3]], [1.0] * 5, curvature=-1.0)
+    with pytest.raises(
+        (InvalidMetric, InvalidParameter), match=r"handles are embedded in R\^3 only, with flat tr"
+    ):
+        embed(square, **how)
+
+
+def test_volume_of_a_cap_is_that_over_the_plane_of_its_boundary():
+    exact, off = np.pi / 3 * (2 + np.cos(1)) * (1 - np.cos(1)) ** 2, []
+    for rings in (5, 10):
+        points, faces = discs.hexagonal(rings)
+        found = embed(cap(points, faces)[1].scaled(3.0), boundary="plane")
+        off.append(found.volume / 27 / exact - 1)
+        assert isoembed.report(found)["volume"] == found.volume
+        for image in (found.vertices * [1, 1, -1], found.vertices + np.array([5, -3, 7])):
+            assert replace(found, vertices=image).volume == pytest.approx(found.volume, rel=1e-12)
+    assert abs(off[1]) < abs(off[0]) / 3
+    square = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    pyramid = embed(PolyhedralMetric(square, [1.0] * 8), boundary="plane")
+    assert pyramid.volume == pytest.approx(1 / (3 * 2**0.5), rel=1e-12)
+    assert "volume      0.235702" in summary(pyramid, isoembed.report(pyramid))
+    with pytest.raises(InvalidMetric, match="boundary"):
+        _ = replace(pyramid, vertices=pyramid.vertices @ zoo.rotation(1)).volume
+
+
+def test_energies_of_a_round_cap_converge_from_either_side():
+    """k1^2 + k2^2 is 2 K here, and of meshes either number may be the smaller."""
+    exact, off = 4 * np.pi * (1 - np.cos(1)), []
+    for mesh in (discs.hexagonal(5), discs.hexagonal(10)):
+        found = embed(cap(*mesh)[1], boundary="plane")
+        off.append([found.second_form_energy / exact - 1, found.least_second_form_energy / exact - 1])
+        sheet = isoembed.report(found)["sheet"]
+        assert sheet["second_form_energy"] == found.second_form_energy
+        assert sheet["least_second_form_energy"] == found.least_second_form_energy
+    assert (np.abs(off[1]) < np.abs(off[0]) / 3).all()
+    text = summary(found, isoembed.report(found))
+    assert f"int H^2 dA {found.surface.bending_energy:.4g}" in text and "bending energy" not in text
 
 
 @pytest.mark.parametrize("angle", [0.5, 1.5])
@@ -177,7 +219,7 @@ def test_a_measured_curve_takes_a_tolerance():
     assert distance(found.vertices, x) < 0.01
     assert "misses the lengths by up to" in isoembed.certify(found).reason
     exact = embed(metric, boundary=x[rim(metric)])
-    assert "hidden by rounding" in isoembed.certify(exact).reason
+    assert "none can be proven to exist" in isoembed.certify(exact).reason
 
 
 def test_given_curve_from_a_start():
@@ -310,6 +352,7 @@ def test_pictures_and_pages():
     found = embed(ROUND, boundary="plane")
     assert "genus" in found._repr_html_()
     assert found.surface.concave_edges.sum() == 0
+    found = embed(ROUND, boundary="free")
     with pytest.raises(InvalidMetric, match="not closed"):
         _ = found.volume
 

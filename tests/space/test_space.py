@@ -30,6 +30,8 @@ def test_names():
 def test_no_curvature_of_this_sign(k):
     with pytest.raises(InvalidParameter, match="curvature of space"):
         Hyperbolic(k)
+    with pytest.raises(InvalidParameter, match=r"not -1\.0; Hyperbolic\(k\) has the curvature -k$"):
+        Hyperbolic(-1.0)
     with pytest.raises(InvalidParameter, match="curvature of space"):
         Spherical(k)
 

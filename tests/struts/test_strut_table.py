@@ -241,6 +241,8 @@ def test_cuts_that_fill_bars_exactly():
         ("A", "B"): 1,
         ("B", "B", "B", "B"): 1,
     }
+    assert str(cuts).startswith("4 bars of 12, ")
+    assert str(CutList.of([("A", 8.0, 1)], 12.0)).startswith("1 bar of 12, ")
 
 
 def test_cuts_of_hundreds_of_types():

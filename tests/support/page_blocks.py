@@ -19,7 +19,7 @@ from pathlib import Path
 
 FENCE = re.compile(r"^```([^`\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 COMMAND = re.compile(r"^\$ (isoembed .*)$", re.MULTILINE)
-EXTRA = re.compile(r"pip install 'isoembed\[\w+\]'")
+EXTRA = re.compile(r"pip install [\w'\[\]-]+(?: [\w-]+)*")
 
 
 NUMBER = r"-?\d+(?:\.\d+)?"

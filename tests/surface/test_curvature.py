@@ -6,8 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import zoo
+from isoembed.gallery import Ellipsoid, triangulate
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.curvature import dual_areas
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.space import Hyperbolic
 from isoembed.surface.curvature import (
+    bending_energy,
     dihedral_angles,
     edge_mean_curvature,
     face_mean_curvature,
@@ -15,6 +20,7 @@ from isoembed.surface.curvature import (
     vertex_mean_curvature,
 )
 from isoembed.surface.measures import area, face_areas, outward, volume
+from isoembed.surface.vertex_areas import FARTHEST, vertex_area_changes, vertex_area_rates, vertex_areas
 
 PLATONIC = {
     # body: (mesh, interior dihedral angle, edge length, volume in cubed edges)
@@ -171,7 +177,79 @@ def test_the_parts_of_the_mean_curvature_add_up():
     t = Triangulation(faces)
     whole = integrated_mean_curvature(t, vertices)
     areas = face_areas(faces, vertices)
-    thirds = np.bincount(faces.ravel(), np.repeat(areas / 3, 3))
+    duals = dual_areas(PolyhedralMetric.from_mesh(vertices, faces))
+    assert duals.sum() == pytest.approx(areas.sum(), rel=1e-13)
     assert edge_mean_curvature(t, vertices).sum() == pytest.approx(whole, rel=1e-14)
     assert (face_mean_curvature(t, vertices) * areas).sum() == pytest.approx(whole, rel=1e-13)
-    assert (vertex_mean_curvature(t, vertices) * thirds).sum() == pytest.approx(whole, rel=1e-13)
+    assert (vertex_mean_curvature(t, vertices) * duals).sum() == pytest.approx(whole, rel=1e-13)
+
+
+def on_sphere(vertices):
+    return vertices / np.linalg.norm(vertices, axis=1)[:, None]
+
+
+def test_a_sphere_has_its_mean_curvature_at_every_vertex():
+    """Also at the twelve vertices with five neighbors, in hyperbolic space, and of random points."""
+    for level, off in ((2, 0.014), (3, 0.004)):
+        vertices, faces = zoo.icosphere(level)
+        t = Triangulation(faces)
+        found = vertex_mean_curvature(t, vertices)
+        assert np.abs(found - 1).max() < off
+        curved = vertex_mean_curvature(t, np.sinh(1) * vertices, space=Hyperbolic(1.0))
+        assert np.abs(curved * np.tanh(1) - 1).max() < 2 * off
+    vertices, faces = zoo.random_hull(3000, 1)
+    t, vertices = Triangulation(faces), on_sphere(vertices)
+    assert np.abs(vertex_mean_curvature(t, vertices) - 1).max() < 0.01  # with thirds of triangles, 8
+    assert bending_energy(t, vertices) == pytest.approx(4 * np.pi, rel=1e-3)
+
+
+def test_an_ellipsoid_has_its_mean_curvature_at_its_vertices():
+    surface, errors = Ellipsoid((3, 2, 1)), []
+    for n in (400, 1600):
+        vertices, faces = triangulate(surface, n)
+        exact = surface.mean_curvature(vertices / [3.0, 2.0, 1.0])
+        errors.append(
+            np.sqrt(np.mean((vertex_mean_curvature(Triangulation(faces), vertices) / exact - 1) ** 2))
+        )
+    assert errors[1] < 0.02 and errors[1] < errors[0] / 2
+
+
+def test_shares_of_the_area_are_those_of_the_metric():
+    vertices, faces = zoo.icosphere(2)
+    metric = PolyhedralMetric.from_mesh(vertices * [2, 1, 1], faces)
+    found = vertex_areas(metric.triangulation, vertices * [2, 1, 1])
+    assert found == pytest.approx(dual_areas(metric), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_shares_of_the_area_change_at_their_rates_and_within_their_bounds(seed):
+    """Those of a crumpled surface are in all three ranges."""
+    _, faces = zoo.random_hull(60, seed)
+    rng = np.random.default_rng(seed)
+    x, v = rng.normal(size=(2, 60, 3)) * [1, 1, 0.01]
+    t, step = Triangulation(faces), 1e-7
+    thirds = np.bincount(faces.ravel(), np.repeat(face_areas(faces, x) / 3, 3))
+    ratios = vertex_areas(t, x) / thirds
+    assert np.isclose(ratios, 1 / FARTHEST).any() and (ratios < FARTHEST * 1.001).all()
+
+    def change(measure, by):
+        return measure(x + by * v) - measure(x - by * v)
+
+    def squares(x):
+        return ((x[t.edges[:, 0]] - x[t.edges[:, 1]]) ** 2).sum(axis=1)
+
+    def areas(x):
+        return face_areas(faces, x)
+
+    rates = vertex_area_rates(t, x, change(areas, step) / (2 * step), change(squares, step) / (2 * step))
+    seen = change(lambda x: vertex_areas(t, x), step) / (2 * step)
+    assert rates == pytest.approx(seen, abs=1e-4 * np.abs(seen).max())
+
+    for size in (1e-3, 1e-5):
+        y = x + size * v
+        bound = vertex_area_changes(
+            t, x, 1.001 * np.abs(squares(y) - squares(x)), 1.001 * np.abs(areas(y) - areas(x))
+        )
+        seen = np.abs(vertex_areas(t, y) - vertex_areas(t, x))
+        assert (seen <= bound + 1e-12).all()
+        assert np.median(seen / bound) > 0.02

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from isoembed.surface.estimate import Estimate, percent
@@ -39,3 +40,9 @@ def test_percent(fraction, digits, text):
 
 def test_an_infinite_error():
     assert str(Estimate(1.5, math.inf)) == "1.5 +- inf"
+
+
+def test_an_estimate_is_a_number_by_float():
+    found = Estimate(2.5, 0.1)
+    assert float(found) / 5 == 0.5
+    assert np.isclose(np.asarray([found, 1.0], dtype=float), [2.5, 1.0]).all()

@@ -39,14 +39,14 @@ def test_every_cell_is_measured_and_none_too_much():
 
 def test_interpolated_edges_are_those_of_the_surface():
     triangulation, x, _, cells, edges = rigidity(3000, 700)
-    d = edges.differences(x) @ x[cells.vertices]
+    d = edges.interpolated(x)[1] @ x[cells.vertices]
     a, b = triangulation.edges[edges.edges].T
     assert np.abs(d - (x[a] - x[b])).max() < 1e-3 * np.linalg.norm(x[a] - x[b], axis=1).mean()
 
 
 def test_the_factor_is_that_of_the_products_of_the_rows():
     _, x, lengths, cells, edges = rigidity()
-    differences, n = edges.differences(x), len(cells.vertices)
+    (_, differences), n = edges.interpolated(x), len(cells.vertices)
     rows = (differences @ x[cells.vertices]) / lengths[edges.edges][:, None]
     rng = np.random.default_rng(0)
     penalty = csr_array(np.diag(rng.uniform(0.1, 1.0, n)))

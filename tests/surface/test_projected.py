@@ -7,7 +7,8 @@ import zoo
 from isoembed import Euclidean, Hyperbolic, Space, Spherical
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity import LengthSystem, VertexSystem, edge_rows, length_residuals
+from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
+from isoembed.surface.vertex_system import VertexSystem
 
 SPACES = [Hyperbolic(1.0), Hyperbolic(4.0), Spherical(0.5), Hyperbolic(1e-14), Euclidean()]
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.aim.pipeline import Pipeline
-from isoembed.aim.strategies import STRATEGIES
+from isoembed.aim.strategies import DECISIONS, STRATEGIES, choose
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import Method
@@ -78,7 +78,7 @@ class Aim(Method):
             attempt, with a diagnosis, or the best fit.  Of lengths with errors, given or shown by their
             digits, a smooth surface that agrees with them.
         """
-        return Pipeline(metric, self, tolerance, log).run(STRATEGIES)
+        return Pipeline(metric, self, tolerance, log).run(STRATEGIES, choose, DECISIONS)
 
 
 def _points(which: ArrayLike) -> tuple[tuple[float, ...], ...]:

@@ -1,7 +1,6 @@
 """Newton's method on the lengths from given vertices: the paper's annealing (section 2.2)."""
 
 from dataclasses import dataclass
-from itertools import count
 
 import numpy as np
 
@@ -12,7 +11,8 @@ from isoembed.nonlinear.newton import Point, largest, newton
 from isoembed.nonlinear.stopping import short_step, stagnated
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.length_newton import length_newton
-from isoembed.surface.rigidity import LengthSystem, VertexSystem, length_residuals
+from isoembed.surface.rigidity import LengthSystem, edge_rows, length_residuals
+from isoembed.surface.vertex_system import VertexSystem
 
 POLISH_STEPS = 10  # Newton steps of the last stage
 
@@ -114,9 +114,8 @@ def anneal_on_sphere(
         return r
 
     def solve(x: Floats, r: Floats) -> Floats:
-        step = system.spherical_step(x, lengths, r, radius)
+        step = system.spherical_step(x, edge_rows(system.triangulation, x, lengths), r, radius)
         recorder.iterations += 1
-        recorder.factorizations += 1
         return step
 
     close = short_step(1e-3)  # mean edge lengths
@@ -136,7 +135,6 @@ def anneal_damped(
 
     It finds some surface nearby, be it crumpled.  Parameters and result as of `anneal`.
     """
-    trials = count()
 
     def at(x: Floats) -> Point:
         return Point(x, length_residuals(system.triangulation, x, lengths))
@@ -149,7 +147,6 @@ def anneal_damped(
         def damped(mu: float) -> Point:
             d = system.step(p.x, lengths, p.residual, mu)
             recorder.iterations += 1
-            recorder.factorizations += 1
             return at(p.x - d)
 
         return damped
@@ -161,6 +158,6 @@ def anneal_damped(
         value=lambda p: float(p.residual @ p.residual),
         converged=converged,
         max_iterations=max_iterations,
-        exhausted=lambda _: next(trials) >= max_iterations,
+        max_trials=max_iterations,
     )
     return Annealed(found.point.x, largest(found.point), found.converged)

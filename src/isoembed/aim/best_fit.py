@@ -25,9 +25,9 @@ import numpy as np
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.linalg import SingularMatrix
+from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
-from isoembed.progress.work import Budget
 
 WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
 MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
@@ -86,7 +86,7 @@ def best_fit(
     start : ndarray, shape (V, 3)
         A smooth surface of about this shape and size, such as the polyhedron of a convex metric nearby.
     recorder : StageRecorder
-        Counts Gauss-Newton steps and factorizations.
+        Counts Gauss-Newton steps.
     most : float
         Factorizations: no mu but the first is tried where that might take more.
 
@@ -160,7 +160,6 @@ class Fits:
         ``H = J (J^T J + mu R^T R)^-1 J^T``.  Its trace is estimated by random vectors (Girard): the mean of
         ``z^T (I - H) z``, with z of random signs.
         """
-        self._recorder.factorizations += 1
         self._solve = self._energy.solver(x, self._metric.lengths, mu, 0.0)
         left = sum(float(z @ self._left(x, z)) for z in self._probes)
         return max(left / PROBES, 1.0)  # the estimate is not good enough to tell less from none

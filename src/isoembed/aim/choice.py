@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from isoembed.aim.accuracy import NEARLY, SAME
+from isoembed.aim.acceptance import SAME, is_realization
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter, NotEmbedded
@@ -19,8 +19,7 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.curvature import deficits as vertex_deficits
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import aligned
-from isoembed.surface.measures import outward
-from isoembed.surface.principal_axes import standard_position
+from isoembed.surface.placement import standard_position
 
 MOTIONS = 4  # softest motions, along which others are sought
 FAR = 0.05  # mean edge lengths: on rough bodies there are too many farther away
@@ -42,8 +41,7 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
     """
     different: list[Embedding] = []
     for surface in surfaces:
-        realized = surface.converged and surface.residual < NEARLY  # whatever the tolerance
-        if realized and all(surface.distance(other) > SAME for other in different):
+        if is_realization(surface) and all(surface.distance(other) > SAME for other in different):
             different.append(surface)
     if not different:
         return min(surfaces, key=lambda surface: surface.residual)
@@ -61,8 +59,12 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
 
 def _turned_to(answer: Embedding, other: Embedding) -> Embedding:
     """Another realization where it is nearest to the answer: of near ones, principal axes may point apart."""
-    vertices = aligned(other.vertices, answer.vertices, other.metric.space)
-    return Embedding(other.metric, vertices, method=other.method, tolerance=other.tolerance)
+    return _like(other, aligned(other.vertices, answer.vertices, other.metric.space))
+
+
+def _like(embedding: Embedding, vertices: Floats) -> Embedding:
+    """The surface with other vertices, of the same metric, method and tolerance."""
+    return Embedding(embedding.metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
 
 
 def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
@@ -73,13 +75,13 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
 
     metric, said = embedding.metric, sought(MOTIONS, FAR)
     with log.stage("neighbors") as recorder:
-        system = LengthSystem(metric.triangulation, space=metric.space)
+        system = LengthSystem(metric.triangulation, space=metric.space, work=log.work)
         search = RealizationSearch(metric, system, embedding.vertices, recorder, MOTIONS, FAR)
         for _ in search.steps(1):
             pass
     others = list(embedding.others)
     for vertices in search.found:
-        other = Embedding(metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
+        other = _like(embedding, vertices)
         if all(other.distance(known) > SAME for known in (embedding, *others)):
             others.append(other)
     found = embedding._with_others(others, Evidence("searched", said))
@@ -141,9 +143,7 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
     size = float(np.linalg.norm(vertices[a] - vertices[b], axis=1).mean())
     if not size > 0:
         raise InvalidParameter("all vertices of the surface to be near to are at one point")
-    return Embedding(
-        metric, metric.mean_length / size * vertices, method=embedding.method, tolerance=embedding.tolerance
-    )
+    return _like(embedding, metric.mean_length / size * vertices)
 
 
 def _realized(target: Embedding, log: Log) -> Embedding | None:
@@ -153,7 +153,7 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
 
     metric = target.metric
     with log.stage("nearest") as recorder:
-        system = LengthSystem(metric.triangulation)
+        system = LengthSystem(metric.triangulation, work=log.work)
         end = anneal_damped(
             system,
             target.vertices,
@@ -164,8 +164,7 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
         )
         if not end.converged:
             end = anneal(system, end.vertices, metric.lengths, recorder, max_iterations=30)
-    vertices = standard_position(metric.faces, outward(metric.faces, end.vertices))
-    found = Embedding(metric, vertices, method=target.method, tolerance=target.tolerance)
+    found = _like(target, standard_position(metric.faces, end.vertices))
     return found if found.converged else None
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array
 
+from isoembed.aim.patch_edges import PatchEdges
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
 from isoembed.nonlinear.acceptance import Damping
@@ -30,10 +31,10 @@ class ClampedPatch:
         Told of each factorization, by its share of the surface's vertices.
     vertices : ndarray of int, shape (n,)
         Those that move.
-    edges, lengths : ndarray, shape (m, 2), (m,)
-        Edges that change, and the lengths that they are to have.
-    place : ndarray of int, shape (m, 2)
-        The ends of edges among the vertices; n where they are held.
+    ends : ndarray, shape (m, 2)
+        Vertices at the ends of edges that change.
+    edges : PatchEdges
+        These edges.
     rows : sparse, shape (k, V)
         The rows of R that change.
     columns : ndarray, shape (k, n)
@@ -45,9 +46,8 @@ class ClampedPatch:
 
     spend: Callable[[float], None]
     vertices: Indices
-    edges: Indices
-    lengths: Floats
-    place: Indices
+    ends: Indices
+    edges: PatchEdges
     rows: csr_array
     columns: Floats
     stiffness: Floats
@@ -66,13 +66,14 @@ class ClampedPatch:
         triangulation, R = energy.triangulation, energy.fit_residuals
         n = len(vertices)
         changing = np.unique(triangulation.incidence[vertices].indices)
-        edges = triangulation.edges[changing]
+        ends = triangulation.edges[changing]
         place = np.full(triangulation.n_vertices, n)
         place[vertices] = np.arange(n)
         rows = R[np.unique(energy.fit_residuals_transposed[vertices].indices)]
         columns = rows[:, vertices].toarray()
         stiffness = mu * (columns.T @ columns)
-        return cls(spend, vertices, edges, lengths[changing], place[edges], rows, columns, stiffness, mu)
+        edges = PatchEdges(place[ends], lengths[changing], n)
+        return cls(spend, vertices, ends, edges, rows, columns, stiffness, mu)
 
     def value(self, x: Floats) -> float:
         """The part of the energy that changes."""
@@ -94,16 +95,9 @@ class ClampedPatch:
         n, held = len(self.vertices), np.kron(self.stiffness, np.eye(3))
 
         def step(at: _Terms) -> Curve[_Terms]:
-            blocks = np.zeros((n + 1, n + 1, 3, 3))
-            pull = np.zeros((n + 1, 3))
-            products = np.einsum("ei,ej->eij", at.directions, at.directions)
-            for sign, end in ((1.0, 0), (-1.0, 1)):
-                np.add.at(pull, self.place[:, end], sign * at.directions * at.residuals[:, None])
-                np.add.at(blocks, (self.place[:, end], self.place[:, end]), products)
-            blocks[self.place[:, 0], self.place[:, 1]] -= products
-            blocks[self.place[:, 1], self.place[:, 0]] -= products
-            matrix = blocks[:n, :n].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n) + held
-            gradient = (self.mu * (self.columns.T @ at.rough) + pull[:n]).ravel()
+            matrix = self.edges.hessian(at.directions) + held
+            pull = self.edges.forces(at.directions, at.residuals)
+            gradient = (self.mu * (self.columns.T @ at.rough) + pull).ravel()
 
             def damped(damping: float) -> _Terms:
                 self.spend(n / len(x))
@@ -124,10 +118,8 @@ class ClampedPatch:
         return found.point.x, found.value
 
     def _terms(self, x: Floats) -> _Terms:
-        d = x[self.edges[:, 0]] - x[self.edges[:, 1]]
-        lengths = self.lengths
-        r = (np.einsum("ei,ei->e", d, d) - lengths**2) / (2 * lengths)
-        return _Terms(x, r, self.rows @ x, d / lengths[:, None])
+        errors, directions = self.edges.errors(x[self.ends[:, 0]] - x[self.ends[:, 1]])
+        return _Terms(x, errors, self.rows @ x, directions)
 
     def _value(self, at: _Terms) -> float:
         return float(at.residuals @ at.residuals + self.mu * np.sum(at.rough**2))

@@ -20,7 +20,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
-from isoembed.linalg import SingularMatrix, Solver, analyze, dissect
+from isoembed.linalg import SingularMatrix, Solver, Work, analyze, dissect
 from isoembed.metric.conformal import equivalent
 from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
@@ -79,7 +79,7 @@ class Convexification:
             round sphere: the less, the nearer is the metric, and the flatter in places.  Ask for small ones
             first: the diffusion goes on from where it came to before.
         recorder : StageRecorder
-            Counts Newton steps and factorizations.
+            Counts Newton steps.
 
         Returns
         -------
@@ -111,7 +111,7 @@ class Convexification:
 
     def _changed(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
         """Follow the conformal change; None where it stops short."""
-        reached = _Delaunay.of(self.given)
+        reached = _Delaunay.of(self.given, recorder.work)
         diffused = self._diffused(reached, margin, recorder)
         if diffused is None:
             return None
@@ -124,7 +124,6 @@ class Convexification:
                 return reached.metric
             if count > 0:
                 step = reached.solved(missing)
-                recorder.factorizations += 1
             recorder.iterations += 1
             off = float(np.linalg.norm(missing))
             for s in SEARCH.parameters():
@@ -133,7 +132,7 @@ class Convexification:
                     break
             else:
                 return None
-            reached = trial if s == 1.0 else _Delaunay.of(trial.metric)
+            reached = trial if s == 1.0 else _Delaunay.of(trial.metric, recorder.work)
         return None
 
     def _diffused(
@@ -154,11 +153,10 @@ class Convexification:
         while self._tau < last:
             recorder.iterations += 1
             sources = triangles.metric.deficits / self._tau
-            density = triangles.steady(mass / self._tau, sources, recorder)
+            density = triangles.steady(mass / self._tau, sources)
             diffused = mass * density
             if (diffused >= margin * shares).all():
                 if not triangles.metric.space.is_euclidean:
-                    recorder.factorizations += 1
                     return diffused, triangles.solved(diffused - triangles.metric.deficits)
                 step = -self._tau * density
                 return diffused, step - step.mean()
@@ -174,7 +172,7 @@ class _Delaunay:
     solver: Callable[[], Solver]
 
     @classmethod
-    def of(cls, metric: GluedMetric) -> _Delaunay:
+    def of(cls, metric: GluedMetric, work: Work) -> _Delaunay:
         tables = metric.half_edges(directed=False)
         make_delaunay(tables, np.zeros(metric.n_vertices))
 
@@ -184,7 +182,8 @@ class _Delaunay:
             pattern = vertex_matrix(
                 tables.corners, tables.twins, *nothing
             )  # the Laplacian's values may vanish
-            return analyze(pattern, dissect(pattern).vertex_order(), definite=metric.curvature <= 0)
+            order = dissect(pattern).vertex_order()
+            return analyze(pattern, order, definite=metric.curvature <= 0, work=work)
 
         return cls(GluedMetric.flipped(tables), solver)
 
@@ -201,7 +200,7 @@ class _Delaunay:
         K.data[on_diagonal] += diagonal  # a sum of matrices would drop entries that vanish
         return K
 
-    def steady(self, diagonal: Floats, sources: Floats, recorder: StageRecorder) -> Floats:
+    def steady(self, diagonal: Floats, sources: Floats) -> Floats:
         """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
         from scipy.sparse.linalg import cg  # slow to import, and convex metrics do without
 
@@ -210,7 +209,6 @@ class _Delaunay:
         # More iterations cost more than factors.
         found, failed = cg(matrix, sources, rtol=1e-7, maxiter=150, M=jacobi)
         if failed:
-            recorder.factorizations += 1
             return self.solver().factor(matrix.data).solve(sources)
         return cast(Floats, found)
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from isoembed.alexandrov.method import convex_polyhedron
+from isoembed.aim.acceptance import PLACED
+from isoembed.alexandrov.method import repair_that_succeeds
 from isoembed.arrays import Mask
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.fitted import FittedSurface
-from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -64,15 +64,8 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
     if -total > 0.05 * 4 * np.pi:  # less negative curvature may be noise on a convex body
         return [found]
-    level = rounded_up(-lowest)
-    try:
-        convex_polyhedron(metric.normalized, 1e-10, Log(), float(level))  # what is advised is tried
-    except (InvalidMetric, NotEmbedded):
-        return [found]
-    return [
-        found,
-        f"If the body is convex, method=Alexandrov(repair={level}) finds it, on triangles of its own",
-    ]
+    said = repair_that_succeeds(metric.normalized, float(rounded_up(-lowest)), PLACED, Log())
+    return [found, f"If the body is convex, {said}, on triangles of its own"] if said else [found]
 
 
 def _negative(metric: PolyhedralMetric, negative: Mask, regions: int) -> str:

@@ -36,7 +36,7 @@ def minimize_energy(
     lengths : ndarray, shape (E,)
     mu : float
     recorder : StageRecorder
-        Counts steps and factorizations.
+        Counts steps.
     is_done : callable
         Whether a surface is good enough, or no more may be spent.
 
@@ -51,7 +51,6 @@ def minimize_energy(
         recorder.iterations += 1
 
         def damped(w: float) -> Floats:
-            recorder.factorizations += 1
             return x - energy.solver(x, lengths, mu, w, r / lengths)(gradient)
 
         return damped

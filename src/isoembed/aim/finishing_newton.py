@@ -15,14 +15,13 @@ goes on from there.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from isoembed.aim.accuracy import REALIZED
+from isoembed.aim.acceptance import REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats
@@ -31,7 +30,8 @@ from isoembed.nonlinear.acceptance import Damping
 from isoembed.nonlinear.descent import Curve, descend
 from isoembed.nonlinear.stopping import settled
 from isoembed.progress.stages import StageRecorder
-from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, VertexSystem, edge_rows
+from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, edge_rows
+from isoembed.surface.vertex_system import VertexSystem
 
 MOTIONS = (2, 3, 4, 5, 6, 8)  # numbers of softest motions, in turn
 
@@ -52,14 +52,12 @@ def finish(
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Counts factorizations.
     is_done : callable
         Whether no more may be spent, asked with a surface.
     """
     exact = REALIZED * float(lengths.mean())
     if is_done(vertices):
         return vertices
-    recorder.factorizations += 2
     try:
         soft = _SoftMotions.of(system, vertices, lengths, MOTIONS[-1])
     except (SingularMatrix, ArpackError):  # the latter where Lanczos' iteration does not converge
@@ -110,7 +108,9 @@ class _SoftMotions:
         triangulation, m = system.triangulation, len(lengths)
         # A little damping: J J^T is singular.
         linear = system.linearized(vertices, lengths, 1e-11)
-        factor = VertexSystem(triangulation).penalized(edge_rows(triangulation, vertices, lengths), 0.0)
+        factor = VertexSystem(triangulation, work=system.work).penalized(
+            edge_rows(triangulation, vertices, lengths), 0.0
+        )
         count = min(most, m - 1)
         moved = vertices - vertices.mean(axis=0)
         turns = [np.cross(axis, moved).ravel() for axis in np.eye(3)]
@@ -217,7 +217,6 @@ class _SoftEquations:
 
     def _least(self, s: Floats) -> tuple[float, Floats]:
         """The least sum of squares that Levenberg-Marquardt steps lead to, and where it is."""
-        trials = itertools.count()
 
         def at(s: Floats) -> tuple[Floats, ...]:
             return s, *self._evaluated(s)
@@ -234,6 +233,6 @@ class _SoftEquations:
             value=lambda point: float(point[1] @ point[1]),
             converged=settled(1e-8),  # rounding
             max_iterations=60,
-            exhausted=lambda _: next(trials) >= 60,
+            max_trials=60,
         )
         return found.value, found.point[0]

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 
 from isoembed.aim.regularized_energy import MAX_ITERATIONS, RegularizedEnergy
 from isoembed.arrays import Floats
-from isoembed.linalg import SymmetricFactor
+from isoembed.linalg import SymmetricFactor, Work
 from isoembed.linalg.krylov import Approximation, conjugate_gradients
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
@@ -38,6 +38,8 @@ class InterpolatedEnergy(RegularizedEnergy):
         The surface on which the vertices were chosen; gives R and K.
     positions : ndarray, shape (V, 3)
         In whose tangent planes is interpolated at first.
+    work : Work, optional
+        Counts the factorizations.
 
     Attributes
     ----------
@@ -45,15 +47,22 @@ class InterpolatedEnergy(RegularizedEnergy):
         Those measured.
     lengths : ndarray, shape (M,)
         Given for them.
+    P : CellRows, (V, C)
+        Interpolates all vertices.
     factor : SymmetricFactor or None
         Of the matrix of a step, the last one that was factored.
     """
 
     def __init__(
-        self, metric: PolyhedralMetric, stencils: Stencils, convex: Floats, positions: Floats
+        self,
+        metric: PolyhedralMetric,
+        stencils: Stencils,
+        convex: Floats,
+        positions: Floats,
+        work: Work | None = None,
     ) -> None:
         fine = metric.triangulation
-        self.edges = InterpolatedRigidity(fine, stencils)
+        self.edges = InterpolatedRigidity(fine, stencils, work)
         self.lengths = metric.lengths[self.edges.edges]
         chosen = convex[stencils.cells.vertices]
         coarse = PolyhedralMetric.from_mesh(chosen, stencils.triangulation.faces)
@@ -71,7 +80,7 @@ class InterpolatedEnergy(RegularizedEnergy):
 
     def in_charts_of(self, positions: Floats) -> None:
         """Interpolate in the tangent planes of a surface (V, 3) that is nearer to the one sought."""
-        self._differences = self.edges.differences(positions)
+        self.P, self._differences = self.edges.interpolated(positions)
 
     def residuals(self, vertices: Floats, lengths: Floats) -> Floats:
         """The errors r of the lengths of the edges that are measured."""
@@ -103,15 +112,7 @@ class InterpolatedEnergy(RegularizedEnergy):
         self.factor = None
         return super().step(vertices, lengths, mu, w, recorder, stiffness)
 
-    def solved(
-        self,
-        vertices: Floats,
-        lengths: Floats,
-        gradient: Floats,
-        mu: float,
-        w: float,
-        recorder: StageRecorder,
-    ) -> Floats:
+    def solved(self, vertices: Floats, lengths: Floats, gradient: Floats, mu: float, w: float) -> Floats:
         """Solve for a step by conjugate gradients, with factors of another surface as long as they serve."""
         rows = self._rows(vertices, lengths)
 
@@ -136,6 +137,5 @@ class InterpolatedEnergy(RegularizedEnergy):
                 return found.x
         self.factor = None  # its memory is free for the next
         penalty = csr_array(mu * (self._RR + w * self._KK))
-        recorder.factorizations += 1
         self.factor, self._factored = self.edges.factor(self._differences, rows, penalty), vertices
         return attempt(self.factor, 1e-4, MAX_ITERATIONS).x  # factors of its own cost little more

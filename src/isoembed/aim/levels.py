@@ -22,7 +22,7 @@ from isoembed.nonlinear.descent import Reason
 from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.cells import VertexCells
-from isoembed.surface.interpolation import CellRows, Stencils
+from isoembed.surface.interpolation import Stencils
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
@@ -90,10 +90,10 @@ def pulled_back_by_levels(
         stencils = _stencils(metric, convex, count)
         if stencils is None:
             return None
-        energy = InterpolatedEnergy(metric, stencils, convex, x)
+        energy = InterpolatedEnergy(metric, stencils, convex, x, recorder.work)
         settling = 1e-6 * energy.unit**2  # mean edge lengths^2: mu of the coarse steps of the levels
         z = energy.relaxed(x[stencils.cells.vertices], energy.lengths, settling, 0.0, recorder)
-        split = _split(system, metric.lengths, energy, stencils, x)
+        split = _split(system, metric.lengths, energy)
         x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
         del energy
     for mu in SPLIT[1:]:
@@ -127,7 +127,6 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
         if found.reason is not Reason.SINGULAR:
             break
         recorder.iterations += 1
-        recorder.factorizations += 1
     return x
 
 
@@ -160,45 +159,29 @@ def _guided(
     stencils = _stencils(metric, convex, _first(len(convex)))
     if stencils is None:
         return None
-    energy = InterpolatedEnergy(metric, stencils, convex, convex)
+    energy = InterpolatedEnergy(metric, stencils, convex, convex, recorder.work)
     ends = metric.edges[energy.edges.edges]
     ratio = np.linalg.norm(convex[ends[:, 0]] - convex[ends[:, 1]], axis=1) / energy.lengths
     ratio = np.maximum(ratio, SHORTEST)
     chosen = convex[stencils.cells.vertices]
     recorder.show(level=f"{len(chosen):,} of {len(convex):,} vertices")
     z, mu = guided(energy, chosen, lambda t: energy.lengths * ratio**t, recorder)
-    x, z = _split_step(system, metric.lengths, energy, stencils, convex, z, recorder)
+    split = _split(system, metric.lengths, energy)
+    x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
     for _ in range(2):  # steps in the charts of the last surface, while mu falls
         energy.in_charts_of(x)
         z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
-        x, z = _split_step(system, metric.lengths, energy, stencils, x, z, recorder)
+        split = _split(system, metric.lengths, energy)
+        x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
         mu *= FADE
     return x
 
 
-def _split_step(
-    system: LengthSystem,
-    lengths: Floats,
-    energy: InterpolatedEnergy,
-    stencils: Stencils,
-    charts: Floats,
-    z: Floats,
-    recorder: StageRecorder,
-) -> tuple[Floats, Floats]:
-    """A step for all lengths from what is interpolated in these charts: the next x and z."""
-    split = _split(system, lengths, energy, stencils, charts)
-    return split.step(split.P @ z, z, SPLIT[0], recorder)
-
-
-def _split(
-    system: LengthSystem, lengths: Floats, energy: InterpolatedEnergy, stencils: Stencils, charts: Floats
-) -> SplitNewton:
-    """Newton's method whose smooth motions are interpolated in these charts."""
+def _split(system: LengthSystem, lengths: Floats, energy: InterpolatedEnergy) -> SplitNewton:
+    """Newton's method whose smooth motions are interpolated as those of the energy."""
     if energy.factor is None:
         raise SingularMatrix("no step of the coarse surface has factors")
-    cell = stencils.cells.of_vertex
-    weights = stencils.interpolation(charts, system.triangulation.faces, np.arange(len(cell)), cell)
-    return SplitNewton(system, lengths, CellRows.of(stencils, weights, cell), energy.factor)
+    return SplitNewton(system, lengths, energy.P, energy.factor)
 
 
 def _stencils(metric: PolyhedralMetric, convex: Floats, count: int) -> Stencils | None:

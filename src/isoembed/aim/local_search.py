@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array, eye_array
 
-from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
+from isoembed.aim.acceptance import NEARLY, REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.clamped_patch import ClampedPatch
 from isoembed.aim.energy_descent import minimize_energy
@@ -29,9 +29,9 @@ from isoembed.aim.regularized_continuation import FADE, FADE_STEPS, release_pena
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.aim.search_state import SearchState
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.linalg.work import Budget
 from isoembed.nonlinear.continuation import penalty_continuation
 from isoembed.progress.stages import StageRecorder
-from isoembed.progress.work import Budget
 from isoembed.surface.local_fit import sums_at_ends
 from isoembed.surface.rigidity import LengthSystem
 
@@ -73,7 +73,7 @@ def local_search(
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Counts factorizations; one of a patch counts as its share of the vertices.
+        Recorder of the work; a factorization of a patch counts as its share of the vertices.
     most : float
         Factorizations after which nothing more is tried; the step that has begun is ended.
 
@@ -100,7 +100,7 @@ def local_search(
         x = search.mirrored(x)
     elif search.realization is None:
         x, _ = release_penalty(energy, x, lengths, mu, recorder, is_done=lambda: budget.exhausted)
-    recorder.factorizations += round(budget.shares)
+    budget.close()
     end = x if search.realization is None else search.realization
     search.keep(end)
     return Searched(end, search.nearest)
@@ -164,7 +164,7 @@ class _LocalSearch(SearchState):
     def is_realized(self, x: Floats) -> bool:
         """Whether a realization is found, now that the surface is this."""
         asked, self.asked = self.asked, x
-        if self.realization is None and x is not asked and self.largest_residual(x) <= NEWTON_BASIN:
+        if self.realization is None and x is not asked and self.largest_residual(x) <= NEARLY:
             found = anneal(self.system, x, self.lengths, self.recorder).vertices
             self.keep(found)
             if self.largest_residual(found) <= REALIZED:
@@ -177,7 +177,7 @@ class _LocalSearch(SearchState):
             end = self.released(energy, x, mu)
             if self.is_done(end):
                 return True
-            if self.largest_residual(end) <= NEWTON_BASIN:
+            if self.largest_residual(end) <= NEARLY:
                 end = finish(self.system, end, self.lengths, self.recorder, lambda _: self.exhausted)
                 if self.is_done(end):
                     return True

@@ -37,9 +37,9 @@ from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.measured import SIGNIFICANCE, SUSPECTS, MeasuredSurface
+from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.progress.work import Budget
 
 LEAST_WEIGHT = 1e-14
 """mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
@@ -160,7 +160,7 @@ def _fit_of_smooth_start(
     rms = float(
         1 / np.sqrt(np.mean(errors**-2.0))
     )  # of weights: lengths with large errors have no part in it
-    energy = RegularizedEnergy(metric, start).weighted(rms / errors)
+    energy = RegularizedEnergy(metric, start, recorder.work).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
     # lengths: no body collapses, however sharp its corners.

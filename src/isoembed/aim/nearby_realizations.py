@@ -29,8 +29,8 @@ APART = 0.1  # share of the distance expected: nearer, Newton's method fell back
 def sought(motions: int, near: float) -> str:
     """Clause on a search along the softest motions, within a distance in mean edge lengths."""
     return (
-        f"others were sought along the {motions} softest motions, within {near:g} mean edge lengths, which "
-        "need not find all: isoembed realizations searches further"
+        f"that there are no others is not known: they were sought along the {motions} softest motions "
+        f"within {near:g} mean edge lengths only; isoembed realizations searches further"
     )
 
 
@@ -65,7 +65,6 @@ def nearby_realizations(
     errors = length_residuals(triangulation, vertices, lengths, system.space)
     best, met = vertices, [vertices] if np.abs(errors).max() <= residual_tolerance else []
     for _ in range(4):  # from realization to realization
-        recorder.factorizations += 1
         expansion = LengthExpansion(system, best, lengths)
         softest = softest_motions(expansion, SOFTEST)
         predicted = predicted_motions(expansion, softest, NEAR).motions

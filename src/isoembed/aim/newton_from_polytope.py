@@ -151,7 +151,7 @@ def _followed(
         p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
         if p is None:
             return None
-        state = replace(state, polytope=p) if state else pinned(p, analyses, recorder, directions)
+        state = replace(state, polytope=p) if state else pinned(p, analyses, directions)
         found = without_curvature(state, SETTLED if t == 0 else nearly, recorder)
         if found is None:
             return None
@@ -184,7 +184,7 @@ def _reflected(state: Solution, recorder: StageRecorder) -> Solution:
     q = Polytope.on(p.tables, p.radii + across) if np.isfinite(across).all() else None
     if q is None:
         return state
-    found = without_curvature(state.refactorized(q, recorder), SETTLED, recorder)
+    found = without_curvature(state.refactorized(q), SETTLED, recorder)
     if found is None or inverted_vertices(found[0].polytope).sum() >= inverted.sum():
         return state
     return found[0]

@@ -65,14 +65,14 @@ def newton_on_radii(
             if p is None:
                 return None
             found = without_curvature(
-                pinned(p, analyses, recorder),
+                pinned(p, analyses),
                 SETTLED,
                 recorder,
                 0.9,  # less is asked after the path
             )
             if found is None or inverted_vertices(found[0].polytope).any():
                 return None
-            state = found[0].refactorized(found[0].polytope, recorder)
+            state = found[0].refactorized(found[0].polytope)
         except SingularMatrix:
             return None
         if state.inverse.negative_pivots != CONVEX:
@@ -125,5 +125,5 @@ def without_curvature(
         recorder.show(residual=float(np.abs(q.curvatures).max()))
         p, forcing = q, forcing_term(ratio, LOOSEST)
         stale = iterations > 6  # GMRES iterations: more ask for a fresh factorization
-        state = state.refactorized(p, recorder) if stale else replace(state, polytope=p)
+        state = state.refactorized(p) if stale else replace(state, polytope=p)
     return state, first

@@ -19,9 +19,9 @@ from isoembed.method import Method
 from isoembed.metric.conformal import rescaled
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
-from isoembed.surface.measures import outward
-from isoembed.surface.principal_axes import standard_position
-from isoembed.surface.rigidity import LengthSystem, VertexSystem
+from isoembed.surface.placement import standard_position
+from isoembed.surface.rigidity import LengthSystem
+from isoembed.surface.vertex_system import VertexSystem
 
 MOST_STEPS = 100_000
 
@@ -122,7 +122,7 @@ class Paper(Method):
         with log.stage("embedding tree") as recorder:  # 2.2
             vertices = self.embed_on_sphere(uniform, recorder).vertices
             recorder.show(t=1.0, vertices=vertices)
-        system = LengthSystem(metric.triangulation)
+        system = LengthSystem(metric.triangulation, work=log.work)
         with log.stage("anneal A") as recorder:
             if self.sphere:
                 vertices = self.anneal_on_sphere(uniform, vertices, recorder)
@@ -148,7 +148,7 @@ class Paper(Method):
                 self._show(system, annealed, t, recorder)
                 if not annealed.converged:
                     lost = lost or f"the pull-back lost the surface at t = {t:.3g} t_f"
-        vertices = standard_position(metric.faces, outward(metric.faces, annealed.vertices))
+        vertices = standard_position(metric.faces, annealed.vertices)
         embedding = Embedding(metric, vertices, method=self.name, tolerance=tolerance, stages=log.stages)
         if embedding.converged or not lost:
             return embedding
@@ -167,7 +167,7 @@ class Paper(Method):
     def anneal_on_sphere(self, uniform: Uniformization, vertices: Floats, recorder: StageRecorder) -> Floats:
         """The vertices (V, 3) of the tree, fitted to the uniform lengths and the radius in least squares."""
         return anneal_on_sphere(
-            VertexSystem(uniform.metric.triangulation),
+            VertexSystem(uniform.metric.triangulation, work=recorder.work),
             vertices,
             uniform.metric.lengths,
             uniform.radius,

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
+from isoembed.aim.acceptance import PLACED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.regularized_continuation import release_penalty
 from isoembed.aim.regularized_energy import LEAST_COTANGENT, RegularizedEnergy
@@ -100,7 +101,7 @@ def reflected_realizations(
     patches : sequence of ndarray of bool, shape (V,)
         Disjoint, such as `isoembed.metric.dents.dents`.
     recorder : StageRecorder
-        Counts Gauss-Newton steps and factorizations.
+        Counts Gauss-Newton steps.
 
     Yields
     ------
@@ -160,7 +161,7 @@ class _Search:
     def is_realized(self, surface: Floats) -> bool:
         """Whether a surface has the lengths."""
         r = self.energy.residuals(surface, self.metric.lengths)
-        return bool(np.abs(r).max() <= 1e-10 * self.energy.unit)  # mean edge lengths
+        return bool(np.abs(r).max() <= PLACED * self.energy.unit)
 
     def flips(self, choice: Choice) -> list[Choice]:
         """The choices that differ in one patch."""

@@ -1,9 +1,9 @@
-"""Pipeline of strategies: runs them in turn, spends the budget, keeps and resumes checkpoints."""
+"""Pipeline of strategies and decisions: runs them, spends the budget, keeps and resumes checkpoints."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 FITS = "measured", "fit"
 SPENT = "spent"  # factorizations before a strategy
+CHOICE = "choice"  # key of the choice among the candidates
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +48,7 @@ class State:
     measured, fit : BestFit or None
         The smooth surface within the errors of the lengths, and the nearest one if their errors are unknown.
     answer : Embedding or None
-        The surface that was chosen.
-    is_final : bool
-        Whether no other strategy is to follow.
+        The answer, where nothing else is to be tried.
     """
 
     candidates: tuple[Embedding, ...] = ()
@@ -62,7 +61,6 @@ class State:
     measured: BestFit | None = None
     fit: BestFit | None = None
     answer: Embedding | None = None
-    is_final: bool = False
 
     def adding(self, *surfaces: Embedding, **changes: Any) -> State:
         """The state with more candidates, and other changes."""
@@ -118,12 +116,9 @@ class Strategy(ABC):
     ----------
     key : str
         In checkpoints; never changed.
-    is_decision : bool
-        Whether it finds an answer from the candidates: it is repeated where a run goes on behind it.
     """
 
     key: ClassVar[str]
-    is_decision: ClassVar[bool] = False
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
         """Whether it is to be tried: as a rule, unless a candidate is trusted."""
@@ -132,6 +127,26 @@ class Strategy(ABC):
     @abstractmethod
     def run(self, state: State, pipeline: Pipeline) -> State:
         """Run the strategy and return the new state."""
+
+
+class Decision(ABC):
+    """A decision on the answer that was chosen; repeated where a run goes on behind it.
+
+    Attributes
+    ----------
+    key : str
+        In checkpoints; never changed.
+    """
+
+    key: ClassVar[str]
+
+    @abstractmethod
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
+        """Whether it is to be taken."""
+
+    @abstractmethod
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
+        """Take the decision and return the answer from then on."""
 
 
 class Pipeline:
@@ -151,32 +166,38 @@ class Pipeline:
     problem : Problem
         With the lengths as if exact.
     checkpoints : Checkpoints
-        Kept when a strategy begins, and by strategies as they go.
+        Kept when a strategy or decision begins, and by these as they go.
     work : Work
         Factorizations so far.
     """
 
     def __init__(self, metric: PolyhedralMetric, method: Aim, tolerance: float, log: Log) -> None:
         self.metric, self.method, self.log = metric, method, log
-        self.checkpoints, self.work = log.checkpoints, log.work
+        self.checkpoints, self.work, self._goal = log.checkpoints, log.work, ""
         exact = metric if metric.length_errors is None else metric.with_length_errors(0.0)
-        self.problem = Problem(exact, tolerance, method.name)
+        self.problem = Problem(exact, tolerance, method.name, self.work)
 
-    def run(self, strategies: Sequence[Strategy]) -> Embedding:
-        """The answer of strategies that are tried in turn; a resumed run goes on at the one that kept it."""
-        state, goal = self._resumed(strategies)
+    def run(
+        self,
+        strategies: Sequence[Strategy],
+        choose: Callable[[State, Pipeline], Embedding],
+        decisions: Sequence[Decision],
+    ) -> Embedding:
+        """Try strategies in turn, choose among the candidates, decide; or go on from a checkpoint."""
+        state = self._resumed({CHOICE} | {each.key for each in strategies} | {each.key for each in decisions})
         for strategy in strategies:
-            is_goal = strategy.key == goal
-            if goal and not (is_goal or strategy.is_decision):
-                continue
-            if is_goal or strategy.applies(state, self):
-                self._begin(strategy.key, state, is_new=not goal)
-                goal = "" if is_goal else goal
+            if self._goal == strategy.key or (not self._goal and strategy.applies(state, self)):
+                self._begin(strategy.key, state)
                 state = strategy.run(state, self)
-            if state.is_final:
-                break
-        assert state.answer is not None  # the last strategies give one
-        return state.answer._with_stages(self.log.stages)
+            if state.answer is not None:
+                return state.answer._with_stages(self.log.stages)
+        self._begin(CHOICE, state)
+        answer = choose(state, self)
+        for decision in decisions:
+            if self._goal == decision.key or decision.applies(answer, state, self):
+                self._begin(decision.key, state)
+                answer = decision.run(answer, state, self)
+        return answer._with_stages(self.log.stages)
 
     # Budgets: factorizations that a failure may cost, by those of the pull-back
 
@@ -191,20 +212,21 @@ class Pipeline:
 
     # Checkpoints
 
-    def _resumed(self, strategies: Sequence[Strategy]) -> tuple[State, str]:
-        """The state to go on from, and the key of the strategy that goes on, if any."""
+    def _resumed(self, keys: set[str]) -> State:
+        """The state to go on from; `_goal` is the key of what goes on, until it does."""
         kept = self.checkpoints.resumed
-        if kept is None or kept.key not in {strategy.key for strategy in strategies}:
-            return INITIAL, ""
-        if not kept.state:
-            return INITIAL, kept.key
+        self._goal = "" if kept is None or kept.key not in keys else kept.key
+        if kept is None or not self._goal or not kept.state:
+            return INITIAL
         self.work.factorizations = int(kept.state[SPENT])
-        return State.of_arrays(kept.state, self.problem), kept.key
+        return State.of_arrays(kept.state, self.problem)
 
-    def _begin(self, key: str, state: State, is_new: bool) -> None:
-        """Begin a strategy; all but the first keep a checkpoint, unless it is what the run goes on from."""
+    def _begin(self, key: str, state: State) -> None:
+        """Begin a strategy or decision: a checkpoint, unless it is the first, or the run goes on from it."""
         is_first = state is INITIAL and not self.work.factorizations
         known = {} if is_first else {**state.arrays(), SPENT: self.work.factorizations}
         self.checkpoints.begin(key, known)
-        if is_new and known:
+        if known and not self._goal:
             self.checkpoints.keep()
+        if key == self._goal:
+            self._goal = ""

@@ -1,4 +1,4 @@
-"""Problem shared by all strategies: metric, convexification; placement and acceptance of a surface."""
+"""Problem shared by all strategies: metric, tolerance, convexification, and placement of a surface."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.aim.accuracy import PLACED, REALIZED
 from isoembed.aim.convexification import Convexification
 from isoembed.alexandrov.newton import Analyses
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
+from isoembed.linalg import Work
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.measures import outward
-from isoembed.surface.principal_axes import standard_position
+from isoembed.surface.placement import standard_position
 
 if TYPE_CHECKING:
     from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -33,18 +33,17 @@ class Problem:
     tolerance : float
     name : str
         Of the method, which the surfaces bear.
+    work : Work
+        Counts the factorizations.
 
     Attributes
     ----------
-    acceptance_tolerance : float
-        Largest residual of an accepted surface.
     numbers : ndarray of int, shape (V,)
         The vertices in the order of the `convexification`, in which what is near is near in memory.
     """
 
-    def __init__(self, metric: PolyhedralMetric, tolerance: float, name: str) -> None:
-        self.metric, self.tolerance, self.name = metric, tolerance, name
-        self.acceptance_tolerance = max(tolerance, REALIZED)  # below that, the tolerance is beyond rounding
+    def __init__(self, metric: PolyhedralMetric, tolerance: float, name: str, work: Work) -> None:
+        self.metric, self.tolerance, self.name, self.work = metric, tolerance, name, work
         tables = GluedMetric.of(metric).half_edges(directed=False)
         self.numbers = tables.order_in_memory()
         self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
@@ -55,7 +54,7 @@ class Problem:
     @cached_property
     def analyses(self) -> Analyses:
         """Symbolic factorization that all factorizations for the radii share."""
-        return Analyses.of(self.convexification.given.half_edges(directed=False))
+        return Analyses.of(self.convexification.given.half_edges(directed=False), self.work)
 
     def forget_analyses(self) -> None:
         """Free the memory of `analyses`, which large bodies need for what follows."""
@@ -66,14 +65,14 @@ class Problem:
         """The equations for the lengths."""
         from isoembed.surface.rigidity import LengthSystem  # slow to import, and convex bodies do without
 
-        return LengthSystem(self.metric.triangulation, space=self.metric.space)
+        return LengthSystem(self.metric.triangulation, space=self.metric.space, work=self.work)
 
     def energy(self, start: Floats) -> RegularizedEnergy:
         """The regularized energy about a convex surface (V, 3)."""
         from isoembed.aim.regularized_energy import RegularizedEnergy
 
         if self._energy is None or self._energy[0] is not start:
-            self._energy = start, RegularizedEnergy(self.metric, start)
+            self._energy = start, RegularizedEnergy(self.metric, start, self.work)
         return self._energy[1]
 
     def annealed(self, vertices: Floats, recorder: StageRecorder) -> Embedding:
@@ -95,30 +94,16 @@ class Problem:
         """Whether no deficit is negative beyond rounding."""
         return self.convexification.is_convex
 
-    # Acceptance
+    # Placement
 
     def surface(self, vertices: Floats) -> Embedding:
         """The surface with these vertices, moved to its standard position."""
-        return self.placed(standard_position(self.metric.faces, self.oriented(vertices), self.metric.space))
+        return self.placed(standard_position(self.metric.faces, vertices, self.metric.space))
 
     def placed(self, vertices: Floats) -> Embedding:
         """The surface with these vertices, which `surface` gave."""
         return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
 
-    def accepts(self, surface: Embedding) -> bool:
-        """Whether the residual is within the acceptance tolerance."""
-        return surface.residual <= self.acceptance_tolerance
-
-    def is_exact(self, surface: Embedding) -> bool:
-        """Whether the residual is at the level of rounding, even if the tolerance is looser."""
-        return surface.residual <= min(self.acceptance_tolerance, PLACED)
-
-    # Order and orientation
-
-    def oriented(self, vertices: Floats) -> Floats:
-        """The vertices or their mirror image: the given triangles are counterclockwise from outside."""
-        return outward(self.metric.faces, vertices)
-
     def in_given_order(self, vertices: Floats) -> Floats:
-        """Vertices of the convexification in the given order, `oriented`."""
-        return self.oriented(vertices[np.argsort(self.numbers)])
+        """Vertices of the convexification in the given order, or their mirror image: `outward`."""
+        return outward(self.metric.faces, vertices[np.argsort(self.numbers)])

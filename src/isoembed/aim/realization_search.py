@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from isoembed.aim.accuracy import REALIZED, SAME
+from isoembed.aim.acceptance import REALIZED, SAME
 from isoembed.aim.anneal import Annealed, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
@@ -110,14 +110,14 @@ class RealizationSearch:
 
     def polish(self, vertices: Floats, moves: int = 0) -> None:
         """Add the realizations that Newton's method leads to, if they are new and near enough."""
-        start, realized = self._residual(vertices), REALIZED * self._unit
+        start = self._residual(vertices)
         probed = self._annealed(vertices, 3)  # Newton steps that tell whether an end is promising
-        good = probed.residual <= max(PROMISING * start, realized)
+        good = probed.residual <= max(PROMISING * start, self._realized)
         # Mean edge lengths: as near, it leads to a realization that is known.
         if good and self._is_known(probed.vertices, 1e-4):
             return
         found = self._annealed(probed.vertices, MAX_STEPS) if good else probed
-        if found.residual <= realized:
+        if found.residual <= self._realized:
             self._add(found.vertices, moves)
             return
         if good and found.residual <= PROMISING * probed.residual:
@@ -127,11 +127,16 @@ class RealizationSearch:
 
     @cached_property
     def _energy(self) -> RegularizedEnergy:
-        return RegularizedEnergy(self.metric, self.vertices)
+        return RegularizedEnergy(self.metric, self.vertices, self.recorder.work)
 
     @property
     def _unit(self) -> float:
         return self.metric.mean_length
+
+    @property
+    def _realized(self) -> float:
+        """The largest residual of a realization."""
+        return REALIZED * self._unit
 
     def _smoothed(self) -> Iterator[None]:
         """Move from the smoothest realization to smoother ones, as long as start points lead to one."""
@@ -211,7 +216,6 @@ class RealizationSearch:
     def _starts_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[StartPoint]:
         """Start points about vertices, with a number of the softest motions set apart, or always taken."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
-        self.recorder.factorizations += 2
         try:
             found = start_points(expansion, self.motions, self.distance, hidden, always)
         except SingularMatrix:
@@ -227,11 +231,10 @@ class RealizationSearch:
     def _add_close(self, vertices: Floats, moves: int) -> None:
         """Add the two realizations near a fold, where they are close and Newton's method is slow."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
-        self.recorder.factorizations += 1
         softest = softest_motions(expansion, SOFTEST)
         for motion in predicted_motions(expansion, softest, self.distance).motions[:2]:
             found = self._annealed(vertices + motion, MAX_STEPS)
-            if found.residual <= REALIZED * self._unit:
+            if found.residual <= self._realized:
                 self._add(found.vertices, moves)
 
     def _add(self, x: Floats, moves: int) -> None:

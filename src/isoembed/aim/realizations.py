@@ -158,7 +158,7 @@ def realizations(
             raise InvalidParameter(f"the number of {name} is {value!r}, not an integer {wanted}")
     metric = embedding.metric
     with Log().stage("realizations") as recorder:
-        system = LengthSystem(metric.triangulation, space=metric.normalized.space)
+        system = LengthSystem(metric.triangulation, space=metric.normalized.space, work=recorder.work)
         search = RealizationSearch(
             metric.normalized, system, embedding.vertices / metric.unit, recorder, motions, distance
         )

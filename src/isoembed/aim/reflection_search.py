@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from isoembed.aim.accuracy import NEWTON_BASIN, REALIZED
+from isoembed.aim.acceptance import NEARLY, REALIZED
 from isoembed.aim.anneal import anneal
 from isoembed.aim.energy_descent import minimize_energy
 from isoembed.aim.regularized_energy import RegularizedEnergy
@@ -21,8 +21,8 @@ from isoembed.aim.search_state import SearchState
 from isoembed.aim.vertex_reflections import GAIN, PATCHES, ReflectionTrial, ReflectionTrials
 from isoembed.arrays import Floats
 from isoembed.linalg import OutOfMemory, SingularMatrix
+from isoembed.linalg.work import Budget
 from isoembed.progress.stages import StageRecorder
-from isoembed.progress.work import Budget
 from isoembed.surface.rigidity import LengthSystem
 
 
@@ -48,7 +48,7 @@ def with_reflected_vertices(
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Counts factorizations; solutions and patches count as shares of one.
+        Recorder of the work; solutions and patches count as shares of a factorization.
     most : float
         Factorizations after which nothing more is tried.
 
@@ -64,7 +64,7 @@ def with_reflected_vertices(
         passed_over += 1
         search.pass_over = passed_over
         search.follow(*search.turn)
-    recorder.factorizations += round(search.budget.shares)
+    search.budget.close()
     return search.nearest
 
 
@@ -97,7 +97,7 @@ class _ReflectionSearch(SearchState):
     def keep(self, x: Floats) -> float:
         """Keep a surface, as every search does, and the one that Newton's method finds from it."""
         missed = super().keep(x)
-        if missed <= min(NEWTON_BASIN, 0.5 * self._asked):  # share of the residual that is worth another try
+        if missed <= min(NEARLY, 0.5 * self._asked):  # share of the residual that is worth another try
             self._asked = missed
             super().keep(anneal(self.system, x, self.lengths, self.recorder).vertices)
         return missed

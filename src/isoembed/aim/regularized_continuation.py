@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.aim.accuracy import NEWTON_BASIN
+from isoembed.aim.acceptance import NEARLY
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -77,7 +77,7 @@ def regularized_continuation(
         recorder.show(vertices=x[-1])
 
     x, mu = guided(energy, start, lengths, recorder, kept, keep)
-    given, close = lengths(0.0), NEWTON_BASIN * energy.unit
+    given, close = lengths(0.0), NEARLY * energy.unit
     found, residual = release_penalty(energy.finer(x), x, given, mu, recorder)
     if residual > close:  # edges too long for quintics to know the surface
         found = min(
@@ -173,6 +173,6 @@ def release_penalty(
         mu,
         factor=fade,
         max_weights=FADE_STEPS,
-        tolerance=NEWTON_BASIN * energy.unit,
+        tolerance=NEARLY * energy.unit,
         exhausted=is_done,
     )

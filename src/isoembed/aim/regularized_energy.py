@@ -21,7 +21,7 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import SingularMatrix, SymmetricFactor
+from isoembed.linalg import SingularMatrix, SymmetricFactor, Work
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.laplacian import cotangent_laplacian
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -29,8 +29,9 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.measures import face_areas
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows, length_residuals
+from isoembed.surface.rigidity import edge_rows, length_residuals
 from isoembed.surface.smoothness import fit_residuals
+from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
 LEAST_COTANGENT = 0.01  # smaller weights would reward bending, or fold a harmonic surface
 MAX_ITERATIONS = 100  # of conjugate gradients
@@ -49,6 +50,8 @@ class RegularizedEnergy:
         Gives K.
     vertices : ndarray, shape (V, 3)
         Of a surface near enough for its charts to be smooth on those sought; gives R.
+    work : Work, optional
+        Counts the factorizations.
 
     Attributes
     ----------
@@ -56,7 +59,8 @@ class RegularizedEnergy:
         The mean edge length.
     """
 
-    def __init__(self, metric: PolyhedralMetric, vertices: Floats) -> None:
+    def __init__(self, metric: PolyhedralMetric, vertices: Floats, work: Work | None = None) -> None:
+        self._work = work
         units = edge_lengths_about(metric.triangulation, metric.lengths)
         self._set_penalties(metric, vertices, units, metric.mean_length)
 
@@ -74,11 +78,11 @@ class RegularizedEnergy:
 
     @cached_property
     def _system(self) -> VertexSystem:
-        return VertexSystem(self.triangulation, self._KK)
+        return VertexSystem(self.triangulation, self._KK, self._work)
 
     @cached_property
     def _newton_system(self) -> VertexSystem:
-        return VertexSystem(self.triangulation, csr_array(self._RT @ self._R))
+        return VertexSystem(self.triangulation, csr_array(self._RT @ self._R), self._work)
 
     def finer(self, vertices: Floats) -> RegularizedEnergy:
         """Energy with quintic fits, applied twice, in the charts of these vertices instead of R."""
@@ -217,17 +221,8 @@ class RegularizedEnergy:
         rows = edge_rows(self.triangulation, vertices, lengths)
         return self._newton_system.penalized(rows, mu, tensions=tensions, held=held)
 
-    def solved(
-        self,
-        vertices: Floats,
-        lengths: Floats,
-        gradient: Floats,
-        mu: float,
-        w: float,
-        recorder: StageRecorder,
-    ) -> Floats:
+    def solved(self, vertices: Floats, lengths: Floats, gradient: Floats, mu: float, w: float) -> Floats:
         """Solve the equations of `solver` for one gradient; raises SingularMatrix."""
-        recorder.factorizations += 1
         return self.solver(vertices, lengths, mu, w)(gradient)
 
     def step(
@@ -259,7 +254,7 @@ class RegularizedEnergy:
         gradient = self.forces(vertices, lengths, r) + mu * pull
         recorder.iterations += 1
         try:
-            trial = vertices - self.solved(vertices, lengths, gradient, stiffness * mu, w, recorder)
+            trial = vertices - self.solved(vertices, lengths, gradient, stiffness * mu, w)
         except SingularMatrix:
             return vertices, False
         r, _, reached = measured(trial)

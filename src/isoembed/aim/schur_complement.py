@@ -18,13 +18,15 @@ from itertools import count
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
+from isoembed.aim.patch_edges import PatchEdges
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats, Indices
 from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.nonlinear.acceptance import Damping
 from isoembed.nonlinear.descent import Curve, descend
 from isoembed.nonlinear.newton import damped_step
-from isoembed.surface.rigidity import HeldTriangle, edge_rows
+from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.vertex_system import HeldTriangle
 
 COLUMNS = 96  # of the inverse that are solved for at once
 EARLY = 4  # steps after which those that lead nowhere are given up
@@ -43,7 +45,7 @@ class Condensation:
     lengths : ndarray, shape (E,)
     mu : float
     spend : callable
-        Told what is factored and solved for, in factorizations.
+        Told what is solved for, in factorizations.
 
     Raises
     ------
@@ -72,7 +74,6 @@ class Condensation:
             self._factor = self._factored()
 
     def _factored(self) -> SymmetricFactor:
-        self.spend(1.0)
         return self.energy.newton_factor(self.vertices, self.lengths, self.mu, self.tensions, self.held)
 
     def solve(self, forces: Floats) -> Floats:
@@ -99,7 +100,8 @@ class Condensation:
         place[vertices] = np.arange(len(vertices))
         ends = place[self.energy.triangulation.edges]
         inside = np.flatnonzero((ends >= 0).all(axis=1))
-        return CondensedPatch(self, vertices, inside, ends[inside], cho_solve(factor, np.eye(of.size)))
+        edges = PatchEdges(ends[inside], self.lengths[inside], len(vertices))
+        return CondensedPatch(self, vertices, inside, edges, cho_solve(factor, np.eye(of.size)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +114,8 @@ class CondensedPatch:
     vertices : ndarray of int, shape (n,)
     inside : ndarray of int, shape (m,)
         The edges among them.
-    ends : ndarray of int, shape (m, 2)
-        Their places among the vertices.
+    edges : PatchEdges
+        These edges.
     stiffness : ndarray, shape (3n, 3n)
         Half the second derivatives for small motions: the Schur complement.
     """
@@ -121,52 +123,26 @@ class CondensedPatch:
     surface: Condensation
     vertices: Indices
     inside: Indices
-    ends: Indices
+    edges: PatchEdges
     stiffness: Floats
-
-    @cached_property
-    def _slots(self) -> Indices:
-        """Positions of the 3 x 3 blocks of the edges in the matrix: 36 entries an edge."""
-        (a, b), size = self.ends.T, 3 * len(self.vertices)
-        i, j = np.arange(3)[:, None], np.arange(3)
-
-        def block(p: Indices, q: Indices) -> Indices:
-            return ((3 * p[:, None, None] + i) * size + 3 * q[:, None, None] + j).ravel()
-
-        return np.concatenate([block(a, a), block(b, b), block(a, b), block(b, a)])
 
     @cached_property
     def _outside(self) -> tuple[Floats, Floats]:
         """Contributions from other than the edges inside: the matrix, and the forces at rest, (n, 3)."""
         surface, inside = self.surface, self.inside
         rows = surface.rows[inside]
-        matrix = self.stiffness - self._assembled(rows, surface.tensions[inside])
+        matrix = self.stiffness - self.edges.hessian(rows, surface.tensions[inside])
         for corner, block in zip(*surface.held, strict=True):  # nothing holds what moves far
             for place in np.flatnonzero(self.vertices == corner):
                 own = slice(3 * place, 3 * place + 3)
                 matrix[own, own] -= block
-        return matrix, -self._forces(rows, surface.residuals[inside])
-
-    def _assembled(self, rows: Floats, tensions: Floats) -> Floats:
-        """``J^T J + S`` of the edges inside, (3n, 3n)."""
-        size = 3 * len(self.vertices)
-        blocks = rows[:, :, None] * rows[:, None, :] + tensions[:, None, None] * np.eye(3)
-        values = np.concatenate([blocks.ravel(), blocks.ravel(), -blocks.ravel(), -blocks.ravel()])
-        return np.asarray(np.bincount(self._slots, values, minlength=size**2).reshape(size, size))
-
-    def _forces(self, rows: Floats, residuals: Floats) -> Floats:
-        """``J^T r`` of the edges inside, (n, 3)."""
-        pulls, n = rows * residuals[:, None], len(self.vertices)
-        at = np.concatenate([self.ends[:, 0], self.ends[:, 1]])
-        both = np.concatenate([pulls, -pulls])
-        return np.stack([np.bincount(at, both[:, k], minlength=n) for k in range(3)], axis=1)
+        return matrix, -self.edges.forces(rows, surface.residuals[inside])
 
     def _errors(self, motion: Floats) -> tuple[Floats, Floats]:
         """The errors r of the edges inside, and their rows of J."""
         x = self.surface.vertices[self.vertices] + motion
-        d = x[self.ends[:, 0]] - x[self.ends[:, 1]]
-        lengths = self.surface.lengths[self.inside]
-        return (np.einsum("ei,ei->e", d, d) - lengths**2) / (2 * lengths), d / lengths[:, None]
+        a, b = self.edges.ends.T
+        return self.edges.errors(x[a] - x[b])
 
     def change(self, motion: Floats) -> float:
         """Change of the energy with a motion, (n, 3), of the vertices."""
@@ -182,8 +158,8 @@ class CondensedPatch:
 
         def step(d: Floats) -> Curve[Floats]:
             r, rows = self._errors(d)
-            gradient = self._forces(rows, r).ravel() + forces.ravel() + matrix @ d.ravel()
-            hessian = matrix + self._assembled(rows, r / self.surface.lengths[self.inside])
+            gradient = self.edges.forces(rows, r).ravel() + forces.ravel() + matrix @ d.ravel()
+            hessian = matrix + self.edges.hessian(rows, r / self.edges.lengths)
 
             def damped(damping: float) -> Floats:
                 # Factorizations that a step costs whose matrix is that of all vertices.

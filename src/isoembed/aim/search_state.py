@@ -4,8 +4,8 @@ import numpy as np
 
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
+from isoembed.linalg.work import Budget
 from isoembed.progress.stages import StageRecorder
-from isoembed.progress.work import Budget
 from isoembed.surface.rigidity import LengthSystem
 
 

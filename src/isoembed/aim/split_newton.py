@@ -96,7 +96,6 @@ class SplitNewton:
     ) -> tuple[LinearizedLengths, Floats]:
         """J and the factors at x, and the residuals in their order."""
         recorder.iterations += 1
-        recorder.factorizations += 1
         # Single precision solves well enough.
         linear = self._system.linearized(x, self._lengths, damping, single=damping >= 5e-7)
         return linear, length_residuals(self._system.triangulation, x, self._lengths)[linear.order]

@@ -2,7 +2,7 @@
 
 The paper's three steps, uniformize, embed and pull back, are `NearestPolyhedron` and what follows it.  Convex
 metrics, and those that nearly are, do without: the strategies before it go to their surface at once.  Those
-after the pull-back are for what it missed; the last ones choose.
+after the pull-back are for what it missed.  Then one candidate is chosen, and decisions change the choice.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.aim.accuracy import NEARLY, PLACED, REALIZED
+from isoembed.aim.acceptance import PLACED, REALIZED, is_accepted, is_exact, is_near
 from isoembed.aim.choice import asked_for, smoothest, with_neighbors
 from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
-from isoembed.aim.pipeline import Pipeline, State, Strategy
+from isoembed.aim.pipeline import Decision, Pipeline, State, Strategy
 from isoembed.aim.problem import Problem
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
@@ -25,6 +25,7 @@ from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.progress.checkpoints import Arrays
 
 if TYPE_CHECKING:
+    from isoembed.aim.best_fit import BestFit
     from isoembed.aim.regularized_continuation import Continued
     from isoembed.embedding.measured import MeasuredSurface
     from isoembed.metric.polyhedral import PolyhedralMetric
@@ -62,11 +63,10 @@ class FitWithinErrors(Strategy):
         metric, errors = pipeline.metric, np.asarray(pipeline.metric.length_errors)
         start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
         with pipeline.log.stage("fit within errors") as recorder:
-            state = replace(state, measured=fit_within_errors(metric, errors, start, recorder))
-        found = measured_candidate(state, pipeline)
-        if not found.converged or has_small_errors(metric):
-            return state
-        return replace(state, answer=found, is_final=True)
+            fit = fit_within_errors(metric, errors, start, recorder)
+        found = measured_candidate(fit, pipeline)
+        is_final = found.converged and not has_small_errors(metric)
+        return replace(state, measured=fit, answer=found if is_final else None)
 
 
 class NewtonOnRadii(Strategy):
@@ -115,7 +115,7 @@ class NearestPolytope(Strategy):
         body = polytope_start(convexification.given, convex, problem.analyses, log)
         if body is not None and body.ndim == 2 and problem.is_convex:
             polyhedron = polished_polyhedron(problem.in_given_order(body), pipeline)
-            if problem.is_exact(polyhedron):
+            if is_exact(polyhedron):
                 return state.adding(polyhedron, trusted=True)
         return replace(state, body=body)
 
@@ -183,7 +183,7 @@ class NewtonOnLengths(Strategy):
                 recorder.show(t=0.0, vertices=solution.vertices)
                 state = state.adding(problem.surface(solution.vertices))
         cost, polyhedron = pipeline.work.factorizations, problem.surface(start)
-        if problem.is_convex and problem.is_exact(polyhedron):
+        if problem.is_convex and is_exact(polyhedron):
             return state.adding(polyhedron, trusted=True, cost=cost)
         on_branch = solution is not None and (
             problem.is_convex or solution.branch_deviation < LENGTHS_DEVIATION
@@ -216,7 +216,7 @@ class PatchReflections(Strategy):
             )
             found = [problem.surface(vertices) for vertices in choices]
         state = state.adding(*found)
-        realized = [surface for surface in found if problem.is_exact(surface)]
+        realized = [surface for surface in found if is_exact(surface)]
         if realized:
             state = with_smoother(
                 state, min(realized, key=lambda surface: surface.surface.fine_roughness), pipeline
@@ -336,7 +336,7 @@ class VertexReflections(Strategy):
         problem = pipeline.problem
         return (
             pipeline.method.effort > 1
-            and not problem.accepts(state.nearest)
+            and not is_accepted(state.nearest)
             and problem.metric.space.is_euclidean
         )
 
@@ -358,115 +358,105 @@ class VertexReflections(Strategy):
         return with_smoother(state.adding(found), found, pipeline)
 
 
-class Choice(Strategy):
+def choose(state: State, pipeline: Pipeline) -> Embedding:
     """The smoothest candidate with the lengths; if there is none, the best fit, or a diagnosis."""
+    problem, fit, method = pipeline.problem, state.fit, pipeline.method
+    found = smoothest(state.candidates, problem.is_convex, state.searched)
+    if found.converged or (is_accepted(found) and fit is None):
+        return found
+    from isoembed.aim.diagnosis import diagnosis
 
-    key, is_decision = "choice", True
-
-    def applies(self, state: State, pipeline: Pipeline) -> bool:
-        return True
-
-    def run(self, state: State, pipeline: Pipeline) -> State:
-        problem, fit, method = pipeline.problem, state.fit, pipeline.method
-        found = smoothest(state.candidates, problem.is_convex, state.searched)
-        if found.converged or (problem.accepts(found) and fit is None):
-            return replace(state, answer=found)
-        from isoembed.aim.diagnosis import diagnosis
-
-        fitted = None
-        if fit is not None:
-            fitted = FittedSurface(
-                problem.metric,
-                fit.vertices,
-                noise=fit.noise,
-                weight=fit.weight,
-                method=problem.name,
-                tolerance=problem.tolerance,
-            )
-        if method.best_fit and fitted is not None:
-            return replace(state, answer=fitted)
-        said = diagnosis(found, fitted, method.effort)
-        return replace(state, answer=found._with_message(said))
+    fitted = None
+    if fit is not None:
+        fitted = FittedSurface(
+            problem.metric,
+            fit.vertices,
+            noise=fit.noise,
+            weight=fit.weight,
+            method=problem.name,
+            tolerance=problem.tolerance,
+        )
+    if method.best_fit and fitted is not None:
+        return fitted
+    return found._with_message(diagnosis(found, fitted, method.effort))
 
 
-class Neighbors(Strategy):
+class Neighbors(Decision):
     """Search for other realizations near one that was found at once.
 
     A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors apart,
     and the search would cost more than all else.
     """
 
-    key, is_decision = "neighbors", True
+    key = "neighbors"
 
-    def applies(self, state: State, pipeline: Pipeline) -> bool:
-        found = answered(state)
-        is_small = found.triangulation.n_vertices <= 150
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
+        is_small = answer.triangulation.n_vertices <= 150
         return (
-            found.converged
-            and found.uniqueness is None
+            answer.converged
+            and answer.uniqueness is None
             and is_small
-            and bool(found.surface.concave_edges.any())
+            and bool(answer.surface.concave_edges.any())
         )
 
-    def run(self, state: State, pipeline: Pipeline) -> State:
-        return replace(state, answer=with_neighbors(answered(state), pipeline.log))
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
+        return with_neighbors(answer, pipeline.log)
 
 
-class FitWithinDigits(Strategy):
+class FitWithinDigits(Decision):
     """Smooth surface that agrees with rounded lengths, instead of a rough one or of none."""
 
-    key, is_decision = "fit within digits", True
+    key = "fit within digits"
 
-    def applies(self, state: State, pipeline: Pipeline) -> bool:
-        found = answered(state)
-        doubtful = found.surface.rough_edges.any() if found.converged else not pipeline.method.best_fit
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
+        doubtful = answer.surface.rough_edges.any() if answer.converged else not pipeline.method.best_fit
         return bool(doubtful) and pipeline.problem.metric.rounding is not None
 
-    def run(self, state: State, pipeline: Pipeline) -> State:
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
         from isoembed.aim.measured_lengths import fit_within_digits
 
         start = state.start
         if start is None:
             start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
-        return replace(state, answer=fit_within_digits(answered(state), start, pipeline.log))
+        return fit_within_digits(answer, start, pipeline.log)
 
 
-class AskedFor(Strategy):
+class AskedFor(Decision):
     """The realization that the caller asked for, among those that were found."""
 
-    key, is_decision = "asked for", True
+    key = "asked for"
 
-    def applies(self, state: State, pipeline: Pipeline) -> bool:
-        return pipeline.method.which is not None and answered(state).converged
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
+        return pipeline.method.which is not None and answer.converged
 
-    def run(self, state: State, pipeline: Pipeline) -> State:
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
         which = pipeline.method.which
-        assert which is not None
-        return replace(state, answer=asked_for(answered(state), which, pipeline.log))
+        return answer if which is None else asked_for(answer, which, pipeline.log)
 
 
-class SmootherWithinErrors(Strategy):
+class SmootherWithinErrors(Decision):
     """Smooth fit to lengths with errors, with the vertices of the exact surface if that is better.
 
     That is where it is smoother, or where the errors are too small for a fit.  A rougher one would follow
     blunders.
     """
 
-    key, is_decision = "smoother within errors", True
+    key = "smoother within errors"
 
-    def applies(self, state: State, pipeline: Pipeline) -> bool:
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
         return state.measured is not None
 
-    def run(self, state: State, pipeline: Pipeline) -> State:
-        found, exact = measured_candidate(state, pipeline), answered(state)
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
+        assert state.measured is not None
+        found, exact = measured_candidate(state.measured, pipeline), answer
         if not exact.converged:
-            return replace(state, answer=found)
+            return found
         smoother = exact.surface.fine_roughness < found.surface.fine_roughness
         if smoother or (not found.converged and has_small_errors(pipeline.metric)):
             found = replace(found, vertices=exact.vertices, weight=0.0, scatter=0.0, message="")
         elif not found.converged:
             found = found._with_others([exact])
-        return replace(state, answer=found)
+        return found
 
 
 # What strategies share
@@ -478,22 +468,15 @@ def started(state: State) -> Floats:
     return state.start
 
 
-def answered(state: State) -> Embedding:
-    """The answer, which all strategies behind `Choice` need."""
-    assert state.answer is not None
-    return state.answer
-
-
 def accepted(state: State, problem: Problem, vertices: Floats) -> State:
     """The state with a surface of which only the residual is in doubt, if that is small."""
     found = problem.surface(vertices)
-    return state.adding(found, trusted=True) if problem.accepts(found) else state
+    return state.adding(found, trusted=True) if is_accepted(found) else state
 
 
 def missed(state: State, pipeline: Pipeline) -> bool:
     """Whether no candidate is accepted."""
-    problem = pipeline.problem
-    return not problem.accepts(smoothest(state.candidates, problem.is_convex, state.searched))
+    return not is_accepted(smoothest(state.candidates, pipeline.problem.is_convex, searched=False))
 
 
 def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State:
@@ -501,7 +484,7 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
     from isoembed.aim.nearby_realizations import nearby_realizations
 
     problem = pipeline.problem
-    if not surface.residual < NEARLY:
+    if not is_near(surface):
         return state
     with pipeline.log.stage("neighbors") as recorder:
         met = nearby_realizations(
@@ -516,7 +499,7 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
 
 def fresh(problem: Problem) -> Problem:
     """Copy of the problem with an unused convexification."""
-    return Problem(problem.metric, problem.tolerance, problem.name)
+    return Problem(problem.metric, problem.tolerance, problem.name, problem.work)
 
 
 def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
@@ -526,6 +509,7 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
     from isoembed.metric.curvature import area
     from isoembed.metric.delaunay import delaunay
     from isoembed.metric.polyhedral import PolyhedralMetric
+    from isoembed.surface.measures import outward
 
     metric, log = problem.metric, pipeline.log
     log.expect(POLYHEDRON | PULL_BACK)
@@ -541,14 +525,14 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
         except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
             pass
     with log.stage("sphere") as recorder:
-        x = problem.oriented(conformal_sphere(delaunay(metric), recorder).points)
+        x = outward(metric.faces, conformal_sphere(delaunay(metric), recorder).points)
         return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
 
 
 def polished_polyhedron(vertices: Floats, pipeline: Pipeline) -> Embedding:
     """The polyhedron of a convex metric on the given triangles, with the lengths to rounding if it may be."""
     found = pipeline.problem.surface(vertices)
-    if not REALIZED < found.residual < NEARLY:
+    if found.residual <= REALIZED or not is_near(found):
         return found
     with pipeline.log.stage("polish") as recorder:
         polished = pipeline.problem.annealed(vertices, recorder)
@@ -562,13 +546,11 @@ def has_small_errors(metric: PolyhedralMetric) -> bool:
     return bool(np.max(np.asarray(metric.length_errors)) < SMALL * metric.mean_length)
 
 
-def measured_candidate(state: State, pipeline: Pipeline) -> MeasuredSurface:
+def measured_candidate(fit: BestFit, pipeline: Pipeline) -> MeasuredSurface:
     """The smooth surface within the errors of the lengths."""
     from isoembed.aim.measured_lengths import measured_surface
 
-    assert state.measured is not None
-    problem = pipeline.problem
-    return measured_surface(pipeline.metric, state.measured, problem.name, problem.tolerance)
+    return measured_surface(pipeline.metric, fit, pipeline.problem.name, pipeline.problem.tolerance)
 
 
 STRATEGIES = (
@@ -583,9 +565,6 @@ STRATEGIES = (
     LocalSearch(),
     BestFitting(),
     VertexReflections(),
-    Choice(),
-    Neighbors(),
-    FitWithinDigits(),
-    AskedFor(),
-    SmootherWithinErrors(),
 )
+
+DECISIONS = Neighbors(), FitWithinDigits(), AskedFor(), SmootherWithinErrors()  # after the choice

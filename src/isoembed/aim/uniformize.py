@@ -260,10 +260,9 @@ def _newton_step(metric: PolyhedralMetric, state: _State, C: Floats, recorder: S
     g = by_u.T @ area_derivative(rho)  # kbar depends on the area: dF/du = S + (kbar / A) A* g^T
     modes = np.abs(dual)[:, None] * C
     try:
-        factor = factor_general(S)
+        factor = factor_general(S, recorder.work)
     except SingularMatrix:
         return np.zeros(len(F))
-    recorder.factorizations += 1
     solved = factor.solve(np.column_stack([F, dual * kbar / area(rho), modes]))
     plain, responses = solved[:, 0], solved[:, 1:]
     # Unknowns: g^T du, lambda.

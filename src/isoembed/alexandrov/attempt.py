@@ -8,14 +8,11 @@ from isoembed.alexandrov.newton import Analyses, pinned
 from isoembed.alexandrov.placement import placed
 from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import SingularMatrix
+from isoembed.linalg import SingularMatrix, Work
 from isoembed.metric.polyhedral import PolyhedralMetric
-from isoembed.progress.stages import StageRecorder
 
 
-def attempted(
-    metric: PolyhedralMetric, core: Indices, nearest: Polytope | None, recorder: StageRecorder
-) -> Floats:
+def attempted(metric: PolyhedralMetric, core: Indices, nearest: Polytope | None, work: Work) -> Floats:
     """Vertices on the given triangles, shape (V, 3), which are not a solution.
 
     Parameters
@@ -25,13 +22,14 @@ def attempted(
         The vertices of the polytope.
     nearest : Polytope or None
         That with the least curvatures; without one, the vertices are spread over a sphere.
-    recorder : StageRecorder
+    work : Work
+        Counts factorizations.
     """
     n = metric.triangulation.n_vertices
     vertices = np.empty((n, 3))
     known = np.zeros(n, dtype=np.bool_)
     known[core] = True
-    found = _spread(core.size) if nearest is None else _placed(nearest, recorder)
+    found = _spread(core.size) if nearest is None else _placed(nearest, work)
     if metric.curvature > 0:  # all of it in the half of the sphere that has coordinates
         found = found * min(1.0, 0.5 * metric.space.radius / float(np.abs(found).max()))  # radii of curvature
     vertices[core] = found
@@ -43,9 +41,9 @@ def attempted(
     return vertices
 
 
-def _placed(nearest: Polytope, recorder: StageRecorder) -> Floats:
+def _placed(nearest: Polytope, work: Work) -> Floats:
     try:
-        return placed(pinned(nearest, Analyses.of(nearest.tables), recorder))
+        return placed(pinned(nearest, Analyses.of(nearest.tables, work)))
     except SingularMatrix:
         return float(nearest.radii.mean()) * _spread(nearest.radii.size)
 

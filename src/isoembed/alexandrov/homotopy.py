@@ -142,7 +142,7 @@ def follow_path(
     analyses : Analyses, optional
         Of triangulations of this metric, or of one nearby.
     """
-    analyses = analyses or Analyses.of(tables)
+    analyses = analyses or Analyses.of(tables, recorder.work)
     tables = tables.copy()
     make_delaunay(tables, np.zeros(deficits.size))
     radii = equal_radii(tables, START_RADII)
@@ -284,7 +284,7 @@ def _path(
         if inverse is None:
             here = replace(here, polytope=p, count=count)
             keep(here)
-            inverse, fresh = _factor(p, analyses, recorder), True
+            inverse, fresh = _factor(p, analyses), True
             if not flips and inverse.negative_pivots != CONVEX:
                 return
         if count % 50 == 0:  # steps in which the odds or the norm have to fall
@@ -350,8 +350,7 @@ def _lowered(epsilon: float, step: float) -> float:
     return odds / (1 + odds)
 
 
-def _factor(p: Polytope, analyses: Analyses, recorder: StageRecorder) -> SymmetricFactor:
-    recorder.factorizations += 1
+def _factor(p: Polytope, analyses: Analyses) -> SymmetricFactor:
     matrix = p.jacobian()
     matrix.data *= -1
     return analyses.solver(matrix).factor(matrix.data, single=True)

@@ -5,22 +5,10 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Flag, Int, Real
+from cython.cimports.isoembed.intrinsic.loops import following, preceding
+from cython.cimports.isoembed.space.trigonometry import arc, twice_area
 from cython.cimports.libc.math import atan2, sqrt
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.loops import following, preceding
-else:
-    from isoembed.intrinsic.loops import following, preceding
-if cython.compiled:
-    from cython.cimports.isoembed.space.trigonometry import arc, twice_area
-else:
-    from isoembed.space.trigonometry import arc, twice_area
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Flag = cython.typedef(cython.uchar)
 
 INF = cython.declare(cython.double, float("inf"))
 PI = cython.declare(cython.double, 3.141592653589793)

@@ -34,6 +34,7 @@ from isoembed.intrinsic.edge_paths import edge_paths
 from isoembed.intrinsic.flat_vertices import remove_flat_vertices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.insert_vertices import insert_vertices
+from isoembed.linalg import Work
 from isoembed.method import Method
 from isoembed.metric.convexity import deficit_rounding, largest_noise, repair_level
 from isoembed.metric.glued import GluedMetric
@@ -43,9 +44,10 @@ from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 from isoembed.space.models import to_model
 from isoembed.surface.curvature import FLAT_ANGLE
-from isoembed.surface.measures import face_normals, outward
-from isoembed.surface.principal_axes import standard_position
+from isoembed.surface.measures import face_normals
+from isoembed.surface.placement import standard_position
 
+ANOTHER = 0.1  # relative change of a length beyond which a repaired metric is another one
 NEAREST = "nearest "  # before the names of its arrays
 
 ONLY_CONVEX = Evidence(
@@ -122,16 +124,25 @@ class Alexandrov(Method):
         level = repair_level(given.deficits, least)
         if level is None or self.repair:
             return ""
-        said = f"method=Alexandrov(repair={level:.1e})"
-        try:
-            found = convex_polyhedron(metric, tolerance, log, level)
-        except (InvalidMetric, NotEmbedded):
-            return ""
-        change = 0.0 if found.repair is None else found.repair.largest_change
-        return (
-            f"; if deficits of {level:.1e} or less are noise, {said} finds a polyhedron, with lengths "
-            f"changed by {change:.1g} of their size at most"
-        )
+        said = repair_that_succeeds(metric, level, tolerance, log)
+        return said and f"; if deficits of {level:.1e} or less are noise, {said}"
+
+
+def repair_that_succeeds(
+    metric: PolyhedralMetric | GluedMetric, level: float, tolerance: float, log: Log
+) -> str:
+    """Clause on a repair that leads to a polyhedron; empty if it does not, or changes the lengths by much."""
+    try:
+        found = convex_polyhedron(metric, tolerance, log, level)
+    except (InvalidMetric, NotEmbedded):
+        return ""
+    change = 0.0 if found.repair is None else found.repair.largest_change
+    if change > ANOTHER:
+        return ""
+    return (
+        f"method=Alexandrov(repair={level:.1e}) finds a polyhedron, with lengths changed by {change:.1g} of "
+        "their size at most"
+    )
 
 
 def convex_polyhedron(
@@ -221,10 +232,10 @@ class _Search:
                 None if kept is None else Waypoint.of_arrays(kept),
             )
             body = tetrahedron(tables) if self.by_lengths and order.size == 4 else None
-            found = _polyhedron(tables, path, watch, recorder) if body is None else body
+            found = _polyhedron(tables, path, watch, log.work) if body is None else body
         with log.stage("placement") as recorder:
             if isinstance(found, Polytope):
-                found = self._from_nearest(found, recorder) or found
+                found = self._from_nearest(found) or found
             if isinstance(found, Solution):
                 tables, vertices = found.polytope.tables, _placed(found, recorder)
             elif found is None or isinstance(found, Polytope):
@@ -232,9 +243,7 @@ class _Search:
             else:
                 tables, vertices = found.tables, found.vertices
             tables = tables._replace(corners=order[tables.corners])
-            space = self.metric.space
-            vertices = outward(tables.faces, vertices[np.argsort(order)], space)
-            vertices = standard_position(tables.faces, vertices, space)
+            vertices = standard_position(tables.faces, vertices[np.argsort(order)], self.metric.space)
         nearest = found.polytope if isinstance(found, Solution) else None
         try:
             with log.stage("edge paths"):
@@ -264,12 +273,12 @@ class _Search:
             return self._failure(curved, nearest, message)
         return polyhedron
 
-    def _from_nearest(self, nearest: Polytope, recorder: StageRecorder) -> Relaxed | DoublyCovered | None:
+    def _from_nearest(self, nearest: Polytope) -> Relaxed | DoublyCovered | None:
         """The body that the polytope with the least curvatures leads to, if any.
 
         A polygon whose lengths are right to twelve digits swells, and has dents where it should be flat.
         """
-        body = relaxed_polytope(nearest, recorder)
+        body = relaxed_polytope(nearest, self.log.work)
         if body is not None and body.dent <= SHALLOW:
             return body
         flat, most = flat_limit(nearest), self.tolerance if body is None else RELAXED
@@ -278,8 +287,8 @@ class _Search:
     def _failure(self, core: Indices, nearest: Polytope | None, message: str) -> Embedding:
         """The given triangles on the nearest polytope that there is."""
         given = self.metric.simplicial() if isinstance(self.metric, GluedMetric) else self.metric
-        with self.log.stage("attempt") as recorder:
-            vertices = attempted(given, core, nearest, recorder)
+        with self.log.stage("attempt"):
+            vertices = attempted(given, core, nearest, self.log.work)
         return Embedding(
             given,
             vertices,
@@ -312,7 +321,7 @@ class _Watch:
 
 
 def _polyhedron(
-    core: HalfEdges, path: Iterator[Polytope | Stalled | Solution], watch: _Watch, recorder: StageRecorder
+    core: HalfEdges, path: Iterator[Polytope | Stalled | Solution], watch: _Watch, work: Work
 ) -> Solution | Relaxed | DoublyCovered | Polytope | None:
     """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures.
 
@@ -328,7 +337,7 @@ def _polyhedron(
             return found
         if isinstance(found, Stalled):
             if found.polytope.radii.size <= 4_000:  # vertices: on larger bodies following the path is cheaper
-                body = relaxed_polytope(found.polytope, recorder)
+                body = relaxed_polytope(found.polytope, work)
                 if body is not None and body.is_sure:
                     return body
             continue
@@ -357,7 +366,7 @@ def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
     vertices, p = realized(solution, recorder), solution.polytope
     # Rounding: no Newton step is needed.
     if worst_length(p.tables, vertices) > (64 * 2.0**-52) * rounding_size(p.space, vertices):
-        vertices = relaxed(p.tables, vertices, recorder)
+        vertices = relaxed(p.tables, vertices, recorder.work)
     return vertices
 
 

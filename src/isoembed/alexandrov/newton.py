@@ -15,7 +15,7 @@ from isoembed.alexandrov.polytope import Polytope
 from isoembed.arrays import Floats, Indices
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.vertex_matrix import vertex_matrix
-from isoembed.linalg import Dissection, SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import Dissection, SingularMatrix, Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.linalg.krylov import gmres
 from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
@@ -36,19 +36,22 @@ class Analyses:
     ----------
     dissection : Dissection
         Of the vertices.
+    work : Work
+        Counts the factorizations.
     last : Solver or None
         Of the last triangles.
     """
 
     dissection: Dissection
+    work: Work
     last: Solver | None = None
 
     @classmethod
-    def of(cls, tables: HalfEdges) -> Analyses:
+    def of(cls, tables: HalfEdges, work: Work) -> Analyses:
         """Begin with any triangles of a metric."""
         ones = np.ones(tables.corners.size)
         count = int(tables.corners.max()) + 1
-        return cls(dissect(vertex_matrix(tables.corners, tables.twins, ones, ones[:count])))
+        return cls(dissect(vertex_matrix(tables.corners, tables.twins, ones, ones[:count])), work)
 
     def solver(self, matrix: csc_array) -> Solver:
         """The solver of matrices like this one."""
@@ -59,7 +62,8 @@ class Analyses:
         ):
             del last
             self.last = None  # large bodies have no room for two
-            self.last = last = analyze(matrix, self.dissection.order_of(matrix), definite=False)
+            order = self.dissection.order_of(matrix)
+            self.last = last = analyze(matrix, order, definite=False, work=self.work)
         return last
 
 
@@ -114,9 +118,8 @@ class Solution:
     pins: Indices
     inverse: Preconditioner
 
-    def refactorized(self, p: Polytope, recorder: StageRecorder) -> Solution:
+    def refactorized(self, p: Polytope) -> Solution:
         """Factor another polytope of the same triangles, lengths and radii being others."""
-        recorder.factorizations += 1
         self.inverse.renew(_pinned_matrix(p, self.pins).data)
         return replace(self, polytope=p)
 
@@ -162,7 +165,7 @@ def newton(
     enough : ndarray, shape (V,), optional
         Curvatures at which it may end before they vanish.
     """
-    state, fresh = pinned(p, analyses, recorder), True
+    state, fresh = pinned(p, analyses), True
     forcing, done, creeping = LOOSEST, False, 0
     for _ in range(MAX_STEPS):
         if enough is not None and (np.abs(p.curvatures) <= enough).all():
@@ -191,7 +194,7 @@ def newton(
                 break
             if fresh:
                 return None
-            state, fresh = _pinned_at(p, state.pins, analyses, recorder), True
+            state, fresh = _pinned_at(p, state.pins, analyses), True
             continue
         recorder.iterations += 1
         recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
@@ -212,16 +215,13 @@ def forcing_term(ratio: float, loosest: float) -> float:
     return float(np.clip(ratio**2, 1e-6, loosest))
 
 
-def pinned(
-    p: Polytope, analyses: Analyses, recorder: StageRecorder, directions: Floats | None = None
-) -> Solution:
+def pinned(p: Polytope, analyses: Analyses, directions: Floats | None = None) -> Solution:
     """Pin three radii of a polytope and factor what is left, whatever its curvatures.
 
     Parameters
     ----------
     p : Polytope
     analyses : Analyses
-    recorder : StageRecorder
     directions : ndarray, shape (V, 3), optional
         Of the vertices from the apex, if they are known.
 
@@ -231,12 +231,11 @@ def pinned(
     """
     if directions is None:
         directions = rough_directions(p, analyses.dissection)
-    return _pinned_at(p, independent_directions(p, directions), analyses, recorder)
+    return _pinned_at(p, independent_directions(p, directions), analyses)
 
 
-def _pinned_at(p: Polytope, pins: Indices, analyses: Analyses, recorder: StageRecorder) -> Solution:
+def _pinned_at(p: Polytope, pins: Indices, analyses: Analyses) -> Solution:
     matrix = _pinned_matrix(p, pins)
-    recorder.factorizations += 1
     inverse = Preconditioner(analyses.solver(matrix))
     inverse.renew(matrix.data)
     return Solution(p, pins, inverse)

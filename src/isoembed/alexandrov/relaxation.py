@@ -20,10 +20,9 @@ from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import flip
 from isoembed.intrinsic.multi_edges import remove_multi_edges, repeated
-from isoembed.linalg import SingularMatrix
+from isoembed.linalg import SingularMatrix, Work
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.nonlinear.newton import Point, newton
-from isoembed.progress.stages import StageRecorder
 from isoembed.space import Space
 from isoembed.surface.convexity import dent_depths
 from isoembed.surface.measures import outward
@@ -35,7 +34,7 @@ SHALLOW = 1e-13  # mean edge lengths: less deep dents are always rounding
 RELAXED = 1e-12  # mean edge lengths: error of the lengths of a solution
 
 
-def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Floats:
+def relaxed(tables: HalfEdges, vertices: Floats, work: Work) -> Floats:
     """Newton's method on the lengths, where nearly flat vertices leave ``d kappa / d r`` nearly singular.
 
     Returns
@@ -50,10 +49,9 @@ def relaxed(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Flo
     lengths = np.empty(triangulation.n_edges)
     lengths[triangulation.face_edges.ravel()] = tables.lengths
     space = Space(tables.curvature)
-    system, steps = LengthSystem(triangulation, space=space), count()
+    system, steps = LengthSystem(triangulation, space=space, work=work), count()
 
     def solve(x: Floats, r: Floats) -> Floats:
-        recorder.factorizations += 1
         return system.step(x, lengths, r)
 
     def worst(p: Point) -> float:
@@ -100,14 +98,15 @@ class Relaxed:
         return self.dent <= DENTED and flattened > 10.0 * error
 
 
-def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | None:
+def relaxed_polytope(nearest: Polytope, work: Work) -> Relaxed | None:
     """Solve for the lengths where the curvatures get small but not to zero, and flip concave edges.
 
     Parameters
     ----------
     nearest : Polytope
         With small curvatures.
-    recorder : StageRecorder
+    work : Work
+        Counts factorizations.
 
     Returns
     -------
@@ -115,7 +114,7 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | No
         None if no triangles and vertices are found that have the lengths of the metric.  They may have dents.
     """
     try:
-        solution = pinned(nearest, Analyses.of(nearest.tables), recorder)
+        solution = pinned(nearest, Analyses.of(nearest.tables, work))
         with np.errstate(invalid="ignore"):  # many radii of curvature wide, and far from a polyhedron
             vertices = placed(solution)
     except SingularMatrix:
@@ -123,19 +122,19 @@ def relaxed_polytope(nearest: Polytope, recorder: StageRecorder) -> Relaxed | No
     if not np.isfinite(vertices).all():
         return None
     for tables in _simplicial(nearest.tables):
-        body = relaxed_without_dents(tables, vertices, recorder)
+        body = relaxed_without_dents(tables, vertices, work)
         if body is not None:
             return body
     return None
 
 
-def relaxed_without_dents(tables: HalfEdges, vertices: Floats, recorder: StageRecorder) -> Relaxed | None:
+def relaxed_without_dents(tables: HalfEdges, vertices: Floats, work: Work) -> Relaxed | None:
     """Relax and flip in turn, as long as that mends dents; None if lengths are missed."""
     best = None
     for _ in range(MAX_STEPS):
         if repeated(tables).size:  # made by flips on both sides of what is nearly flat
             break
-        vertices = relaxed(tables, vertices, recorder)
+        vertices = relaxed(tables, vertices, work)
         if not worst_length(tables, vertices) <= RELAXED:
             break
         depths = _dents(tables, outward(tables.faces, vertices, Space(tables.curvature)))

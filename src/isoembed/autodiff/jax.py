@@ -9,7 +9,7 @@ try:
     import jax
     import jax.numpy as jnp
 except ImportError:
-    raise ImportError("isoembed.autodiff.jax needs JAX: pip install 'isoembed[jax]'") from None
+    raise ImportError("isoembed.autodiff.jax needs JAX: pip install jax") from None
 
 from isoembed.arrays import Floats
 from isoembed.autodiff.realization import Linearized, Realization

@@ -8,7 +8,7 @@ import numpy as np
 try:
     import torch
 except ImportError:
-    raise ImportError("isoembed.autodiff.torch needs PyTorch: pip install 'isoembed[torch]'") from None
+    raise ImportError("isoembed.autodiff.torch needs PyTorch: pip install torch") from None
 
 from isoembed.autodiff.realization import Realization
 from isoembed.embedding.embedding import Embedding

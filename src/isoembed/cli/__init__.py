@@ -32,6 +32,7 @@ from isoembed.cli.screen import (
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
 from isoembed.similar_names import did_you_mean
+from isoembed.typed_numbers import number
 
 # Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
@@ -42,9 +43,11 @@ class Parser(argparse.ArgumentParser):
 
     usual: Collection[str] = ()
     examples: Collection[str] = ()
+    words: Sequence[str] = ()
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
+        self.register("type", float, number)
         self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
 
     def format_help(self) -> str:
@@ -57,22 +60,34 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, *args: Any, **options: Any) -> Any:
         """Parse, and refuse an unknown option, with the most similar one and the help of this command."""
+        self.words = [*args[0]] if args and args[0] else []
         found, rest = super().parse_known_args(*args, **options)
         for word in rest:
             name = word.partition("=")[0]
             if name.startswith("--"):
                 question = did_you_mean(name, self._option_string_actions)
                 self.error(f"unrecognized arguments: {name}{question}")
+            if question := self._without_option(word):
+                self.error(f"unrecognized arguments: {word}{question}")
         return found, rest
+
+    def _without_option(self, word: str) -> str:
+        """A question for the name of a file that stands where -o is missing before it."""
+        is_missing = "-o" in self._option_string_actions and "-o" not in self.words
+        return f"; did you mean -o {word}?" if is_missing and Path(word).suffix[1:2].isalpha() else ""
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Refuse the command line, and a mistyped choice with the most similar one."""
         if unknown := re.match(r"argument (.*?): invalid choice: '(.*?)' \(choose from (.*)\)", message):
             what, given, choices = unknown.groups()
             question = did_you_mean(given, [*re.findall(r"[^', ]+", choices), "--help"])
+            if what == "COMMAND" and given == "help":
+                question = ": of a command, isoembed COMMAND --help; of all, isoembed --help"
             if what == "COMMAND" and Path(given).suffix:
                 question = f"; to embed a file: isoembed embed {given}"
             message = f"unknown command {given!r}{question}" if what == "COMMAND" else f"{message}{question}"
+        if message.endswith("required: -o/--output") and len(self.words) > 1:
+            message += self._without_option(self.words[-1])
         if typed := re.fullmatch(r"(argument .*?): invalid (float|int) value: (.*)", message):
             what, kind, given = typed.groups()
             message = f"{what}: {given} is not a {'whole ' if kind == 'int' else ''}number"

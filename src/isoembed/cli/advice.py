@@ -12,6 +12,7 @@ OPTIONS = (
     (r"boundary='(\w+)'", r"--boundary \1"),
     (rf"(merge|tolerance|curvature|scale|size)={NUMBER}", r"--\1 \2"),
     (r"(paper|joints)='(\w+)'", r"--\1 \2"),
+    (r"(cut|keep)\[\d+\] \((\d+), (\d+)\)", r"--\1 \2-\3"),
     (r"marginal=True", "--marginal"),
     (r"marginal=False", "--not-marginal"),
     (r"geometry=", "--geometry"),

@@ -20,7 +20,12 @@ OF_SPACETIME = (
 
 def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that name a surface of a closed-form spacetime."""
-    parser.add_argument("--spacetime", choices=("kerr", "schwarzschild"), help="a closed-form spacetime")
+    parser.add_argument(
+        "--spacetime",
+        type=_spacetime,
+        choices=("kerr", "schwarzschild"),
+        help="a closed-form spacetime, charged with --charge",
+    )
     parser.add_argument("--mass", type=float, metavar="M", help="its mass (default 1)")
     parser.add_argument(
         "--spin", type=float, nargs="+", metavar="A", help="its spin a = J/M, a length (default 0)"
@@ -43,6 +48,12 @@ def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
         choices=slices,
         help=f"the slice of spacetime that the surface lies in, for k and p (default {slices[0]})",
     )
+
+
+def _spacetime(name: str) -> str:
+    if name.lower() in ("kerr-newman", "reissner-nordstrom"):
+        raise argparse.ArgumentTypeError(f"{name} is kerr with a --charge")
+    return name
 
 
 def closed_form(options: argparse.Namespace) -> SurfaceData:

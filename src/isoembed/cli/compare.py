@@ -89,7 +89,8 @@ def run(options: argparse.Namespace) -> int:
         print_out(_summary(one, found))
         if output:
             print_aside(written(options, output))
-    return OK if found.certified else NOT_EMBEDDED
+    provable = metric.triangulation.is_sphere and (options.metric or other.converged)
+    return NOT_EMBEDDED if provable and not found.certified else OK
 
 
 def _with_lengths(metric: PolyhedralMetric, surface: Embedding) -> Embedding:
@@ -111,7 +112,7 @@ def _writer(path: Path, surface: Embedding, found: Comparison) -> Writer:
 
 def _summary(first: Embedding, found: Comparison) -> str:
     apart, error = found.difference, found.error
-    lines = [found.reason, ""]
+    lines = [found.reason, "", "differences of OTHER from SURFACE; of numbers, OTHER - SURFACE"]
     for name, unit, place in (
         ("vertices", "", "vertex"),
         ("normals", " radians", "face"),

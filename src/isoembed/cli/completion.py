@@ -20,7 +20,7 @@ def script(parser: argparse.ArgumentParser, shell: str) -> str:
     try:
         import shtab
     except ImportError:
-        raise UsageError("completion needs shtab: pip install 'isoembed[completion]'") from None
+        raise UsageError("completion needs shtab: pip install shtab") from None
     for action in _actions(parser):
         if _is_file(action):
             action.complete = shtab.FILE  # type: ignore[attr-defined]

@@ -138,7 +138,7 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
             ("volume", "volume"),
             ("int H dA", "integrated_mean_curvature"),
         )
-        if field != "volume" or surface.triangulation.is_closed
+        if not np.isnan(getattr(found, field))  # the volume of a surface with boundary that is no cap
     ]
     for name, values, place, unit in (
         ("vertices", found.vertices, "vertex", ""),
@@ -151,6 +151,7 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
             f"{name:12}+- {more * root_mean_square(values):.2g}{unit}, "
             f"at most {more * values[worst]:.2g} (at {place} {worst})"
         )
-    if isinstance(found, Deviation) and not found.volume_nonlinearity <= NONLINEAR:
+    closed = surface.triangulation.is_sphere
+    if closed and isinstance(found, Deviation) and not found.volume_nonlinearity <= NONLINEAR:
         lines.append(f"first order is not valid here: {NEARLY_FLEXES}")
     return "\n".join([*lines, meaning])

@@ -2,8 +2,11 @@
 
 import argparse
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 import isoembed
 from isoembed.arrays import Floats
@@ -18,8 +21,11 @@ from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted, InvalidParameter
 from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
 from isoembed.io.files import ending
+from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.methods import method_class, method_names
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Listener
+from isoembed.typed_numbers import number
 
 WHICH = ("convex", "smoothest")
 """The values of ``--which`` that are not a file."""
@@ -64,14 +70,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--boundary",
         metavar="CONDITION",
         help="for surfaces with boundary, or of higher genus: free, a surface of least bending; plane, the "
-        "convex cap; or a .npy file with heights (B,) or positions (B, 3) of the boundary's vertices, in the "
-        "order of Triangulation.boundaries",
+        "convex cap; a mesh of the same triangles, for the positions of its boundary; or a .npy file with "
+        "heights (B,) or positions (B, 3) of the boundary's vertices, in the order of "
+        "Triangulation.boundaries",
     )
     parser.add_argument(
         "--start",
         type=Path,
         metavar="FILE",
-        help="with --boundary: a .npy file with the vertices (V, 3) of a surface to start from",
+        help="with --boundary: a surface to start from: a mesh of the same triangles, or a .npy file with "
+        "its vertices (V, 3)",
     )
     parser.add_argument(
         "--tolerance",
@@ -137,6 +145,9 @@ def run(options: argparse.Namespace) -> int:
     if len(options.inputs) > 1 or (options.output and options.output.is_dir()):
         from isoembed.cli.embed_files import embed_files
 
+        for name, path in (("boundary", options.boundary), ("start", options.start)):
+            if _is_surface(path):
+                raise UsageError(f"the mesh {path} as --{name} is for a single input")
         return embed_files(options, _method(options))
     refuse_given(options, OF_RUNS, "is for several files, whose --output is a folder")
     outputs = asked_for(options)
@@ -153,6 +164,8 @@ def run(options: argparse.Namespace) -> int:
         near = Path(options.which)
         own = read_surface(near, merge=options.merge).metric
         check_same_triangles(metric, own, source, near, "a surface is near to one on")
+    if isinstance(method, isoembed.Sheet):
+        method = _from_meshes(options, method, metric, source)
     if metric.length_errors is not None and not method.takes_length_errors:
         if errors is not None or (method.keeps_triangles and not method.takes_boundary):
             errors = metric.length_errors
@@ -160,7 +173,11 @@ def run(options: argparse.Namespace) -> int:
             print_error(f"the method {method.name!r} takes lengths as exact: their errors are unused", "note")
         metric = metric.with_length_errors(0.0)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
-        print_error("the metric is convex in R^3, so no curved space is needed", "note")
+        print_error(
+            "the metric is convex in R^3: it is embedded in R^3; for curvature -1 write "
+            "--space hyperbolic=-1",
+            "note",
+        )
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
         found = isoembed.embed(
@@ -225,18 +242,40 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
 def _sheet(options: argparse.Namespace) -> isoembed.Method:
     """The method for surfaces with boundary, with arrays from files."""
     boundary: Any = options.boundary or "free"
-    if ending(boundary) == ".npy":
+    if _is_surface(boundary):
+        boundary = "free"  # until the metric is read
+    elif ending(boundary) == ".npy":
         boundary = read_numbers(Path(boundary))
-    start = None if options.start is None else read_numbers(options.start)
+    start = None if options.start is None or _is_surface(options.start) else read_numbers(options.start)
     try:
         return isoembed.Sheet(boundary, start)
     except InvalidParameter as error:
         raise UsageError(str(error)) from None
 
 
+def _is_surface(path: str | Path | None) -> bool:
+    """Whether a file can hold a surface, by its ending."""
+    return path is not None and ending(path) in (*METRIC_ENDINGS, *MESH_ENDINGS)
+
+
+def _from_meshes(
+    options: argparse.Namespace, method: isoembed.Sheet, metric: PolyhedralMetric, source: Path
+) -> isoembed.Sheet:
+    """The method with the boundary and the start that are in meshes of the same triangles."""
+    found = {}
+    for name, path in (("boundary", options.boundary), ("start", options.start)):
+        if _is_surface(path):
+            surface = read_surface(path, merge=options.merge)
+            check_same_triangles(metric, surface.metric, source, Path(path), f"--{name} takes a mesh of")
+            found[name] = surface.vertices
+    if "boundary" in found and not metric.triangulation.is_closed:
+        found["boundary"] = found["boundary"][np.concatenate(metric.triangulation.boundaries)]
+    return replace(method, **found)
+
+
 def _tolerance(text: str) -> float:
     try:
-        value = float(text)
+        value = number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
     if not (value > 0 and math.isfinite(value)):

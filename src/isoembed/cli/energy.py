@@ -86,7 +86,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="METRIC",
         help="a surface of your own: a metric on triangles (.npz or .json with faces, edges, lengths, or a "
-        "mesh), or on a grid (.npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp, and maybe k, p, j_t, j_p); "
+        "mesh), or on a grid (.npz .h5 .hdf5, or a table .csv .txt .dat, with theta, phi, q_tt, q_tp, q_pp, "
+        "and maybe k, p, j_t, j_p); "
         "with --sphere the slice, as a --geometry",
     )
     add_merge_option(parser)

@@ -195,6 +195,11 @@ def _sought(options: argparse.Namespace) -> tuple[dict[str, Moment | Result], di
     refuse_given(options, OF_FILES, "is for files, not for what --find finds")
     if options.geometry is None:
         raise UsageError("--find needs a --geometry to find a horizon in")
+    if options.geometry == "boyer-lindquist":
+        raise UsageError(
+            "Boyer-Lindquist coordinates are singular on the horizon: take --geometry kerr-schild, or "
+            "'isoembed energy --spacetime kerr --surface horizon'"
+        )
     if options.stability is not None:
         checked_eigenvalues(options.stability)  # before anything is computed
     geometry, guess, near = slice_named(options.geometry, options), None, ""
@@ -249,7 +254,7 @@ def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> list[Pat
 def _draw(drawn: dict[Path, Result]) -> list[Path]:
     """Write the pictures, in one scale, where matplotlib is installed."""
     if find_spec("matplotlib") is None:
-        missing = "pictures need matplotlib, pip install 'isoembed[plot]'"
+        missing = "pictures need matplotlib, pip install matplotlib"
         print_error(f"{', '.join(map(str, drawn))} not written: {missing}")
         return []
     for path, picture in zip(drawn, horizon_figures(list(drawn.values())), strict=True):

@@ -9,6 +9,7 @@ from isoembed.arrays import Floats
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.screen import UsageError
 from isoembed.io.files import ending
+from isoembed.typed_numbers import number
 
 
 def add_length_error_option(
@@ -39,7 +40,7 @@ def length_errors(options: argparse.Namespace) -> Floats | None:
     if ending(text) == ".npy":
         return read_numbers(Path(text))
     try:
-        return np.array(float(text))
+        return np.array(number(text))
     except ValueError:
         raise UsageError(f"--length-error {text} is neither a number nor a .npy file") from None
 

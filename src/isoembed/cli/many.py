@@ -118,14 +118,19 @@ def carried_out(
                     tally.complaints.append(str(error))
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"interrupted: {tally}; the same command goes on with what is left") from None
-    for failure in tally.failures[:TOLD]:
-        print_error(failure)
-    if len(tally.failures) > TOLD:
-        print_error(f"{len(tally.failures) - TOLD:,} more have no answer: the table says why")
+    print_failures(tally)
     for complaint in tally.complaints[:1]:
         more = f" ({len(tally.complaints):,} results could not be kept)" if len(tally.complaints) > 1 else ""
         print_error(f"{complaint}{more}")
     return tally
+
+
+def print_failures(tally: Tally) -> None:
+    """Print the first tasks without an answer, and why."""
+    for failure in tally.failures[:TOLD]:
+        print_error(failure)
+    if len(tally.failures) > TOLD:
+        print_error(f"{len(tally.failures) - TOLD:,} more have no answer: the table says why")
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from dataclasses import fields
 from typing import Any, get_args
 
 from isoembed.papercraft.material import Bends, Joints, Material, Surface
+from isoembed.typed_numbers import millimeters
 
 FIELDS = tuple(field.name for field in fields(Material))
 DESTINATIONS = {"surface": "sheet_surface"}  # there are other surfaces
@@ -45,7 +46,23 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
         ("dash", "what is cut of a fold in dashes (default 3)"),
         ("gap", "what is left between two dashes, at least (default 1)"),
     ):
-        parser.add_argument(f"--{name}", type=float, metavar="MM", help=said)
+        parser.add_argument(f"--{name}", type=on_paper, metavar="MM", help=said)
+
+
+def on_paper(text: str) -> float:
+    """The type of lengths on paper: millimeters, or with another unit.
+
+    Raises
+    ------
+    ArgumentTypeError
+        It is no length.
+    """
+    try:
+        return millimeters(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a length, as 15, 15mm, 1.5cm and 0.6in are"
+        ) from None
 
 
 def material_of(options: argparse.Namespace) -> Material | None:

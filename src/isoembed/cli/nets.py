@@ -15,6 +15,8 @@ EXAMPLES = (
     "isoembed nets latin-cross -o solid.obj",
 )
 
+SOLIDS = ("tetrahedron", "cube", "octahedron", "dodecahedron", "icosahedron")
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed nets``."""
@@ -22,6 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "name",
         metavar="NAME",
         nargs="?",
+        type=_name,
         choices=tuple(CLASSICS),
         help=f"which to solve: {', '.join(CLASSICS)}; without it they are listed",
     )
@@ -32,6 +35,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_json_option(parser, "print one JSON object, with a list of the solids, instead of text")
     add_quiet_option(parser)
+
+
+def _name(text: str) -> str:
+    if text.lower() in SOLIDS:
+        raise argparse.ArgumentTypeError(f"{text!r} is one of the nets of 'platonic'")
+    return text
 
 
 def run(options: argparse.Namespace) -> int:

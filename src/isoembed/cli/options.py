@@ -8,6 +8,7 @@ from typing import Any, Literal
 from isoembed.cli.screen import UsageError
 from isoembed.metric.given_mesh import MERGING
 from isoembed.space import Euclidean, Space
+from isoembed.typed_numbers import number
 
 DEFAULT, FEWEST = 1000, 12  # vertices
 OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
@@ -60,7 +61,7 @@ def add_merge_option(parser: argparse.ArgumentParser) -> None:
 
 def _merge(text: str) -> float:
     try:
-        value = float(text)
+        value = number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a number (write a file before --merge, not behind it)"
@@ -92,13 +93,16 @@ def _space(text: str) -> Space | str:
         raise argparse.ArgumentTypeError(f"{curvature!r} is not a finite number") from None
     if space.name != name:
         sign = "negative" if name == "hyperbolic" else "positive"
-        raise argparse.ArgumentTypeError(f"{curvature} is not the curvature of {name} space, which is {sign}")
+        meant = f": {name}={-space.curvature:g}" if space.curvature else ""
+        raise argparse.ArgumentTypeError(
+            f"{curvature} is not the curvature of {name} space, which is {sign}{meant}"
+        )
     return space
 
 
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that silences the command."""
-    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but notes and errors")
 
 
 def add_verbose_option(parser: argparse.ArgumentParser) -> None:

@@ -3,6 +3,9 @@
 import argparse
 from pathlib import Path
 
+import numpy as np
+
+from isoembed.aim.acceptance import SAME
 from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import print_written
@@ -18,6 +21,12 @@ from isoembed.io.surface import surface_writer
 EXAMPLES = (
     "isoembed realizations surface.ply metric.npz -o others",
     "isoembed realizations surface.ply metric.npz --motions 3 --distance 0.2",
+)
+
+LISTED = 10
+LEGEND = (
+    "distance from SURFACE and from the nearest other one, radius and isolation of the certificate, in mean "
+    "edge lengths; fine is the fine roughness; the smoothest comes first"
 )
 
 
@@ -91,13 +100,15 @@ def _write(options: argparse.Namespace, found: Realizations) -> list[Path]:
 
 
 def _table(found: Realizations) -> list[str]:
-    """A line for each realization, the smoothest first."""
+    """A line for each of the nearest realizations, the smoothest first, and what the columns are."""
     if not found.surfaces:
         return []
+    shown = sorted(np.argsort(found.distances, kind="stable")[:LISTED].tolist())
     lines = [
         f"{'':>4} {'distance':>9} {'nearest':>9} {'roughness':>10} {'fine':>9} {'radius':>8} {'isolation':>9}"
     ]
-    for i, (surface, distance) in enumerate(zip(found.surfaces, found.distances, strict=True)):
+    for i in shown:
+        surface, distance = found.surfaces[i], found.distances[i]
         proof = certify(surface)
         nearest = min((float(d) for j, d in enumerate(found.apart[i]) if j != i), default=None)
         numbers = [
@@ -113,5 +124,8 @@ def _table(found: Realizations) -> list[str]:
         ]
         widths = (9, 9, 10, 9, 8, 9)
         row = " ".join(f"{number:>{width}}" for number, width in zip(numbers, widths, strict=True))
-        lines.append(f"{i + 1:>4} {row}{'' if found.searched[i] else '  not searched from'}")
-    return lines
+        same = "  SURFACE itself" if distance < SAME else ""
+        lines.append(f"{i + 1:>4} {row}{same}{'' if found.searched[i] else '  not searched from'}")
+    if len(shown) < len(found.surfaces):
+        lines.append(f"the {LISTED} nearest of {len(found.surfaces)}; --json and --output have all")
+    return [*lines, LEGEND]

@@ -33,14 +33,22 @@ def check_same_triangles(
         )
     count, found = metric.triangulation.n_vertices, own.triangulation.n_vertices
     if found != count:
-        raise UsageError(f"{surface} has {found} vertices, {path} has {count}")
-    other = ~np.isin(_keys(metric.faces, count), _keys(own.faces, count))
-    if other.any():
-        f = int(np.argmax(other))
         raise UsageError(
-            f"face {f} {metric.faces[f].tolist()} of {path} is not in {surface}: {why} the same triangles, "
-            "with the same numbers of vertices"
+            f"{surface} has {found} vertices, {path} has {count}: {why} the same triangles, with the same "
+            "numbers of vertices"
         )
+    first, second = (_keys(faces, count) for faces in (metric.faces, own.faces))
+    for keys, others, faces, where, elsewhere in (
+        (first, second, metric.faces, path, surface),
+        (second, first, own.faces, surface, path),
+    ):
+        lacking = ~np.isin(keys, others)
+        if lacking.any():
+            f = int(np.argmax(lacking))
+            raise UsageError(
+                f"face {f} {faces[f].tolist()} of {where} is not in {elsewhere}: {why} the same triangles, "
+                "with the same numbers of vertices"
+            )
 
 
 def _keys(faces: Indices, vertices: int) -> Indices:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from isoembed.cli.many import carried_out, seen_by_all
+from isoembed.cli.many import Tally, carried_out, print_failures, seen_by_all
 from isoembed.cli.options import (
     OF_RUNS,
     add_json_option,
@@ -36,7 +36,7 @@ from isoembed.cli.slices import (
     add_slice_options,
     slice_named,
 )
-from isoembed.cli.status import OK, WRONG
+from isoembed.cli.status import WRONG
 from isoembed.errors import InvalidParameter
 from isoembed.io import FileError, write_atomically
 from isoembed.plot.picture import figure_writer
@@ -48,7 +48,7 @@ from isoembed.relativity.series.horizon_task import HorizonOptions, HorizonTask
 from isoembed.relativity.series.moments import moments
 from isoembed.relativity.series.table import write_table
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
-from isoembed.runs import Result, Store
+from isoembed.runs import Outcome, Result, Store
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -115,31 +115,44 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Embed the horizons, and make table and pictures of them; return the exit status."""
     folder = Path(*seen_by_all(options, [options.output]))
-    tally, store = None, Store(folder)
+    store = Store(folder)
     if options.horizons:
         tasks = _tasks(options)
         table = _GrowingTable(folder / TABLE) if options.shard is None else None
         tally = carried_out(tasks, Store.made(folder), options, table)
-        store = store.of(task.label for task in tasks)
+        results = None if options.shard else list(store.of(task.label for task in tasks))
     else:
         refuse_given(options, (*OF_HORIZONS, *OF_RUNS), "needs HORIZONS")
-    status, written = OK if tally is None else tally.exit_status, list[str]()
-    if options.shard is None:  # otherwise others are still at work
-        written, missing = _products(store, film=options.film)
+        results = list(store)
+        tally = _told(results)
+    status, written = tally.exit_status, list[str]()
+    if results is not None:  # otherwise others are still at work
+        written, missing = _products(folder, results, film=options.film)
         for sentence in missing:
             print_error(sentence)
             status = WRONG
+        if options.film and not any(result.answered for result in results):
+            print_error("there is no film: no horizon is embedded", "note")
         stale = [name for name in FILMS if name not in written and (folder / name).exists()]
         if stale and not options.quiet:
             print_error(f"of an earlier command: {', '.join(stale)}; --film makes a new one", "note")
     if options.json:
-        print_json({**(tally.report if tally else {}), "folder": str(options.output), "files": written})
+        print_json({**tally.report, "folder": str(options.output), "files": written})
     else:
-        said = [str(tally)] if tally else []
+        said = [str(tally)]
         if written:
             said.append(f"in {options.output}: {', '.join(written)}")
         print_aside("\n".join([*said, elapsed(options)]))
     return status
+
+
+def _told(results: Sequence[Result]) -> Tally:
+    """Counts of results that are there, with the failures printed as when they were computed."""
+    tally = Tally(len(results))
+    for result in results:
+        tally.add(Outcome(result, computed=False))
+    print_failures(tally)
+    return tally
 
 
 def _tasks(options: argparse.Namespace) -> list[HorizonTask]:
@@ -176,16 +189,15 @@ class _GrowingTable:
             self._written = time.monotonic()
 
 
-def _products(store: Store, *, film: bool) -> tuple[list[str], list[str]]:
+def _products(folder: Path, results: Sequence[Result], *, film: bool) -> tuple[list[str], list[str]]:
     """Make all files of the results in a folder; return their names, and why others are missing."""
-    results = list(store)  # each file is read once
     if not results:
-        raise UsageError(f"there are no results in {store.folder}")
+        raise UsageError(f"there are no results in {folder}")
     written, missing = list[str](), list[str]()
 
     def make(name: str, write: Callable[[Path, Iterable[Result]], None]) -> None:
         try:
-            write(store.folder / name, results)
+            write(folder / name, results)
             written.append(name)
         except (FileError, InvalidParameter) as error:
             missing.append(str(error))

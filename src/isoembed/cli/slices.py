@@ -22,6 +22,7 @@ from isoembed.relativity.spacetimes.schwarzschild import (
 )
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.relativity.spacetimes.transformed import Translated
+from isoembed.typed_numbers import number
 
 OF_SLICE = ("mass", "spin", "center", "velocity", "masses", "positions", "velocities")
 DEFAULTS = {"mass": 1.0, "spin": (0.0, 0.0, 0.0)}
@@ -91,10 +92,11 @@ def add_hole_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mass", type=float, metavar="M", help="of the closed-form geometry (default 1)")
     parser.add_argument(
         "--spin",
-        type=float,
-        nargs=3,
-        metavar=("AX", "AY", "AZ"),
-        help="the vector a = J/M of kerr-schild or boyer-lindquist, a length (default 0 0 0)",
+        type=_number,
+        nargs="+",
+        metavar="A",
+        help="a = J/M of kerr-schild or boyer-lindquist, a length: one number, along z, or a vector AX AY AZ "
+        "(default 0)",
     )
 
 
@@ -189,7 +191,7 @@ def _triples(name: str, flat: list[float]) -> list[list[float]]:
 
 def _number(text: str) -> float:
     try:
-        return float(text)
+        return number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a number (files come before the options)"

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import re
 from pathlib import Path
 
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
@@ -12,6 +13,7 @@ from isoembed.io import MESH_ENDINGS, METRIC_ENDINGS, read_surface
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.struts import STRUT_ENDINGS, strut_table
 from isoembed.struts.saving import struts_writer
+from isoembed.typed_numbers import UNIT, number
 
 EXAMPLES = (
     "isoembed struts dome.obj -o struts.csv --picture struts.png",
@@ -105,9 +107,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _length(text: str) -> float:
     try:
-        value = float(text)
+        value = number(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+        unit = ": lengths are in the unit of the file" if re.fullmatch(rf"[\d.,]+\s*{UNIT}", text) else ""
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number{unit}") from None
     if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not a non-negative length")
     return value

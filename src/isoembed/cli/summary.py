@@ -18,6 +18,7 @@ def summary(
     """
     size, residual = found["input"], found["residual"]
     convexity, smoothness = found["convexity"], found["smoothness"]
+    bending = "int H^2 dA" if "sheet" in found else "bending energy"
     lines = [
         f"{found['status']}: {'the best attempt' if failed else found['message']}",
         "",
@@ -30,12 +31,16 @@ def summary(
         f"convexity   {convexity['concave_edges']} concave edges, {convexity['inverted_vertices']} inverted "
         f"and {convexity['partially_inverted_vertices']} partially inverted vertices",
         f"smoothness  {smoothness['rough_edges']} edges bent against their neighborhood, "
-        f"roughness {_short(smoothness['roughness'])}, bending energy {_short(smoothness['bending_energy'])}",
+        f"roughness {_short(smoothness['roughness'])}, {bending} {_short(smoothness['bending_energy'])}",
         f"rigidity    smallest singular value {_short(smoothness['smallest_singular_value'])}",
         f"proof       {found['certificate']['reason']}",
         *_sheet(found.get("sheet")),
         f"area        {measure(found, 'area')}",
-        *([] if "sheet" in found else [f"volume      {measure(found, 'volume')}"]),
+        *(
+            []
+            if "sheet" in found and found["volume"] is None
+            else [f"volume      {measure(found, 'volume')}"]
+        ),
         f"int H dA    {measure(found, 'integrated_mean_curvature')}   with H = (k1 + k2)/2",
     ]
     if stages and embedding.stages:
@@ -57,7 +62,7 @@ def _sheet(sheet: Mapping[str, Any] | None) -> list[str]:
     sizes = [f"of {size} edges" for size in sheet["boundaries"]]
     return [
         f"sheet       boundary {sheet['condition']}, {' and '.join(sizes) or 'none'}, "
-        f"genus {sheet['genus']}, int k1^2 + k2^2 dA {_short(sheet['squares_of_principal_curvatures'])}"
+        f"genus {sheet['genus']}, int k1^2 + k2^2 dA {_short(sheet['second_form_energy'])}"
     ]
 
 

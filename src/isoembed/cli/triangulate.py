@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "input",
         nargs="?",
         metavar="GRID",
-        help="a metric on a grid: .npz .h5 .hdf5 with theta, phi, q_tt, q_tp, q_pp",
+        help="a metric on a grid: .npz .h5 .hdf5 .csv .txt .dat with theta, phi, q_tt, q_tp, q_pp",
     )
     add_spacetime_options(parser)
     parser.add_argument(

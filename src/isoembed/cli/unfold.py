@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 from typing import get_args
 
-from isoembed.cli.material import add_material_options, given_fields, material_of
+from isoembed.cli.material import add_material_options, given_fields, material_of, on_paper
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_error
@@ -17,8 +17,9 @@ from isoembed.io.files import ending
 from isoembed.io.net import NET_ENDINGS, net_writer
 from isoembed.papercraft import SHEET_ENDINGS, fewest_pages
 from isoembed.papercraft.drawing import drawn
-from isoembed.papercraft.paper import FORMATS
+from isoembed.papercraft.paper import FORMATS, Paper
 from isoembed.papercraft.sheets import drawing_writer
+from isoembed.typed_numbers import millimeters, number
 
 DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
@@ -53,7 +54,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--paper",
         metavar="NAME|WIDTHxHEIGHT|roll:WIDTH",
-        help=f"{', '.join(FORMATS)}, or mm, of a roll as long as needed (default A4)",
+        help=f"{', '.join(FORMATS)}, or mm, or as 8.5x11in; of a roll as long as needed (default A4)",
     )
     parser.add_argument(
         "--scale",
@@ -65,7 +66,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--size",
         dest="solid_size",
-        type=float,
+        type=on_paper,
         metavar="MM",
         help="instead of --scale: millimeters of the longest side of the solid",
     )
@@ -126,9 +127,14 @@ def run(options: argparse.Namespace) -> int:
         writer = drawing_writer(output, unfolding, pages)
         said += f"; {pages.scale:.4g} mm a unit"
         if len(pages.cuts) > len(unfolding.sheets):
-            said += f"; cut into {len(pages.cuts)} islands to fit on pages"
-        if pages.pages > 1:
-            said += f"; {pages.pages} pages"
+            said += f"; cut into {len(pages.cuts)} islands that fit on pages"
+        paper, net_pages = Paper.of(options.paper or "A4"), pages.pages - bool(options.numbers)
+        if paper.is_roll:
+            said += f"; {pages.height:.0f} mm of a roll of {paper.width:g} mm"
+        else:
+            said += f"; {net_pages} page{'' if net_pages == 1 else 's'} of {paper.name}"
+        if options.numbers:
+            said += " and a drawing of the solid"
     write_atomically({output: writer})
     print_aside(f"{said}\n{written(options, output)}")
     return OK
@@ -142,8 +148,8 @@ def _edge(text: str) -> tuple[int, int]:
 
 
 def _scale(text: str) -> float:
-    found = re.fullmatch(r"([\d.]+)\s*[:/]\s*([\d.]+)", text)
+    found = re.fullmatch(r"([\d.,]+)\s*[:/]\s*([\d.,]+)", text)
     try:
-        return float(found[1]) / float(found[2]) if found else float(text)
+        return number(found[1]) / number(found[2]) if found else millimeters(text)
     except (ValueError, ZeroDivisionError):
         raise argparse.ArgumentTypeError(f"{text!r} is not a scale, as 0.25 and 1:4 are") from None

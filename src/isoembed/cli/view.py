@@ -3,7 +3,7 @@
 import argparse
 import tempfile
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
@@ -13,10 +13,12 @@ from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_aside, print_out
 from isoembed.cli.status import OK
 from isoembed.embedding.embedding import Embedding
-from isoembed.io import read_surface, write_atomically
+from isoembed.io import write_atomically
 from isoembed.io.files import ending
 from isoembed.io.registry import MESH_ENDINGS, METRIC_ENDINGS
+from isoembed.io.surface import read_with_curvatures
 from isoembed.plot import PICTURE_ENDINGS, animation_writer, frames_of, picture_writer
+from isoembed.plot.coloring import EMPTY, Quantity, from_file, usual
 from isoembed.plot.endings import ANIMATION_ENDINGS, PAGE_ENDINGS
 from isoembed.plot.film import Frame
 from isoembed.plot.page import page_writer, write_page
@@ -35,7 +37,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}); if it holds lengths, "
-        "too, length errors are against those; several, on the same triangles, are a series: a page has a "
+        "too, length errors are against those, and if it holds mean_curvature or gaussian_curvature at the "
+        "vertices, colors are by these; several, on the same triangles, are a series: a page has a "
         "slider, and a film goes from each to the next",
     )
     add_output_option(
@@ -62,17 +65,19 @@ def run(options: argparse.Namespace) -> int:
         )
     if is_picture and len(files) > 1:
         raise UsageError("a picture shows a single surface: of several there are pages and films")
-    surfaces = [read_surface(path, merge=options.merge) for path in files]
+    read = [read_with_curvatures(path, merge=options.merge) for path in files]
+    surfaces, given = [surface for surface, _ in read], from_file(read[-1][1]) if len(read) == 1 else EMPTY
     for path, each in zip(files, surfaces, strict=True):
         check_same_triangles(each.metric, surfaces[-1].metric, path, files[-1], "a series has")
     surface, title = surfaces[-1], files[-1].name
     frames = frames_of(surfaces, [path.stem for path in files]) if len(files) > 1 else ()
     if not output:
-        return _browse(surface, files[-1], frames)
+        return _browse(surface, files[-1], frames, given)
     if ending(output) in PAGE_ENDINGS:
-        writer = page_writer(output, surface, frames=frames, title=title)
+        writer = page_writer(output, surface, frames=frames, title=title, given=given)
     elif is_picture:
-        writer = picture_writer(output, surface, color=color_of(options))
+        color = color_of(options) or usual(surface)
+        writer = picture_writer(output, surface, color=given.get(color, color))
     else:
         writer = animation_writer(output, surface, frames)
     write_atomically({output: writer})
@@ -80,9 +85,9 @@ def run(options: argparse.Namespace) -> int:
     return OK
 
 
-def _browse(surface: Embedding, path: Path, frames: Sequence[Frame]) -> int:
+def _browse(surface: Embedding, path: Path, frames: Sequence[Frame], given: Mapping[str, Quantity]) -> int:
     page = Path(tempfile.mkdtemp(prefix="isoembed-")) / f"{path.stem}.html"
-    write_page(page, surface, frames=frames, title=path.name)
+    write_page(page, surface, frames=frames, title=path.name, given=given)
     opened = webbrowser.open(page.as_uri())
     print_out(str(page) if opened else f"{page}: no browser could be opened here; open this file in one")
     return OK

@@ -202,7 +202,8 @@ def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
 def _obstacle(first: Embedding, second: Embedding) -> str:
     """Reason why nothing is proven of two surfaces; empty if it is."""
     if not first.triangulation.is_sphere:
-        return "proofs about two surfaces need closed surfaces of genus 0"
+        kind = "with handles" if first.triangulation.is_closed else "with boundary"
+        return f"no proof is made for surfaces {kind}"
     lengths, others = first.metric.lengths, second.metric.lengths
     if not np.array_equal(lengths, others):
         e = int(np.argmax(lengths != others))

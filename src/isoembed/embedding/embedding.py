@@ -131,11 +131,23 @@ class Embedding:
             return points
         return measures.outward(self.metric.faces, points, self.metric.normalized.space)
 
-    def distance(self, other: Embedding) -> float:
-        """Distance of the vertices from another realization's, rigid motions aside, in mean edge lengths."""
+    def distance(self, other: Embedding | ArrayLike) -> float:
+        """Largest distance of a vertex from another surface's, rigid motions aside, in mean edge lengths.
+
+        Parameters
+        ----------
+        other : Embedding, or array_like, shape (V, 3)
+            Another realization, or vertices in the same order and unit.
+
+        Raises
+        ------
+        ValueError
+            There are other than V vertices, or one is not finite.
+        """
         normalized, unit = self.metric.normalized, self.metric.unit
-        apart = alignment.distance(self.vertices / unit, other.vertices / unit, normalized.space)
-        return apart / normalized.mean_length
+        given = other.vertices if isinstance(other, Embedding) else other
+        x = vertex_array(self.triangulation, given)
+        return alignment.distance(self.vertices / unit, x / unit, normalized.space) / normalized.mean_length
 
     def _with_message(self, message: str) -> Self:
         """Return the same embedding with another message."""
@@ -273,6 +285,11 @@ class Embedding:
         return self.residual <= self.tolerance
 
     @property
+    def is_answer(self) -> bool:
+        """Whether `embed` returns it, and does not raise NotEmbedded: it has converged, or is a best fit."""
+        return self.converged
+
+    @property
     def status(self) -> str:
         """``"converged"`` or ``"not converged"``."""
         return "converged" if self.converged else "not converged"
@@ -301,13 +318,13 @@ class Embedding:
         """Gaussian curvature at the vertices, shape (V,): a property of the metric.
 
         The deficit over the circumcentric dual area, and in hyperbolic and spherical space the curvature of
-        the triangles more; NaN where the dual area is not positive.
+        the triangles more; NaN where the dual area is not positive, and on a boundary.
         """
         known = dual_areas(self.metric.normalized) > 0
         values = np.full(len(known), np.nan)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             curvature = gaussian_curvature(self.metric)
-        known &= np.abs(curvature) < 1e300  # beyond, sums overflow
+            known &= np.abs(curvature) < 1e300  # beyond, sums overflow
         values[known] = curvature[known]
         return frozen(values)
 
@@ -347,7 +364,7 @@ class Embedding:
         ------
         FileError
             The ending is not known, the file cannot be written, or for a picture matplotlib is not installed:
-            ``pip install 'isoembed[plot]'``.
+            ``pip install matplotlib``.
         InvalidParameter
             There is no such quantity, or the file has no colors.
         """
@@ -383,7 +400,7 @@ class Embedding:
         Raises
         ------
         FileError
-            matplotlib is not installed: ``pip install 'isoembed[plot]'``.
+            matplotlib is not installed: ``pip install matplotlib``.
         InvalidParameter
             There is no such quantity to color it by.
         """

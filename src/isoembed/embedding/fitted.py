@@ -56,6 +56,11 @@ class FittedSurface(Embedding):
         return float(np.sqrt(np.mean(self.residuals**2)))
 
     @property
+    def is_answer(self) -> bool:
+        """True: it was asked for, and claims no more than it is."""
+        return True
+
+    @property
     def status(self) -> str:
         """``"best fit"``."""
         return "best fit"

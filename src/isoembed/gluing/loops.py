@@ -5,19 +5,11 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Int, Real
+from cython.cimports.isoembed.intrinsic.ear_loops import turn
 from cython.cimports.libc.math import hypot
 
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.ear_loops import turn
-else:
-    from isoembed.intrinsic.ear_loops import turn
-
 DIRECTIONS = 45  # within a right angle
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
 
 
 @cython.cfunc

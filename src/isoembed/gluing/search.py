@@ -14,7 +14,12 @@ Sides = list[tuple[tuple[int, int], tuple[int, int]]]
 
 
 def edge_gluings(
-    polygon: ArrayLike, *, convex: bool = True, curvature: float = 0.0, model: Model = "ambient"
+    polygon: ArrayLike,
+    *,
+    convex: bool = True,
+    tolerance: float | None = None,
+    curvature: float = 0.0,
+    model: Model = "ambient",
 ) -> list[Sides]:
     """Edge-to-edge gluings of a polygon to a sphere: each side is glued to another of its length.
 
@@ -29,6 +34,8 @@ def edge_gluings(
     convex : bool
         Leave out gluings in which more than a full angle comes together at a vertex, which are metrics of no
         convex polyhedron.
+    tolerance : float, optional
+        As of `glue`.
     curvature, model : float and str
         Of the polygon, as of `glue`.
 
@@ -42,6 +49,8 @@ def edge_gluings(
     ------
     InvalidMetric
         The polygon is invalid.
+    InvalidParameter
+        As `glue`, of the tolerance.
 
     References
     ----------
@@ -54,9 +63,9 @@ def edge_gluings(
     [[((0, 0), (0, 1)), ((0, 2), (0, 3))], [((0, 0), (0, 3)), ((0, 1), (0, 2))]]
     """
     sheet = Polygon.of(polygon, 0, Space(curvature), model)
-    tolerance = Tolerance.of([sheet])
+    allowed = Tolerance.of([sheet], tolerance)
     n, lengths, angles = sheet.n, sheet.sides, sheet.angles
-    most = 2 * np.pi + GLUING.full_angle if convex else np.inf
+    most = 2 * np.pi + GLUING.full_angle + 4 * (tolerance or 0.0) / lengths.min() if convex else np.inf
     # By stretch of sides i .. j - 1: its gluings, and the angles that its two ends are glued to in between.
     known: dict[tuple[int, int], list[tuple[Pairs, float]]] = {(i, i): [((), 0.0)] for i in range(n + 1)}
     for size in range(2, n + 1, 2):
@@ -65,7 +74,7 @@ def edge_gluings(
             ends = angles[i] + (angles[j % n] if size < n else 0.0)
             found = known[i, j] = []
             for k in range(i + 1, j, 2):
-                if abs(lengths[i] - lengths[k]) > tolerance.between(0, 0, (lengths[i], lengths[k])):
+                if abs(lengths[i] - lengths[k]) > allowed.between(0, 0, (lengths[i], lengths[k])):
                     continue
                 for beyond, rest in known[k + 1, j]:
                     between = rest + angles[k + 1] if k + 1 < j else 0.0

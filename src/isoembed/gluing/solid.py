@@ -148,7 +148,7 @@ def _folded(net: Net, tolerance: float, progress: Listener | None) -> Embedding 
     with log.stage("folding") as recorder:
         # Angles are known to a few digits at least: Newton's method gains as many at each of a few steps.
         vertices = length_newton(
-            LengthSystem(metric.triangulation),
+            LengthSystem(metric.triangulation, work=log.work),
             net.folded / metric.unit,
             metric.normalized.lengths,
             contraction(0.5),

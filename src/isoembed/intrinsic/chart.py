@@ -13,16 +13,9 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import Complex, ConstComplex, Real
+from cython.cimports.isoembed.space.trigonometry import tn
 from cython.cimports.libc.math import atan, atan2, atanh, cos, hypot, sin, sqrt
-
-if cython.compiled:
-    from cython.cimports.isoembed.space.trigonometry import tn
-else:
-    from isoembed.space.trigonometry import tn
-
-Real = cython.typedef(cython.double)
-Complex = cython.typedef(cython.doublecomplex)
-ConstComplex = cython.typedef(cython.const[cython.doublecomplex])
 
 
 @cython.cfunc

@@ -5,37 +5,18 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.loops import (
-        Mesh,
-        Rule,
-        edges_between,
-        flip,
-        flip_edges,
-        following,
-        leaving_halfedges,
-        preceding,
-    )
-    from cython.cimports.isoembed.space.trigonometry import amplitude, apex, chord, cs, sn, twice_area
-else:
-    from isoembed.intrinsic.loops import (
-        Mesh,
-        Rule,
-        edges_between,
-        flip,
-        flip_edges,
-        following,
-        leaving_halfedges,
-        preceding,
-    )
-    from isoembed.space.trigonometry import amplitude, apex, chord, cs, sn, twice_area
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Flag = cython.typedef(cython.uchar)
+from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Flag, Int, Real
+from cython.cimports.isoembed.intrinsic.loops import (
+    Mesh,
+    Rule,
+    edges_between,
+    flip,
+    flip_edges,
+    following,
+    leaving_halfedges,
+    preceding,
+)
+from cython.cimports.isoembed.space.trigonometry import amplitude, apex, chord, cs, sn, twice_area
 
 INF = cython.declare(cython.double, float("inf"))
 SLACK = cython.declare(cython.double, 1e-12)  # relative: an edge that is Delaunay to this is left alone

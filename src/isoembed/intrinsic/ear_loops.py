@@ -5,16 +5,8 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.loops import Rule, preceding, swap_diagonals
-else:
-    from isoembed.intrinsic.loops import Rule, preceding, swap_diagonals
-
-Int = cython.typedef(cython.longlong)
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Flag = cython.typedef(cython.uchar)
+from cython.cimports.isoembed.c_types import ConstReal, Flag, Int, Real
+from cython.cimports.isoembed.intrinsic.loops import Rule, preceding, swap_diagonals
 
 SLACK = cython.declare(cython.double, 1e-12)  # relative: an edge that is Delaunay to this is left alone
 BLOCKED = cython.declare(cython.longlong, -1)  # outcomes of a rule, as in `loops`

@@ -5,55 +5,32 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import Complex, ConstComplex, ConstInt, ConstReal, Flag, Int, Real
+from cython.cimports.isoembed.intrinsic.chart import (
+    cross,
+    dot,
+    from_frame,
+    motion,
+    moved,
+    norm,
+    toward,
+    turn_at,
+)
+from cython.cimports.isoembed.intrinsic.loops import (
+    Rule,
+    edges_between,
+    flip_edges,
+    following,
+    glue,
+    preceding,
+    push,
+    restore_delaunay,
+    swap_diagonals,
+)
+from cython.cimports.isoembed.intrinsic.polygon_loops import Layout
 from cython.cimports.libc.math import atan2, hypot, sqrt
 
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.chart import (
-        cross,
-        dot,
-        from_frame,
-        motion,
-        moved,
-        norm,
-        toward,
-        turn_at,
-    )
-    from cython.cimports.isoembed.intrinsic.loops import (
-        Rule,
-        edges_between,
-        flip_edges,
-        following,
-        glue,
-        preceding,
-        push,
-        restore_delaunay,
-        swap_diagonals,
-    )
-    from cython.cimports.isoembed.intrinsic.polygon_loops import Layout
-else:
-    from isoembed.intrinsic.chart import cross, dot, from_frame, motion, moved, norm, toward, turn_at
-    from isoembed.intrinsic.loops import (
-        Rule,
-        edges_between,
-        flip_edges,
-        following,
-        glue,
-        preceding,
-        push,
-        restore_delaunay,
-        swap_diagonals,
-    )
-    from isoembed.intrinsic.polygon_loops import Layout
-
 from isoembed.intrinsic.loops import empty_stack
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Flag = cython.typedef(cython.uchar)
-Complex = cython.typedef(cython.doublecomplex)
-ConstComplex = cython.typedef(cython.const[cython.doublecomplex])
 
 BLOCKED = cython.declare(cython.longlong, -1)  # outcomes of a rule, as in `loops`
 LEFT = cython.declare(cython.longlong, 0)

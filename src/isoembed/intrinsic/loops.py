@@ -5,19 +5,10 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, Flag, Int, Real
+from cython.cimports.isoembed.intrinsic.chart import from_frame, norm, toward
+from cython.cimports.isoembed.space.trigonometry import angle_between, apex, arc, cs, sn
 from cython.cimports.libc.math import atan2, floor, hypot, sin, sqrt
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.chart import from_frame, norm, toward
-    from cython.cimports.isoembed.space.trigonometry import angle_between, apex, arc, cs, sn
-else:
-    from isoembed.intrinsic.chart import from_frame, norm, toward
-    from isoembed.space.trigonometry import angle_between, apex, arc, cs, sn
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-Flag = cython.typedef(cython.uchar)
 
 END = cython.declare(cython.longlong, -1)  # on the stack: nothing below
 FREE = cython.declare(cython.longlong, -2)  # and not on it

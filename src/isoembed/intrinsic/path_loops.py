@@ -5,61 +5,37 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import Complex, ConstComplex, ConstInt, ConstReal, Int, Real
+from cython.cimports.isoembed.intrinsic.chart import (
+    coordinate,
+    cross,
+    distance,
+    norm,
+    point,
+    stretch,
+    toward,
+    turn_at,
+)
+from cython.cimports.isoembed.intrinsic.loops import (
+    Mesh,
+    following,
+    leaving_halfedges,
+    preceding,
+    total_angle,
+)
+from cython.cimports.isoembed.intrinsic.polygon_loops import (
+    Layout,
+    angle_around,
+    crossed,
+    from_corner,
+    from_inside,
+    place,
+    reaches,
+    sector,
+    straight,
+)
+from cython.cimports.isoembed.space.trigonometry import cs, sn
 from cython.cimports.libc.math import atan2, atanh, isnan, sqrt
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.chart import (
-        coordinate,
-        cross,
-        distance,
-        norm,
-        point,
-        stretch,
-        toward,
-        turn_at,
-    )
-    from cython.cimports.isoembed.intrinsic.loops import (
-        Mesh,
-        following,
-        leaving_halfedges,
-        preceding,
-        total_angle,
-    )
-    from cython.cimports.isoembed.intrinsic.polygon_loops import (
-        Layout,
-        angle_around,
-        crossed,
-        from_corner,
-        from_inside,
-        place,
-        reaches,
-        sector,
-        straight,
-    )
-    from cython.cimports.isoembed.space.trigonometry import cs, sn
-else:
-    from isoembed.intrinsic.chart import coordinate, cross, distance, norm, point, stretch, toward, turn_at
-    from isoembed.intrinsic.loops import Mesh, following, leaving_halfedges, preceding, total_angle
-    from isoembed.intrinsic.polygon_loops import (
-        Layout,
-        angle_around,
-        crossed,
-        from_corner,
-        from_inside,
-        place,
-        reaches,
-        sector,
-        straight,
-    )
-    from isoembed.space.trigonometry import cs, sn
-
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Complex = cython.typedef(cython.doublecomplex)
-ConstComplex = cython.typedef(cython.const[cython.doublecomplex])
 
 PI = cython.declare(cython.double, 3.141592653589793)
 # a line may cross so many more triangles than there are: round a needle

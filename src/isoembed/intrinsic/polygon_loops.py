@@ -11,40 +11,28 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import Complex, ConstFlag, ConstInt, Flag, Int, Real
+from cython.cimports.isoembed.intrinsic.chart import (
+    argument,
+    coordinate,
+    dot,
+    motion,
+    moved,
+    norm,
+    point,
+    polar,
+    toward,
+)
+from cython.cimports.isoembed.intrinsic.loops import (
+    Mesh,
+    corner_angle,
+    following,
+    modulo,
+    preceding,
+    third_corner,
+)
+from cython.cimports.isoembed.space.trigonometry import cs, sn
 from cython.cimports.libc.math import isnan
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.chart import (
-        argument,
-        coordinate,
-        dot,
-        motion,
-        moved,
-        norm,
-        point,
-        polar,
-        toward,
-    )
-    from cython.cimports.isoembed.intrinsic.loops import (
-        Mesh,
-        corner_angle,
-        following,
-        modulo,
-        preceding,
-        third_corner,
-    )
-    from cython.cimports.isoembed.space.trigonometry import cs, sn
-else:
-    from isoembed.intrinsic.chart import argument, coordinate, dot, motion, moved, norm, point, polar, toward
-    from isoembed.intrinsic.loops import Mesh, corner_angle, following, modulo, preceding, third_corner
-    from isoembed.space.trigonometry import cs, sn
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-Flag = cython.typedef(cython.uchar)
-ConstFlag = cython.typedef(cython.const[cython.uchar])
-Complex = cython.typedef(cython.doublecomplex)
 
 PI = cython.declare(cython.double, 3.141592653589793)
 # a line may cross so many more triangles than there are: round a needle

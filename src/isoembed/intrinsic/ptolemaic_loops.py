@@ -4,32 +4,17 @@
 from __future__ import annotations
 
 import cython
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.loops import (
-        Mesh,
-        Rule,
-        edges_between,
-        flip,
-        following,
-        preceding,
-        swap_diagonals,
-    )
-    from cython.cimports.isoembed.space.trigonometry import chord
-else:
-    from isoembed.intrinsic.loops import (
-        Mesh,
-        Rule,
-        edges_between,
-        flip,
-        following,
-        preceding,
-        swap_diagonals,
-    )
-    from isoembed.space.trigonometry import chord
-
-Int = cython.typedef(cython.longlong)
-Real = cython.typedef(cython.double)
+from cython.cimports.isoembed.c_types import Int, Real
+from cython.cimports.isoembed.intrinsic.loops import (
+    Mesh,
+    Rule,
+    edges_between,
+    flip,
+    following,
+    preceding,
+    swap_diagonals,
+)
+from cython.cimports.isoembed.space.trigonometry import chord
 
 THINNEST = cython.declare(
     cython.double, 1e-15

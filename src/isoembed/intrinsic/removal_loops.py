@@ -5,29 +5,19 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.delaunay_loops import Tracked, flip_tracked
-    from cython.cimports.isoembed.intrinsic.loops import (
-        Mesh,
-        corner_angle,
-        degree,
-        following,
-        preceding,
-        restore_delaunay,
-    )
-    from cython.cimports.isoembed.intrinsic.star_loops import retriangulate_star
-else:
-    from isoembed.intrinsic.delaunay_loops import Tracked, flip_tracked
-    from isoembed.intrinsic.loops import Mesh, corner_angle, degree, following, preceding, restore_delaunay
-    from isoembed.intrinsic.star_loops import retriangulate_star
+from cython.cimports.isoembed.c_types import ConstFlag, Flag, Int, Real
+from cython.cimports.isoembed.intrinsic.delaunay_loops import Tracked, flip_tracked
+from cython.cimports.isoembed.intrinsic.loops import (
+    Mesh,
+    corner_angle,
+    degree,
+    following,
+    preceding,
+    restore_delaunay,
+)
+from cython.cimports.isoembed.intrinsic.star_loops import retriangulate_star
 
 from isoembed.intrinsic.loops import empty_stack
-
-Int = cython.typedef(cython.longlong)
-Real = cython.typedef(cython.double)
-Flag = cython.typedef(cython.uchar)
-ConstFlag = cython.typedef(cython.const[cython.uchar])
 
 THIN = cython.declare(
     cython.double, 1e-8

@@ -5,60 +5,29 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.chart import (
-        argument,
-        coordinate,
-        cross,
-        distance,
-        dot,
-        point,
-        polar,
-        toward,
-    )
-    from cython.cimports.isoembed.intrinsic.loops import (
-        Mesh,
-        corner_angle,
-        degree,
-        following,
-        glue,
-        modulo,
-        preceding,
-        push,
-        total_angle,
-    )
-    from cython.cimports.isoembed.space.trigonometry import amplitude, angle_between, sn
-else:
-    from isoembed.intrinsic.chart import (
-        argument,
-        coordinate,
-        cross,
-        distance,
-        dot,
-        point,
-        polar,
-        toward,
-    )
-    from isoembed.intrinsic.loops import (
-        Mesh,
-        corner_angle,
-        degree,
-        following,
-        glue,
-        modulo,
-        preceding,
-        push,
-        total_angle,
-    )
-    from isoembed.space.trigonometry import amplitude, angle_between, sn
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-Flag = cython.typedef(cython.uchar)
-Complex = cython.typedef(cython.doublecomplex)
-ConstComplex = cython.typedef(cython.const[cython.doublecomplex])
+from cython.cimports.isoembed.c_types import Complex, ConstComplex, ConstInt, Int, Real
+from cython.cimports.isoembed.intrinsic.chart import (
+    argument,
+    coordinate,
+    cross,
+    distance,
+    dot,
+    point,
+    polar,
+    toward,
+)
+from cython.cimports.isoembed.intrinsic.loops import (
+    Mesh,
+    corner_angle,
+    degree,
+    following,
+    glue,
+    modulo,
+    preceding,
+    push,
+    total_angle,
+)
+from cython.cimports.isoembed.space.trigonometry import amplitude, angle_between, sn
 
 INF = cython.declare(cython.double, float("inf"))
 PI = cython.declare(cython.double, 3.141592653589793)

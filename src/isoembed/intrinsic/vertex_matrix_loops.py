@@ -3,14 +3,8 @@
 
 from __future__ import annotations
 
-import cython
 import numpy as np
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Int32 = cython.typedef(cython.int)
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
+from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Int, Int32, Real
 
 
 def assembled(corners: ConstInt[::1], twins: ConstInt[::1], values: ConstReal[::1], diagonal: ConstReal[::1]):

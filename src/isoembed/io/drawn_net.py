@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from collections import Counter
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote
+from isoembed.errors import InvalidMetric, InvalidParameter, MeshNote, warn_of_mesh
 from isoembed.gluing import Net, dform, edge_gluings, glue
 from isoembed.gluing.creases import fold_up, meeting_corners, meeting_tolerance
 from isoembed.gluing.dashes import undashed
@@ -25,6 +26,8 @@ UNITS = 4.0  # of the last digit, by which rounded points and lengths between th
 NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
 ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
 SAME_PERIMETER = 1e-3  # curves of a D-form: they are sampled
+COARSE = 1e-3  # of a length: above, digits may be too few to tell sides apart
+MOST_SAID = 3  # numbers
 MOST_SIDES = 40  # of a sheet whose gluings are searched
 
 Pair = tuple[Side, Side]
@@ -82,13 +85,23 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     sheets = graph.without(_tabs(graph, glued, () if any_surface else drawing.numbers))
     folded = _folded(sheets, near)
     allowed = near if tolerance is None else max(tolerance, near)
-    pairs = _mates(sheets, drawing, folded, allowed)
+    pairs, by_length = _mates(sheets, drawing, folded, allowed)
     pairs += [(side, twin) for side, twin in sheets.twins.items() if side < twin]
     with warnings.catch_warnings():
-        if quiet:  # the digits of the file explain by how much sides differ
+        if quiet:  # the digits of the file explain by how much sides differ; what it moves is said below
             warnings.simplefilter("ignore", MeshNote)
         polygons = [sheets.points[face] for face in sheets.faces]
-        net = glue(polygons, pairs, tolerance=tolerance, any_surface=any_surface)
+        try:
+            net = glue(polygons, pairs, tolerance=tolerance, any_surface=any_surface)
+        except InvalidMetric as error:
+            if not by_length:
+                raise
+            raise InvalidMetric(
+                f"{error}; sides without a number were glued by their lengths, which does not always tell "
+                "them apart: write the same number at the two sides that are glued, or draw with more digits"
+            ) from None
+    if quiet and net.correction and net.correction.largest > max(SNAP * size, 2 * drawing.error):
+        warn_of_mesh(str(replace(net.correction, source=f"{tolerance:.2g}, by the digits of the drawing")))
     return with_places(net, sheets.faces, folded)
 
 
@@ -171,8 +184,8 @@ def _shared(sheets: LineGraph) -> int:
 
 def _mates(
     sheets: LineGraph, drawing: Lines, folded: tuple[Floats, np.ndarray] | None, tolerance: float
-) -> list[Pair]:
-    """The pairs of sides that are glued."""
+) -> tuple[list[Pair], bool]:
+    """The pairs of sides that are glued, and whether lengths decided some."""
     left = [
         (f, k) for f, face in enumerate(sheets.faces) for k in range(len(face)) if (f, k) not in sheets.twins
     ]
@@ -190,20 +203,23 @@ def _mates(
         done = {side for pair in found for side in pair}
         left = [side for side in left if side not in done]
 
-    match(_numbered(sheets, drawing.numbers, left, tolerance).get)
+    numbered = _numbered(sheets, drawing.numbers, left, tolerance)
+    _check_twice(numbered)
+    match(numbered.get)
     if drawing.any_surface:
-        return pairs
+        return pairs, False
     colors = {sheets.lines[side].color for side in left}
     if len(colors) > 1:
         match(lambda side: sheets.lines[side].color or None)
     if left and folded is not None and not folded[1].any():
         names = meeting_corners(*folded[:1], sheets.faces, folded[1], tolerance)
         match(lambda side: tuple(sorted(names[v] for v in _corners(sheets, side))))
+    by_length = bool(left)
     if left:
         match(_by_length(sheets, left, tolerance).get)
     if left:
-        pairs += _searched(sheets, pairs, left)
-    return pairs
+        pairs += _searched(sheets, pairs, left, tolerance)
+    return pairs, by_length
 
 
 def _corners(sheets: LineGraph, side: Side) -> tuple[int, int]:
@@ -257,6 +273,17 @@ def _numbered(
     return found
 
 
+def _check_twice(numbered: dict[Side, str]) -> None:
+    """Say which numbers glue nothing, where others do."""
+    counts = Counter(numbered.values())
+    odd = [
+        f"{text} at {count} side{'' if count == 1 else 's'}" for text, count in counts.items() if count != 2
+    ]
+    if odd and len(odd) < len(counts):
+        more = f", and {len(odd) - MOST_SAID} more" if len(odd) > MOST_SAID else ""
+        warn_of_mesh(f"numbers that are not at two sides glue none: {', '.join(odd[:MOST_SAID])}{more}")
+
+
 def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> dict[Side, int]:
     """The class of each side, of those that have one length."""
     lengths = np.array([_length(sheets, side) for side in sides])
@@ -265,21 +292,23 @@ def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> di
     return {sides[k]: int(c) for k, c in zip(order.tolist(), classes, strict=True)}
 
 
-def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side]) -> list[Pair]:
+def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], tolerance: float) -> list[Pair]:
     """The only convex gluing of one sheet in which sides are glued that are so already."""
     outline = _outline(sheets)
     if outline is None or len(outline) > MOST_SIDES:
-        raise _no_mate(sheets, left)
+        raise _no_mate(sheets, left, tolerance)
     number = {side: k for k, side in enumerate(outline)}
     known = {tuple(sorted((number[one], number[other]))) for one, other in pairs}
     points = np.array([sheets.ends(side)[0] for side in outline])
     found = [
         some
-        for some in ([(i, k) for (_, i), (_, k) in sides] for sides in edge_gluings(points))
+        for some in (
+            [(i, k) for (_, i), (_, k) in sides] for sides in edge_gluings(points, tolerance=tolerance)
+        )
         if known <= set(some)
     ]
     if len(found) != 1:
-        raise _no_mate(sheets, left, len(found))
+        raise _no_mate(sheets, left, tolerance, len(found))
     return [(outline[i], outline[k]) for i, k in found[0] if (i, k) not in known]
 
 
@@ -300,11 +329,17 @@ def _outline(sheets: LineGraph) -> list[Side] | None:
     return around if len(around) == count else None
 
 
-def _no_mate(sheets: LineGraph, left: Sequence[Side], ways: int = 0) -> InvalidParameter:
+def _no_mate(sheets: LineGraph, left: Sequence[Side], tolerance: float, ways: int = 0) -> InvalidParameter:
     several = f": {ways} ways to glue it make a convex solid" if ways else ""
+    length = _length(sheets, left[0])
+    digits = (
+        f", or draw with more digits: lengths that differ by less than {tolerance:.2g} mm are not told apart"
+        if tolerance > COARSE * length
+        else ""
+    )
     return InvalidParameter(
-        f"the side {_where(sheets, left[0])}, {_length(sheets, left[0]):.6g} mm long, has no mate that is "
-        f"certain{several}; write the same number at the two sides that are glued"
+        f"the side {_where(sheets, left[0])}, {length:.6g} mm long, has no mate that is "
+        f"certain{several}; write the same number at the two sides that are glued{digits}"
     )
 
 

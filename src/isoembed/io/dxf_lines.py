@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from isoembed.errors import warn_of_mesh
 from isoembed.gluing.drawn_lines import LAYERS, NUMBERS, READ, Line, Lines, Number, last_unit
 from isoembed.io.files import FileError, first_line
 from isoembed.io.input_file import InputFile
@@ -40,7 +41,7 @@ def ezdxf_for(what: str) -> Any:
     try:
         import ezdxf
     except ImportError:
-        raise FileError(f"{what} needs ezdxf: pip install 'isoembed[dxf]'") from None
+        raise FileError(f"{what} needs ezdxf: pip install ezdxf; .svg needs nothing") from None
     return ezdxf
 
 
@@ -67,7 +68,11 @@ def read_dxf_lines(file: InputFile) -> Lines:
 def _drawn(ezdxf: Any, document: Any, file: str) -> Lines:
     """Lines of a document."""
     # Of a drawing without a unit, as old programs write them, ezdxf says 0.
-    unit = ezdxf.units.conversion_factor(document.units, ezdxf.units.MM) if document.units else 1.0
+    unit = 1.0
+    if document.units:
+        unit = ezdxf.units.conversion_factor(document.units, ezdxf.units.MM)
+    else:
+        warn_of_mesh(f"{file} has no unit: millimeters are taken")
     lines, numbers, values = [], [], [np.zeros(1)]
     entities = [*islice(_entities(document.modelspace(), 0, file), MOST_READ + 1)]
     if len(entities) > MOST_READ:

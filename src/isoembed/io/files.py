@@ -29,7 +29,7 @@ class FileError(ValueError):
     """
 
     def __init__(self, message: str) -> None:
-        super().__init__(_printable(message))
+        super().__init__(printable(message))
 
 
 class AmbiguousFileError(FileError):
@@ -50,11 +50,12 @@ class AmbiguousFileError(FileError):
 
 def first_line(error: object) -> str:
     """The beginning of what another package says of a file, on one line; bytes of the file are escaped."""
-    line = _printable(next(iter(str(error).splitlines()), ""))
+    line = printable(next(iter(str(error).splitlines()), ""))
     return line if len(line) <= QUOTED else line[: QUOTED - 3] + "..."
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
+    """Text with escape sequences for characters that cannot be printed."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
@@ -78,11 +79,19 @@ def check_ending(
     Raises
     ------
     FileError
-        Naming the endings that are known.
+        Naming the endings that are known, or a file that has a similar name if there is none of this one.
     """
     if (found := of(path)) not in known:
+        if of is input_ending and not Path(path).exists() and (similar := _similar(Path(path))):
+            raise FileError(f"there is no file {path}{similar}")
         what = f"the ending {found!r}" if found else "no ending"
-        raise FileError(f"{path} has {what}, not one of {' '.join(known)}")
+        raise FileError(f"{path} has {what}, not one of {' '.join(known)}{did_you_mean(found, known, 0.7)}")
+
+
+def _similar(path: Path) -> str:
+    """The end of a sentence about a file that is not there: one of a similar name in its folder."""
+    there = [file.name for file in path.parent.iterdir()] if path.parent.is_dir() else []
+    return did_you_mean(path.name, there, 0.8)
 
 
 def check_target(path: str | os.PathLike[str]) -> None:
@@ -130,8 +139,7 @@ def open_input(path: Path) -> BinaryIO:
     try:
         return path.open("rb", buffering=1 << 16)
     except FileNotFoundError:
-        there = [file.name for file in path.parent.iterdir()] if path.parent.is_dir() else []
-        raise FileError(f"there is no file {path}{did_you_mean(path.name, there, 0.8)}") from None
+        raise FileError(f"there is no file {path}{_similar(path)}") from None
     except IsADirectoryError:
         raise FileError(f"{path} is a folder, not a file") from None
     except OSError as error:

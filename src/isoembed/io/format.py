@@ -70,6 +70,10 @@ def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
     return found
 
 
+CURVATURES = ("mean_curvature", "gaussian_curvature")
+"""Names of data at the vertices that are read with a surface."""
+
+
 def at_vertices(tables: Tables) -> dict[str, NDArray[Any]]:
     """The data at the vertices among the arrays of a surface: without single numbers and words."""
     data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}

@@ -9,10 +9,7 @@ from __future__ import annotations
 
 import cython
 import numpy as np
-
-Int = cython.typedef(cython.longlong)
-Byte = cython.typedef(cython.uchar)
-ConstByte = cython.typedef(cython.const[cython.uchar])
+from cython.cimports.isoembed.c_types import Byte, ConstByte, Int
 
 TAB = cython.declare(cython.longlong, 9)
 FEED = cython.declare(cython.longlong, 10)

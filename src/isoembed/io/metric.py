@@ -2,6 +2,7 @@
 
 import math
 import os
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.io import json
 from isoembed.io.files import FileError, Tables, Writer, check_ending, input_ending, write_atomically
+from isoembed.io.format import CURVATURES
 from isoembed.io.input_file import opened
 from isoembed.io.registry import FORMATS, METRIC_ENDINGS, check_output, tables_writer
 from isoembed.io.title_line import WRITTEN
@@ -110,8 +112,12 @@ def in_space(
     return metric.in_space(space)
 
 
-def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> Tables:
+def read_tables(
+    source: str | os.PathLike[str], merge: float | None = None, wanted: Collection[str] = tuple(FORMATS)
+) -> Tables:
     """Read ``faces``, ``edges`` and ``lengths``, or ``vertices`` and triangles, in any of the formats.
+
+    Of an unknown ending it says which are wanted.
 
     Where there is a ``curvature``, it is a number, and the vertices are points of the space that has it.
     """
@@ -123,7 +129,8 @@ def read_tables(source: str | os.PathLike[str], merge: float | None = None) -> T
         raise FileError(
             f"{source} is of a format that is not read: open it with {program}, and export it as .stl or .obj"
         )
-    check_ending(source, FORMATS)
+    if input_ending(source) not in FORMATS:
+        check_ending(source, wanted)
     with opened(source) as file, np.errstate(invalid="ignore"):  # some bytes are no numbers
         known = FORMATS[file.ending]
         tables = known.read(file)
@@ -192,7 +199,8 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
             )
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(
-            f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices"
+            f"{name} holds {there}: a metric needs faces and lengths (with edges), or faces and vertices; "
+            "on a grid, theta, phi, q_tt, q_tp and q_pp"
         )
     for key in ("faces", "edges", "lengths", "length_errors", "vertices"):
         if isinstance(tables.get(key), np.ndarray):
@@ -214,7 +222,10 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         space=Space(said.get("curvature", 0.0)),
         leave_out=True,
         repeated=repeated,
+        error=Precision("", said["rounding_error"]).vertex_error if "rounding_error" in said else 0.0,
     )
+    if len(vertices) == len(tables["vertices"]):  # none was merged or left out
+        said |= {key: tables[key] for key in CURVATURES if key in tables}
     return {"vertices": vertices, "faces": triangles, **said}
 
 

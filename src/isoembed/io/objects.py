@@ -27,12 +27,12 @@ def to_trimesh(embedding: Embedding) -> trimesh.Trimesh:
     Raises
     ------
     ImportError
-        trimesh is not installed: ``pip install 'isoembed[trimesh]'``.
+        trimesh is not installed: ``pip install trimesh``.
     """
     try:
         import trimesh
     except ImportError:
-        raise ImportError("to_trimesh needs trimesh: pip install 'isoembed[trimesh]'") from None
+        raise ImportError("to_trimesh needs trimesh: pip install trimesh") from None
     tables: dict[str, Any] = surface_data(embedding)
     return trimesh.Trimesh(
         tables["vertices"],
@@ -56,12 +56,12 @@ def to_pyvista(embedding: Embedding) -> pyvista.PolyData:
     Raises
     ------
     ImportError
-        PyVista is not installed: ``pip install 'isoembed[pyvista]'``.
+        PyVista is not installed: ``pip install pyvista``.
     """
     try:
         import pyvista
     except ImportError:
-        raise ImportError("to_pyvista needs PyVista: pip install 'isoembed[pyvista]'") from None
+        raise ImportError("to_pyvista needs PyVista: pip install pyvista") from None
     tables: dict[str, Any] = surface_data(embedding)
     cells = [np.insert(rows, 0, rows.shape[1], axis=1).ravel() for rows in by_size(polygon_faces(embedding))]
     mesh = pyvista.PolyData(np.array(tables["vertices"]), np.concatenate(cells))

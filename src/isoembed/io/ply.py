@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, Tables
-from isoembed.io.format import Format, at_vertices, by_size
+from isoembed.io.format import CURVATURES, Format, at_vertices, by_size
 from isoembed.io.input_file import InputFile
 from isoembed.io.strips import strip_triangles
 from isoembed.io.text_scan import LONGEST
@@ -105,7 +105,7 @@ class Body:
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices, faces and triangle strips; all other elements and properties are left aside.
+    """Read vertices, curvatures at them, faces and triangle strips; all others are left aside.
 
     Raises
     ------
@@ -132,8 +132,12 @@ def read(file: InputFile) -> Tables:
     )
     if len(strips):
         faces = [*faces, *chain.from_iterable(_strip(strip) for strip in strips)]
-    points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-    return {"vertices": points, "faces": faces, **title_said(file.head)}
+    names = next(
+        (_point_columns(element) for element in elements if element.name == "vertex"), ("x", "y", "z")
+    )
+    points = np.array(vertices, dtype=np.float64).reshape(-1, len(names))
+    fields = dict(zip(names[3:], points.T[3:], strict=True))
+    return {"vertices": points[:, :3], "faces": faces, **fields, **title_said(file.head)}
 
 
 def write(path: Path, tables: Tables) -> None:
@@ -169,7 +173,15 @@ def _rows_together(element: Element, body: Body) -> Columns | None:
     columns = body.take_all(element)
     if columns is None:
         return None
-    return np.column_stack([columns[axis] for axis in "xyz"]) if points else columns[corners]
+    return (
+        np.column_stack([columns[name] for name in _point_columns(element)]) if points else columns[corners]
+    )
+
+
+def _point_columns(element: Element) -> tuple[str, ...]:
+    """The names of the coordinates of the vertices, and of the curvatures that are there."""
+    numbers = {p.name for p in element.properties if not p.count_code}
+    return ("x", "y", "z", *(name for name in CURVATURES if name in numbers))
 
 
 def _rows(file: InputFile, element: Element, body: Body) -> list[list[float]]:
@@ -179,7 +191,7 @@ def _rows(file: InputFile, element: Element, body: Body) -> list[list[float]]:
         try:
             values = {p.name: body.value(p) for p in element.properties}
             if element.name == "vertex":
-                rows.append([values[axis][0] for axis in "xyz"])
+                rows.append([values[name][0] for name in _point_columns(element)])
             elif element.name in ("face", "tristrips"):
                 rows.append(list(next(values[name] for name in CORNERS if name in values)))
         except IndexError:

@@ -6,14 +6,14 @@ import csv
 import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, zip_longest
 from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.errors import InvalidMetric, warn_of_mesh
-from isoembed.io.files import FileError, Tables
+from isoembed.io.files import FileError, Tables, printable
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import LONGEST
@@ -42,6 +42,11 @@ class _Row(NamedTuple):
     line: int
     cells: dict[str, str]
 
+    @property
+    def hubs(self) -> str:
+        """The hubs that a strut joins, for messages."""
+        return f"the hubs {self.cells['from'][:LONGEST_QUOTE]} and {self.cells['to'][:LONGEST_QUOTE]}"
+
 
 def read(file: InputFile) -> Tables:
     """Read struts, their lengths, and the triangles that they make.
@@ -69,7 +74,7 @@ def read(file: InputFile) -> Tables:
     for row in _rows(file):
         if "from" in row.cells:
             struts.append(row)
-        elif _written(row):
+        elif row.cells["type"] and _written(row):
             legend[row.cells["type"]] = row
     if not struts:
         first = next((line for line in file.text.splitlines() if line.strip()), "")
@@ -82,13 +87,13 @@ def read(file: InputFile) -> Tables:
         if not _written(row):
             kind = row.cells.get("type", "")
             if not kind and not {"type", *LENGTHS} & row.cells.keys():
-                columns = ", ".join(row.cells)
+                columns = ", ".join(row.cells)[: 3 * LONGEST_QUOTE]
                 raise FileError(
                     f"{file}, line {row.line}: no 'length' or 'type' is among the columns {columns}"
                 )
             if kind not in legend:
                 raise FileError(
-                    f"{file}, line {row.line}: the strut has no length, and its type {kind!r} has none"
+                    f"{file}, line {row.line}: the strut has no length, and its type {_short(kind)} has none"
                 )
             row = legend[kind]
         measured.append(row)
@@ -123,14 +128,15 @@ def _rows(file: InputFile) -> Iterator[_Row]:
     known type.
     """
     lines = file.text.removeprefix("\ufeff").splitlines()
-    first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
-    delimiter = next((sign for sign in ";\t" if sign in first), ",")
+    delimiter = _delimiter(lines)
     header: list[str] = []
     types: set[str] = set()
     below_blank = False
     for number, line in enumerate(lines, 1):
         try:
-            cells = [cell.strip() for row in csv.reader([line], delimiter=delimiter) for cell in row]
+            cells = [
+                printable(cell.strip()) for row in csv.reader([line], delimiter=delimiter) for cell in row
+            ]
         except csv.Error as error:
             raise FileError(f"{file}, line {number}: {error}") from None
         if not any(cells):
@@ -138,8 +144,8 @@ def _rows(file: InputFile) -> Iterator[_Row]:
             continue
         if cells[0].startswith("#"):
             continue
-        names = [UNIT.sub("", cell).lower().replace("_", " ") for cell in cells]
-        named = dict(zip(header, cells, strict=False))
+        names = _names(cells)
+        named = dict(zip_longest(header, cells[: len(header)], fillvalue=""))
         goes_on = any(map(NUMBER.fullmatch, cells)) or named.get("type", "") in types
         if not header or _is_header(names) or (below_blank and not goes_on):
             header, below_blank = names, False
@@ -153,6 +159,20 @@ def _rows(file: InputFile) -> Iterator[_Row]:
             types |= {named["type"]} if named.get("type") else set()
             below_blank = False
             yield _Row(number, named)
+
+
+def _delimiter(lines: Iterable[str]) -> str:
+    """The sign between the cells of the first header."""
+    for line in lines:
+        for sign in ";\t,":
+            if _is_header(_names(cell.strip(' "') for cell in line.split(sign))):
+                return sign
+    return ","
+
+
+def _names(cells: Iterable[str]) -> list[str]:
+    """Names of columns as they are compared."""
+    return [UNIT.sub("", cell).lower().replace("_", " ") for cell in cells]
 
 
 def _is_header(names: Collection[str]) -> bool:
@@ -183,7 +203,7 @@ def _with_points(written: Sequence[tuple[str, str]]) -> list[str]:
     for (text, where), comma in zip(written, commas, strict=True):
         if comma and len(comma[1]) == 3 and not all(commas):
             raise FileError(
-                f"{where}: the length {text!r} may be {text.replace(',', '')} or "
+                f"{where}: the length {_short(text)} may be {text.replace(',', '')} or "
                 f"{text.replace(',', '.')}, as other lengths have no comma"
             )
     return [
@@ -211,7 +231,7 @@ def _say_which_hub_is_which(hubs: Sequence[str]) -> None:
     if hubs == [str(k) for k in range(len(hubs))]:
         return
     some = sorted({*range(min(3, len(hubs))), len(hubs) - 1})
-    named = [f"hub {hubs[k]} is vertex {k}" for k in some]
+    named = [f"hub {hubs[k][:LONGEST_QUOTE]} is vertex {k}" for k in some]
     if len(hubs) > 4:
         named.insert(3, "...")
     warn_of_mesh(f"hubs are numbered from 0 in the order of their names: {', '.join(named)}")
@@ -222,18 +242,14 @@ def _edges(struts: list[_Row], file: InputFile) -> Indices:
     names = [row.cells[end] for row in struts for end in ("from", "to")]
     for k, row in enumerate(struts):
         if not names[2 * k] or not names[2 * k + 1] or names[2 * k] == names[2 * k + 1]:
-            raise FileError(
-                f"{file}, line {row.line}: a strut is from {names[2 * k]!r} to {names[2 * k + 1]!r}"
-            )
+            start, end = map(_short, names[2 * k : 2 * k + 2])
+            raise FileError(f"{file}, line {row.line}: a strut is from {start} to {end}")
     place = {name: k for k, name in enumerate(_hubs(struts))}
     edges = np.array([place[name] for name in names]).reshape(-1, 2)
     seen: dict[frozenset[int], int] = {}
     for row, ends in zip(struts, map(frozenset, edges.tolist()), strict=True):
         if (before := seen.setdefault(ends, row.line)) != row.line:
-            raise FileError(
-                f"{file}, line {row.line}: the hubs {row.cells['from']} and {row.cells['to']} are joined in "
-                f"line {before}, too"
-            )
+            raise FileError(f"{file}, line {row.line}: {row.hubs} are joined in line {before}, too")
     return edges
 
 
@@ -261,7 +277,7 @@ def _triangles(edges: Indices, struts: Sequence[_Row]) -> Indices:
         at = _by_sides(found)
     for (a, b), row in zip(edges.tolist(), struts, strict=True):
         count = len(at.get((min(a, b), max(a, b)), ()))
-        strut = f"the strut between the hubs {row.cells['from']} and {row.cells['to']}"
+        strut = f"the strut between {row.hubs}"
         if count == 0:
             raise InvalidMetric(f"{strut} is in no triangle: lengths do not tell the shape")
         if count > 2:

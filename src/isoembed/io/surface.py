@@ -11,12 +11,19 @@ from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.polyhedron import Polyhedron
 from isoembed.io.files import FileError, Tables, Writer, ending, write_atomically
-from isoembed.io.format import Polygons
+from isoembed.io.format import CURVATURES, Polygons
 from isoembed.io.metric import facts, metric_of, read_tables
-from isoembed.io.registry import FORMATS, SURFACE_ENDINGS, check_output, tables_writer
+from isoembed.io.registry import (
+    FORMATS,
+    MESH_ENDINGS,
+    METRIC_ENDINGS,
+    SURFACE_ENDINGS,
+    check_output,
+    tables_writer,
+)
 from isoembed.io.title_line import WRITTEN
 from isoembed.method import TOLERANCE
-from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
+from isoembed.metric.polygon_faces import PolygonFaces
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.surface import SheetEmbedding
 from isoembed.space.models import to_model
@@ -52,14 +59,27 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     InvalidMetric
         What it holds is not a triangulated surface.
     """
-    tables = read_tables(path, merge)
+    return read_with_curvatures(path, merge=merge)[0]
+
+
+def read_with_curvatures(
+    path: str | os.PathLike[str], *, merge: float | None = None
+) -> tuple[Embedding, dict[str, Floats]]:
+    """Read a surface, as `read_surface`, and the curvatures (V,) that the file holds, by their names."""
+    tables = read_tables(path, merge, (*METRIC_ENDINGS, *MESH_ENDINGS))
     if "vertices" not in tables:
         metric_of(tables)  # what is wrong with it comes first
         raise FileError(
             f"{path} is a metric without vertices: embed it first, with "
             f"'isoembed embed {path} -o surface.ply'"
         )
-    return surface_of(tables, str(path))
+    surface, n = surface_of(tables, str(path)), len(tables["vertices"])
+    there = {name: np.asarray(tables[name]) for name in CURVATURES if name in tables}
+    return surface, {
+        name: values.astype(np.float64)
+        for name, values in there.items()
+        if values.shape == (n,) and values.dtype.kind in "iuf"
+    }
 
 
 def surface_of(tables: Tables, name: str) -> Embedding:
@@ -127,8 +147,8 @@ def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
     ``residual`` (V,), the largest residual of the edges at each vertex, where the format has a place for
     them (not in OBJ, OFF and STL).  The faces of a `ConvexPolyhedron` are polygons where the format can hold
     some (not in NPZ, JSON and STL), but for those with flat vertices inside, which stay triangles, so that
-    every given vertex is in a face, and those that readers would cut along
-    other diagonals, where rounding left them off a plane.
+    every given vertex is in a face, and those that are off a plane by more than the known error of the
+    vertices, if readers would cut them along other diagonals.
 
     In hyperbolic and spherical space the vertices are conformal coordinates: Poincare's ball, or
     stereographic projection.  The file says so and holds the ``curvature`` of space, as a number where it can
@@ -157,22 +177,35 @@ def polygon_faces(embedding: Embedding) -> Polygons:
     triangles = np.split(faces[np.argsort(owners, kind="stable")], np.cumsum(np.bincount(owners))[:-1])
     normalized = embedding.vertices / embedding.metric.unit
     points = to_model(embedding.metric.normalized.space, normalized, "projective")
-    as_is = _cut_as(list(polygons), triangles, points)
-    as_turned = _cut_as([np.roll(polygon, 1) for polygon in polygons], triangles, points)
+    error = embedding.surface.vertex_error / embedding.metric.unit
+    turned = [np.roll(polygon, 1) for polygon in polygons]
+    flat, same = _cut_as(polygons, triangles, points, error)
+    same_turned = _cut_as(turned, triangles, points, error)[1]
     out: list[Indices] = []
-    for polygon, parts, same, turned in zip(polygons, triangles, as_is, as_turned, strict=True):
-        out += [polygon if same else np.roll(polygon, 1)] if same or turned else list(parts)
+    for k, parts in enumerate(triangles):
+        if same_turned[k] and not same[k]:
+            out.append(turned[k])
+        else:
+            out += [polygons[k]] if same[k] or flat[k] else list(parts)
     return out
 
 
-def _cut_as(polygons: Sequence[Indices], triangles: list[Indices], points: Floats) -> list[bool]:
-    """Whether readers cut each polygon into given triangles, or into others in the same plane."""
+def _cut_as(
+    polygons: Sequence[Indices], triangles: list[Indices], points: Floats, error: float
+) -> tuple[list[bool], list[bool]]:
+    """Whether polygons are planar, up to the error of the points, and whether readers cut them as given.
+
+    Those that hold fewer vertices than the triangles are neither.
+    """
     sizes = np.array([len(polygon) for polygon in polygons])
     cut = PolygonFaces(points, np.concatenate(polygons), sizes)
-    ends = np.cumsum(sizes - 2)[:-1]
-    return [
-        len(own) == len(parts) and (warp <= PLANE or (warp <= PLANAR and _corners(own) == _corners(parts)))
-        for own, parts, warp in zip(np.split(cut.triangles(), ends), triangles, cut.warps, strict=True)
+    own = np.split(cut.triangles(), np.cumsum(sizes - 2)[:-1])
+    whole = [len(some) == len(parts) for some, parts in zip(own, triangles, strict=True)]
+    flat = ~cut.warped(error, PLANE) & whole
+    near = ~cut.warped(error) & whole
+    return flat.tolist(), [
+        bool(is_near) and _corners(some) == _corners(parts)
+        for is_near, some, parts in zip(near, own, triangles, strict=True)
     ]
 
 

@@ -12,6 +12,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from isoembed.arrays import Floats
+from isoembed.errors import warn_of_mesh
 from isoembed.gluing.drawn_lines import LAYERS, NUMBERS, READ, Line, Lines, Number, last_unit
 from isoembed.io.files import FileError
 from isoembed.io.input_file import InputFile
@@ -82,6 +83,8 @@ def read_svg_lines(file: InputFile) -> Lines:
         if isinstance(error, FileError):
             raise
         raise FileError(f"{file} is not a readable SVG file: {error}") from None
+    if not any(re.search("[a-zA-Z]", root.get(key, "")) for key in ("width", "height")):
+        warn_of_mesh(f"{file} has no unit: a pixel is taken as 1/96 inch, {PIXEL:.4f} mm")
     unit = last_unit(np.concatenate([np.zeros(1), *reader.values]))
     scale = float(np.sqrt(abs(np.linalg.det(_view(root)[:, :2]))))
     return Lines(

@@ -27,8 +27,14 @@ class TextTable:
     lines: Indices
 
 
-def read_text_table(file: InputFile) -> TextTable:
+def read_text_table(file: InputFile, *, named: bool = False) -> TextTable:
     """Read a table of numbers separated by blanks or commas; blank lines are skipped.
+
+    Parameters
+    ----------
+    file : InputFile
+    named : bool
+        Whether the first line that is no comment may hold the names of the columns.
 
     Raises
     ------
@@ -42,6 +48,8 @@ def read_text_table(file: InputFile) -> TextTable:
         for number, line in lines
         if line and not line.startswith("#")
     ]
+    if named and rows and rows[0][1][0].isidentifier():
+        del rows[0]
     if not rows:
         raise FileError(f"{file} holds no numbers")
     columns = len(rows[0][1])

@@ -14,7 +14,7 @@ WRITTEN: Model = "conformal"
 """The model whose coordinates are written, and that files hold which do not name theirs."""
 
 SPACE = re.compile(r"isoembed: curvature of space ([^\s,]+), (\w+) coordinates")
-PRECISION = re.compile(r"isoembed: from coordinates of ([\w ]+), length error ([^\s,]+)")
+PRECISION = re.compile(r"isoembed: from coordinates of ([^,]+), length error ([^\s,]+)")
 
 
 def title_line(tables: Tables) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError, Tables, first_line
-from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
+from isoembed.io.format import CURVATURES, Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
 from isoembed.io.loops import words_end
 from isoembed.io.strips import strip_triangles
@@ -64,9 +64,11 @@ def is_polydata(head: str) -> bool:
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices and faces; data at them are left aside."""
+    """Read vertices, curvatures at them, and faces; other data are left aside."""
     mesh = read_polydata(file)
-    return {"vertices": mesh.points, "faces": mesh.polygons, **title_said(file.head), **single(mesh.whole)}
+    data = {name: mesh.fields[name] for name in CURVATURES if name in mesh.fields}
+    said = {**title_said(file.head), **single(mesh.whole)}
+    return {"vertices": mesh.points, "faces": mesh.polygons, **data, **said}
 
 
 def single(whole: Mapping[str, Floats]) -> Tables:

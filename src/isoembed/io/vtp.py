@@ -15,7 +15,7 @@ KINDS = {"Polys": "POLYGONS", "Strips": "TRIANGLE_STRIPS"}
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices, polygons and strips; data at them, lines and points by themselves are left aside.
+    """Read vertices, curvatures at them, polygons and strips; other data, lines and points are left aside.
 
     Raises
     ------

@@ -20,7 +20,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.io.expansion import check_expansion
 from isoembed.io.files import FileError, Tables, first_line
-from isoembed.io.format import Format, at_vertices, flattened, of_the_whole
+from isoembed.io.format import CURVATURES, Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import numbers
 from isoembed.io.title_line import title_line, title_said
@@ -116,7 +116,7 @@ class Source:
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices and faces; data at them are left aside.
+    """Read vertices, curvatures at them, and faces; other data are left aside.
 
     Raises
     ------
@@ -147,12 +147,16 @@ def read_pieces(
         It is something else, cut short or damaged.
     """
     vertices, faces, n = list[Floats](), list[Polygons](), 0
+    fields: dict[str, list[Floats]] = {name: [] for name in CURVATURES}
     try:
         source = Source(file)
         for piece in source.root.iterfind(f"{kind}/Piece"):
             points = source.array(piece, "Points/DataArray").astype(np.float64).reshape(-1, 3)
             rows = cells(file, source, piece, len(points))
             vertices.append(points)
+            for name, parts in fields.items():
+                if piece.find(where := f"PointData/DataArray[@Name='{name}']") is not None:
+                    parts.append(source.array(piece, where).astype(np.float64).reshape(-1))
             faces.append(rows + n if isinstance(rows, np.ndarray) else [[c + n for c in row] for row in rows])
             n += len(points)
         where = f"{kind}/FieldData/DataArray[@Name='curvature']"
@@ -173,7 +177,11 @@ def read_pieces(
             raise
         what = file.ending[1:].upper()
         raise FileError(f"{file} is not a readable {what} file: {first_line(error)}") from None
-    return {"vertices": np.concatenate(vertices), "faces": joined(faces), **title_said(file.head), **whole}
+    points = np.concatenate(vertices)
+    data = {
+        name: np.concatenate(parts) for name, parts in fields.items() if sum(map(len, parts)) == len(points)
+    }
+    return {"vertices": points, "faces": joined(faces), **data, **title_said(file.head), **whole}
 
 
 def _cells(file: InputFile, source: Source, piece: ElementTree.Element, n_points: int) -> Polygons:

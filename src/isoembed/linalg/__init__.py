@@ -25,6 +25,7 @@ from isoembed.linalg.factor import (
 )
 from isoembed.linalg.memory import OutOfMemory
 from isoembed.linalg.singular import SingularMatrix
+from isoembed.linalg.work import Work
 
 __all__ = [
     "Dissection",
@@ -33,6 +34,7 @@ __all__ = [
     "SingularMatrix",
     "Solver",
     "SymmetricFactor",
+    "Work",
     "analyze",
     "dissect",
     "factor_general",

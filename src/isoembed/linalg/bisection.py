@@ -9,21 +9,12 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt32, ConstReal, Int, Real
+from cython.cimports.isoembed.linalg.separator import Band, Pattern, replace_cut
 from cython.cimports.libc.math import sqrt
 
 from isoembed.arrays import Floats, Indices
-
-if cython.compiled:
-    from cython.cimports.isoembed.linalg.separator import Band, Pattern, replace_cut
-else:
-    from isoembed.linalg.separator import Band, Pattern, replace_cut
-
 from isoembed.linalg.separator import Graph
-
-Int = cython.typedef(cython.longlong)
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
 
 INF = cython.declare(cython.double, float("inf"))
 WINDOW = cython.declare(

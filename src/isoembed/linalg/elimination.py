@@ -14,13 +14,9 @@ from typing import NamedTuple
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, Int, Int32
 
 from isoembed.arrays import Indices, Indices32
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Int32 = cython.typedef(cython.int)
-ConstInt32 = cython.typedef(cython.const[cython.int])
 
 # no parent, no child, no leaf yet
 NONE = cython.declare(cython.int, -1)

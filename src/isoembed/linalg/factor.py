@@ -16,6 +16,7 @@ from isoembed.linalg.singular import SingularMatrix
 from isoembed.linalg.superlu import checked_lu
 from isoembed.linalg.supernodes import find_supernodes
 from isoembed.linalg.symmetric import SymmetricMatrix
+from isoembed.linalg.work import Work
 
 SINGLE_ENTRIES = 2**20
 """Entries of L from which on single precision is worth it: smaller factors stay in the cache."""
@@ -29,7 +30,9 @@ class Solves(Protocol):
         ...
 
 
-def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, *, definite: bool = True) -> Solver:
+def analyze(
+    pattern: sp.sparray | sp.spmatrix, order: ArrayLike, *, definite: bool = True, work: Work | None = None
+) -> Solver:
     """Prepare to factor symmetric matrices of one pattern.
 
     Parameters
@@ -43,6 +46,8 @@ def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, *, definite: bo
         Whether the matrices must be positive definite. If not, they are factored as L D L^T with a diagonal
         D, down the diagonal in the order given. That is good for matrices with few negative eigenvalues; a
         pivot that is zero or lost in rounding is refused even where the matrix is regular.
+    work : Work, optional
+        Counts the factorizations, those that fail included.
 
     Returns
     -------
@@ -55,7 +60,7 @@ def analyze(pattern: sp.sparray | sp.spmatrix, order: ArrayLike, *, definite: bo
     OutOfMemory
         If the factors would need more memory than is free.
     """
-    return Solver(pattern, order, definite)
+    return Solver(pattern, order, definite, Work() if work is None else work)
 
 
 class Solver:
@@ -70,8 +75,10 @@ class Solver:
         Whether the matrices must be positive definite.
     """
 
-    def __init__(self, pattern: sp.sparray | sp.spmatrix, order: ArrayLike, definite: bool) -> None:
-        self.definite = definite
+    def __init__(
+        self, pattern: sp.sparray | sp.spmatrix, order: ArrayLike, definite: bool, work: Work
+    ) -> None:
+        self.definite, self._work = definite, work
         self.pattern = _checked(pattern)
         n = self.pattern.shape[0]
         order = np.array(order, dtype=np.int64)
@@ -114,6 +121,7 @@ class Solver:
             raise ValueError(
                 f"the pattern has {self.pattern.nnz} entries, but the data have shape {values.shape}"
             )
+        self._work.factorizations += 1
         _refuse_infinite(values)
         matrix = SymmetricMatrix(self._indptr, self._indices, values[self._source])
         del data, values  # if nobody else holds them, their memory is free for the factors
@@ -204,12 +212,14 @@ class SymmetricFactor(Factor):
         return self._negative_pivots
 
 
-def factor_general(matrix: sp.sparray | sp.spmatrix) -> Factor:
+def factor_general(matrix: sp.sparray | sp.spmatrix, work: Work | None = None) -> Factor:
     """Factorize a sparse matrix that need be neither symmetric nor definite: SuperLU with row exchanges.
 
     Parameters
     ----------
     matrix : sparse, (n, n)
+    work : Work, optional
+        Counts the factorization.
 
     Returns
     -------
@@ -220,6 +230,8 @@ def factor_general(matrix: sp.sparray | sp.spmatrix) -> Factor:
     SingularMatrix
         If the matrix is singular to working precision.
     """
+    if work is not None:
+        work.factorizations += 1
     csc = sp.csc_matrix(matrix, dtype=np.float64, copy=True)
     _refuse_infinite(csc.data)
     # Row exchanges ruin the minimum degree of A^T + A: up to 30 times the fill of COLAMD on meshes.

@@ -10,23 +10,21 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Real
 
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
 Number = cython.fused_type(cython.float, cython.double)
 Stored = cython.fused_type(cython.float, cython.double)  # of L: those of fronts, or rounded
 
-BLOCK = cython.declare(cython.longlong, 64)  # rows whose multiples are taken from those below at once
-# from so many of them on, and for so many rows below, a library multiplies faster
+# columns whose products are subtracted from all rows below at once
+BLOCK = cython.declare(cython.longlong, 256)
+TILE = cython.declare(cython.longlong, 128)  # of these rows, so that little above the diagonal is multiplied
+# from so many columns on, and for so many rows below, a library multiplies faster
 NARROW, SHORT = cython.declare(cython.longlong, 16), cython.declare(cython.longlong, 64)
 
 
 def room_to_multiply(front, m):
     """Room that `eliminate_columns` works in, for fronts like this of up to m rows."""
-    return np.empty(3 * BLOCK * m, dtype=front.dtype)
+    return np.empty((2 * BLOCK + TILE) * m, dtype=front.dtype)
 
 
 @cython.ccall
@@ -51,19 +49,35 @@ def extend(front: Number[::1], m: Int, passed: Number[::1], places: Int[::1]) ->
 @cython.ccall
 def eliminate_columns(front: Number[::1], k: Int, m: Int, least: Real, room: object) -> cython.bint:
     """Eliminate k of m columns; whether every pivot was larger than the least and not zero."""
-    for first in range(0, k, 64):
+    for first in range(0, k, 256):
         last = min(first + BLOCK, k)
-        by_library: cython.bint = last - first >= NARROW and m - last >= SHORT
-        if not _eliminate_block(front, first, last, m, last if by_library else m, least):
+        if last - first < NARROW or m - last < SHORT:
+            if not _eliminate_few(front, first, last, m, m, least):
+                return False
+        elif not _eliminate_half(front, first, last, m, least, room):
             return False
-        if by_library:
-            _subtract_products(front, first, last, m, room)
+        else:
+            _subtract_products(front, first, last, last, m, m, room)
     return True
 
 
 @cython.cfunc
+def _eliminate_half(
+    front: Number[::1], first: Int, last: Int, m: Int, least: Real, room: object
+) -> cython.bint:
+    """Eliminate some columns from their own rows, the second half after what the first contributes to it."""
+    if last - first <= NARROW:
+        return _eliminate_few(front, first, last, m, last, least)
+    middle = first + (last - first + 7) // 8 * 4
+    if not _eliminate_half(front, first, middle, m, least, room):
+        return False
+    _subtract_products(front, first, middle, middle, last, m, room)
+    return _eliminate_half(front, middle, last, m, least, room)
+
+
+@cython.cfunc
 @cython.exceptval(check=False)
-def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int, least: Real) -> cython.bint:
+def _eliminate_few(front: Number[::1], first: Int, last: Int, m: Int, end: Int, least: Real) -> cython.bint:
     """Eliminate some columns, four at a time, from themselves and from the rows below, up to `end`."""
     one: Number = 1.0
     zero: Number = 0.0
@@ -104,27 +118,30 @@ def _eliminate_block(front: Number[::1], first: Int, last: Int, m: Int, end: Int
 
 
 @cython.cfunc
-def _subtract_products(front: Number[::1], first: Int, last: Int, m: Int, room: object) -> object:
-    """Eliminate a block of columns from all rows below, by products of matrices."""
-    k, below = last - first, m - last
-    part = below * k
-    left, right = room[part : 2 * part].reshape(below, k), room[:part].reshape(below, k)
+def _subtract_products(
+    front: Number[::1], first: Int, last: Int, top: Int, bottom: Int, m: Int, room: object
+) -> object:
+    """Eliminate columns from the rows between top and bottom, by products of matrices."""
+    k, width = last - first, m - top
+    part = k * width
+    left, right = room[part : 2 * part].reshape(k, width), room[:part].reshape(k, width)
     scaled: Number[:, ::1] = left
     columns: Number[:, ::1] = right
     for j in range(k):
         at = beginning(first + j, m) - first - j
         factor: Number = 1.0 / front[at + first + j]
-        for i in range(below):
-            columns[i, j] = front[at + last + i]
-            scaled[i, j] = front[at + last + i] * factor
-    for top in range(0, below, 64):
-        bottom, width = min(top + BLOCK, below), below - top
-        whole = room[2 * part : 2 * part + (bottom - top) * width].reshape(bottom - top, width)
-        np.dot(left[top:bottom], right[top:].T, whole)
+        for i in range(width):
+            columns[j, i] = front[at + top + i]
+        for i in range(bottom - top):
+            scaled[j, i] = front[at + top + i] * factor
+    for begin in range(0, bottom - top, 128):
+        end, wide = min(begin + TILE, bottom - top), width - begin
+        whole = room[2 * part : 2 * part + (end - begin) * wide].reshape(end - begin, wide)
+        np.dot(left[:, begin:end].T, right[:, begin:], whole)
         product: Number[:, ::1] = whole
-        for r in range(bottom - top):
-            y = beginning(last + top + r, m) - r
-            for i in range(r, width):
+        for r in range(end - begin):
+            y = beginning(top + begin + r, m) - r
+            for i in range(r, wide):
                 front[y + i] -= product[r, i]
     return None
 

@@ -14,11 +14,9 @@ from typing import NamedTuple
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import Int
 
 from isoembed.arrays import Indices32
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
 
 SEPARATOR = -1  # a vertex that parts two cells
 FREE = cython.declare(cython.longlong, -1)  # a vertex on no path

@@ -12,15 +12,10 @@ from typing import NamedTuple
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, Int, Int32, Real
 
 from isoembed.arrays import Indices, Indices32
 from isoembed.linalg.elimination import Elimination, inverse
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Int32 = cython.typedef(cython.int)
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
 
 NONE = cython.declare(cython.int, -1)  # no parent, as in `isoembed.linalg.elimination`
 FRONT_COST = cython.declare(cython.double, 2000.0)  # multiplications that a front costs, however small

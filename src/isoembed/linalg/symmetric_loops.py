@@ -3,13 +3,9 @@
 
 from __future__ import annotations
 
-import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt32, ConstReal, Real
 from cython.cimports.libc.math import sqrt
-
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
 
 
 def product(indptr: ConstInt32[::1], indices: ConstInt32[::1], data: ConstReal[::1], x: ConstReal[:, ::1]):

@@ -5,12 +5,8 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, Flag, Int, Int32
 
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Int32 = cython.typedef(cython.int)
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Flag = cython.typedef(cython.uchar)
 Index = cython.fused_type(cython.int, cython.longlong)
 
 

@@ -5,29 +5,17 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstFlag, ConstInt, ConstReal, Flag, Int, Int8, Real
+from cython.cimports.isoembed.intrinsic.delaunay_loops import looks_outward
+from cython.cimports.isoembed.intrinsic.loops import (
+    Mesh,
+    corner_angle,
+    edges_between,
+    following,
+    glue,
+    preceding,
+)
 from cython.cimports.libc.math import cos, hypot, sin, sqrt
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.delaunay_loops import looks_outward
-    from cython.cimports.isoembed.intrinsic.loops import (
-        Mesh,
-        corner_angle,
-        edges_between,
-        following,
-        glue,
-        preceding,
-    )
-else:
-    from isoembed.intrinsic.delaunay_loops import looks_outward
-    from isoembed.intrinsic.loops import Mesh, corner_angle, edges_between, following, glue, preceding
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Flag = cython.typedef(cython.uchar)
-ConstFlag = cython.typedef(cython.const[cython.uchar])
-Int8 = cython.typedef(cython.schar)
 
 INF = cython.declare(cython.double, float("inf"))
 PI = cython.declare(cython.double, 3.141592653589793)

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.sparse import eye_array
 
 from isoembed.arrays import Floats, Indices, Points
-from isoembed.linalg import SingularMatrix, analyze, dissect
+from isoembed.linalg import SingularMatrix, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.curvature import face_areas
 from isoembed.metric.delaunay import ideal_delaunay
@@ -73,18 +73,18 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
     # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
     # vertices that are taken to infinity, in turn
     for pole in np.argsort(-triangulation.degrees, kind="stable")[:5]:
-        plane = _Plane(triangulation, lengths, int(pole))
-        plane, u, exact = _flattened(plane, plane.start(recorder), recorder)
+        plane = _Plane(triangulation, lengths, int(pole), recorder.work)
+        plane, u, exact = _flattened(plane, plane.start(), recorder)
         if exact:
             break
     weights = _vertex_weights(metric)
     if exact:
-        x = _centered(_projected(plane.lay_out(u, recorder), plane.pole), weights)
+        x = _centered(_projected(plane.lay_out(u), plane.pole), weights)
         a, b = metric.edges.T
         # A metric so long and thin that neighbors meet on the sphere within rounding has no layout either.
         if (np.linalg.norm(x[a] - x[b], axis=1) > 1e-12).all():  # neighbors do not coincide
             return ConformalSphere(x, True)
-    return ConformalSphere(_centered(_projected(plane.tutte(recorder), plane.pole), weights), False)
+    return ConformalSphere(_centered(_projected(plane.tutte(), plane.pole), weights), False)
 
 
 def _projected(z: Points, pole: int) -> Floats:
@@ -128,10 +128,11 @@ class _Plane:
         triangulation: Triangulation,
         lengths: Floats,
         pole: int,
+        work: Work,
         flipped: bool = False,
     ) -> None:
         self.triangulation, self.lengths, self.pole = triangulation, lengths, pole
-        self.flipped = flipped
+        self.work, self.flipped = work, flipped
         n = triangulation.n_vertices
         away = (triangulation.faces != pole).all(axis=1)
         self.faces, self.face_edges = triangulation.faces[away], triangulation.face_edges[away]
@@ -148,7 +149,7 @@ class _Plane:
         position[self.inner] = np.arange(len(self.inner))
         graph = triangulation.adjacency[self.inner][:, self.inner] + eye_array(len(self.inner))
         order = position[dissect(triangulation.adjacency).vertex_order()]
-        self._solver = analyze(graph.tocsc(), order[order >= 0])
+        self._solver = analyze(graph.tocsc(), order[order >= 0], work=self.work)
         pattern = self._solver.pattern
         row, column = pattern.indices, np.repeat(np.arange(len(self.inner)), np.diff(pattern.indptr))
         self._diagonal = row == column
@@ -176,7 +177,7 @@ class _Plane:
         weights = cast(Floats, np.bincount(across.ravel(), cotangents.ravel() / 2, minlength=m))
         return sums, weights, lengths, bool(broken.any())
 
-    def solve(self, weights: Floats, right: Floats, boundary: Floats, recorder: StageRecorder) -> Floats:
+    def solve(self, weights: Floats, right: Floats, boundary: Floats) -> Floats:
         """Solve ``L y = right`` for y (V, k), L with these weights, y given on the ring."""
         edges = self.triangulation.edges
         n = self.triangulation.n_vertices
@@ -184,7 +185,6 @@ class _Plane:
         diagonal = np.bincount(edges.ravel(), np.repeat(weights, 2), minlength=n)
         values = np.where(self._diagonal, diagonal[self._row], -weights[self._edge])
         factor = self._solver.factor(values)
-        recorder.factorizations += 1
         fixed = np.zeros_like(boundary)
         fixed[self.ring] = boundary[self.ring]
         pull = np.zeros_like(boundary)
@@ -195,13 +195,13 @@ class _Plane:
         y[self.inner] = factor.solve(right[self.inner] + pull[self.inner])
         return y
 
-    def start(self, recorder: StageRecorder) -> Floats:
+    def start(self) -> Floats:
         """The u of the smooth problem, one Poisson equation, unless it breaks triangles; else 0."""
         if len(self.inner) == 0:
             return self.rim_u
         sums, weights, _, _ = self.measure(np.zeros(self.triangulation.n_vertices))
         try:
-            u = self.solve(weights, (sums - 2 * np.pi)[:, None], self.rim_u[:, None], recorder)[:, 0]
+            u = self.solve(weights, (sums - 2 * np.pi)[:, None], self.rim_u[:, None])[:, 0]
         except SingularMatrix:  # needles
             return self.rim_u
         # larger factors: the metric has no place on the sphere
@@ -223,27 +223,27 @@ class _Plane:
             return self, measures
         a, b = triangulation.edges.T
         lengths = scaled * np.exp(-(u[a] + u[b]) / 2)
-        plane = _Plane(triangulation, lengths, self.pole, flipped=True)
+        plane = _Plane(triangulation, lengths, self.pole, self.work, flipped=True)
         return plane, plane.measure(u)
 
-    def lay_out(self, u: Floats, recorder: StageRecorder) -> Points:
+    def lay_out(self, u: Floats) -> Points:
         """Place the ring by its lengths and angles, the rest by harmonic functions, as coordinates are."""
         sums, weights, lengths, _ = self.measure(u)
         sides = self.triangulation.edge_indices(np.column_stack([self.ring, np.roll(self.ring, -1)]))
         direction = np.cumsum(np.pi - sums[self.ring])
         steps = lengths[sides] * np.exp(1j * direction)
-        return self._extended(np.concatenate([[0], np.cumsum(steps)[:-1]]), weights, recorder)
+        return self._extended(np.concatenate([[0], np.cumsum(steps)[:-1]]), weights)
 
-    def tutte(self, recorder: StageRecorder) -> Points:
+    def tutte(self) -> Points:
         """Place every vertex at the mean of its neighbors within a regular polygon: valid for any lengths."""
         corners = np.exp(2j * np.pi * np.arange(len(self.ring)) / len(self.ring))
-        return self._extended(corners, np.ones(self.triangulation.n_edges), recorder)
+        return self._extended(corners, np.ones(self.triangulation.n_edges))
 
-    def _extended(self, corners: Points, weights: Floats, recorder: StageRecorder) -> Points:
+    def _extended(self, corners: Points, weights: Floats) -> Points:
         z = np.zeros((self.triangulation.n_vertices, 2))
         z[self.ring] = np.column_stack([corners.real, corners.imag])
         if len(self.inner):
-            z = self.solve(weights, np.zeros_like(z), z, recorder)
+            z = self.solve(weights, np.zeros_like(z), z)
         return z[:, 0] + 1j * z[:, 1]
 
 
@@ -264,7 +264,7 @@ def _flattened(plane: _Plane, u: Floats, recorder: StageRecorder) -> tuple[_Plan
         if broken:  # straight triangles have no second derivative: keep the matrix definite
             weights = weights + 1e-3  # of straight triangles, whose cotangents vanish
         try:
-            step = plane.solve(weights, -g[:, None], zero, recorder)[:, 0]
+            step = plane.solve(weights, -g[:, None], zero)[:, 0]
         except SingularMatrix:  # needles
             return plane, u, False
         recorder.iterations += 1

@@ -35,25 +35,18 @@ def face_areas(metric: PolyhedralMetric) -> Floats:
 
 def area(metric: PolyhedralMetric) -> float:
     """Area of the surface, in the unit of the lengths, squared."""
-    return float(face_areas(metric).sum())
+    return metric.area
 
 
 def deficits(metric: PolyhedralMetric) -> Floats:
     """Angle deficits ``epsilon_a = 2 pi - (sum of the angles at a)``.
 
-    On a boundary they are the exterior angles, with pi in the place of 2 pi.  With k the curvature of the
-    triangles, A their area and chi the Euler characteristic they sum to 2 pi chi - k A (Gauss-Bonnet).
-
     Returns
     -------
     ndarray, shape (V,)
-        Radians.
+        Radians; see `PolyhedralMetric.deficits`.
     """
-    t, angles = metric.triangulation, corner_angles(metric)
-    found = 2 * np.pi - cast(Floats, np.bincount(metric.faces.ravel(), angles.ravel()))
-    if not t.is_closed:  # two boundary edges meet at each vertex there
-        found -= np.pi / 2 * np.bincount(t.edges[t.boundary_edges].ravel(), minlength=len(found))
-    return found
+    return metric.deficits.copy()
 
 
 def negative_deficits(metric: PolyhedralMetric) -> Mask:
@@ -83,7 +76,9 @@ def gaussian_curvature(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (V,)
-        In the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.
+        In the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.  NaN on a
+        boundary, where the deficit is the exterior angle of the boundary.
     """
     normalized = metric.normalized
-    return metric.curvature + deficits(normalized) / dual_areas(normalized) / metric.unit / metric.unit
+    turned = np.where(metric.triangulation.boundary_vertices, np.nan, deficits(normalized))
+    return metric.curvature + turned / dual_areas(normalized) / metric.unit / metric.unit

@@ -1,5 +1,6 @@
 """Preparation of input meshes: coincident vertices, polygons, unused vertices, T-junctions."""
 
+import math
 import numbers
 import warnings
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from isoembed.mesh.merging import representatives, without_repetitions
 from isoembed.mesh.polygons import next_corners
 from isoembed.mesh.side_splitting import slivers, vertices_on_sides, with_vertices_on_sides
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.metric.polygon_faces import PLANAR, PolygonFaces
+from isoembed.metric.polygon_faces import PolygonFaces
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 from isoembed.thresholds import rounded_up, threshold
@@ -41,6 +42,7 @@ def triangle_mesh(
     space: Space = EUCLIDEAN,
     leave_out: bool = False,
     repeated: bool = False,
+    error: float = 0.0,
 ) -> tuple[Floats, Indices]:
     """Points and triangles of a mesh; what is done to it is said by a `MeshNote`.
 
@@ -59,6 +61,8 @@ def triangle_mesh(
         Leave out vertices that are in no face, so that others may be renumbered; so does `merge`.
     repeated : bool
         Every face has vertices of its own, and that they are merged is not worth a note.
+    error : float
+        Bound on the error of a vertex, from coordinates that were rounded: planar is what may be so.
 
     Returns
     -------
@@ -95,7 +99,10 @@ def triangle_mesh(
     straight = _scaled(to_model(space, points, "projective"))
     if merge:
         corners, sizes = _split(straight, corners, sizes, merge * _mean_side(straight, corners, sizes))
-    triangles = corners.reshape(-1, 3) if (sizes == 3).all() else _cut(straight, corners, sizes)
+    if (sizes == 3).all():
+        triangles = corners.reshape(-1, 3)
+    else:
+        triangles = _cut(straight, corners, sizes, math.ldexp(error, -_exponent(points)))
     return (points, triangles) if merge is None and not leave_out else _renumbered(points, triangles, given)
 
 
@@ -170,7 +177,11 @@ def _is_mended(points: Floats, faces: ArrayLike, merge: float, space: Space) -> 
 
 def _scaled(points: Floats) -> Floats:
     """Points of the size of 1."""
-    return np.ldexp(points, -int(np.frexp(np.abs(points).max(initial=0.0))[1]))
+    return np.ldexp(points, -_exponent(points))
+
+
+def _exponent(points: Floats) -> int:
+    return int(np.frexp(np.abs(points).max(initial=0.0))[1])
 
 
 def _side_advice(points: Floats, corners: Indices, sizes: Indices) -> str:
@@ -240,7 +251,7 @@ def _split(points: Floats, corners: Indices, sizes: Indices, distance: float) ->
     return with_vertices_on_sides(corners, sizes, places, vertices)
 
 
-def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
+def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> Indices:
     if points.shape[1] != 3:
         raise InvalidMetric(
             f"face {np.argmax(sizes != 3)} has {sizes[np.argmax(sizes != 3)]} corners, and the vertices have "
@@ -249,10 +260,9 @@ def _cut(points: Floats, corners: Indices, sizes: Indices) -> Indices:
     polygons = PolygonFaces(points, corners, sizes)
     try:
         triangles = polygons.triangles()
-    except InvalidMetric as error:
-        raise InvalidMetric(f"{error}{_side_advice(points, corners, sizes)}") from None
-    warps = polygons.warps
-    warped = warps > PLANAR
+    except InvalidMetric as refusal:
+        raise InvalidMetric(f"{refusal}{_side_advice(points, corners, sizes)}") from None
+    warps, warped = polygons.warps, polygons.warped(error)
     if warped.any():
         f = int(np.argmax(warped))
         warn_of_mesh(

@@ -138,7 +138,8 @@ def _measures(
     yield Measure("angles", f"{low:.4g} to {high:.4g} degrees", {"min_degrees": low, "max_degrees": high})
     turns = 2 * t.euler_characteristic
     gauss_bonnet = float(epsilon.sum() + metric.curvature * surface - turns * np.pi)
-    total = f"sum{'' if metric.space.is_euclidean else ' + curvature area'} - {turns} pi = {gauss_bonnet:.1e}"
+    whole = f"sum{'' if metric.space.is_euclidean else ' + curvature area'}"
+    total = f"{whole} = {f'{turns} pi' if turns else '0'} to {abs(gauss_bonnet):.1e}"
     for name, some in (("deficits", ~t.boundary_vertices), ("exterior angles", t.boundary_vertices)):
         if not some.any():
             continue
@@ -221,8 +222,8 @@ def _warnings(
         (
             *("flat_vertices", (np.abs(epsilon) <= 1e-6) & inside, -np.abs(epsilon), "flat vertices"),
             lambda v: (
-                f"vertex {v} has deficit {epsilon[v]:.1e}: a flat vertex can move off its plane at "
-                "second order, so coordinates are only as good as the square root of the length error"
+                f"the triangles around vertex {v} lie in one plane when unfolded: it can move off that plane "
+                "at second order, so coordinates are only as good as the square root of the length error"
             ),
         ),
         (
@@ -250,8 +251,8 @@ def _warnings(
             *("angles", beyond & ~needle, largest - least),
             f"triangles with angles outside {NARROW:g} to {WIDE:g} degrees",
             lambda f: (
-                f"face {f} has {np.degrees(least[f]):.3g} to {np.degrees(largest[f]):.3g} degrees: the "
-                "paper's triangulations keep within, and other realizations are likelier"
+                f"face {f} has angles of {np.degrees(least[f]):.3g} to {np.degrees(largest[f]):.3g} degrees: "
+                "with such triangles other surfaces with the same lengths are likelier"
             ),
         ),
         (
@@ -265,7 +266,7 @@ def _warnings(
     for kind, where, severity, what, text in found:
         if where.any():
             worst = int(np.argmax(np.where(where, severity, -np.inf)))
-            yield Caution(kind, int(where.sum()), f"{where.sum()} {what}; the worst: {text(worst)}")
+            yield Caution(kind, int(where.sum()), f"{what}: {where.sum()}; the worst: {text(worst)}")
     ratio = float(metric.lengths.max() / metric.lengths.min())
     if ratio > 1000.0:  # edges so uneven get a warning
         yield Caution(

@@ -7,13 +7,14 @@ from typing import cast
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.intrinsic.ears import triangulated
 from isoembed.intrinsic.plane import flattened
 from isoembed.mesh.polygons import polygon_normals
 
 PLANAR = 1e-5  # sizes of the polygon: corners as near to its plane change no diagonal by more than 1e-10
+ERRORS = 4.0  # of a vertex: as far are corners of a face in `isoembed.surface.flat_faces` from its plane
 MIN_AREA = 1e-12  # of the polygon's: smaller triangles are lost in rounding
 
 
@@ -52,15 +53,31 @@ class PolygonFaces:
         """Normals as long as the area of the polygon's projection, shape (F, 3)."""
         return polygon_normals(self.points[self.corners], self.sizes) / 2
 
-    @property
+    @cached_property
+    def extents(self) -> Floats:
+        """Largest distance of corners from the center of their polygon, its size, shape (F,)."""
+        return cast(Floats, np.maximum.reduceat(np.linalg.norm(self.arms, axis=1), self.starts))
+
+    @cached_property
     def warps(self) -> Floats:
         """Largest distance of corners from the plane of their polygon, over its size, shape (F,)."""
         areas = np.linalg.norm(self.normals, axis=1, keepdims=True)
         units = np.divide(self.normals, areas, out=np.zeros_like(self.normals), where=areas > 0)
         heights = np.abs((self.arms * np.repeat(units, self.sizes, axis=0)).sum(axis=1))
-        sizes = np.maximum.reduceat(np.linalg.norm(self.arms, axis=1), self.starts)
         off = np.maximum.reduceat(heights, self.starts)
-        return np.divide(off, sizes, out=np.zeros_like(off), where=sizes > 0)
+        return np.divide(off, self.extents, out=np.zeros_like(off), where=self.extents > 0)
+
+    def warped(self, error: float, tolerance: float = PLANAR) -> Mask:
+        """Polygons that are not planar, shape (F,).
+
+        Parameters
+        ----------
+        error : float
+            Bound on that of a vertex.
+        tolerance : float
+            Sizes of the polygon.
+        """
+        return (self.warps > tolerance) & (self.warps * self.extents > ERRORS * error)
 
     def triangles(self) -> Indices:
         """Triangles of all polygons, in their order, Delaunay in each, shape (sum of sizes - 2, 3).

@@ -5,7 +5,7 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -357,6 +357,19 @@ class PolyhedralMetric(TriangleMetric):
     def edges(self) -> Indices:
         """(E, 2): the ends of each edge."""
         return self.triangulation.edges
+
+    @cached_property
+    def deficits(self) -> Floats:
+        """Angle deficits, 2 pi less the sum of the angles at each vertex, pi on a boundary, shape (V,).
+
+        On a boundary they are the exterior angles.  With k the curvature of the triangles, A their area and
+        chi the Euler characteristic they sum to 2 pi chi - k A (Gauss-Bonnet).
+        """
+        t = self.triangulation
+        found = 2 * np.pi - cast(Floats, np.bincount(self.faces.ravel(), self.triangles.angles.ravel()))
+        if not t.is_closed:  # two boundary edges meet at each vertex there
+            found -= np.pi / 2 * np.bincount(t.edges[t.boundary_edges].ravel(), minlength=len(found))
+        return frozen(found)
 
     @cached_property
     def mean_length(self) -> float:

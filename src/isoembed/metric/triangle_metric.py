@@ -48,6 +48,12 @@ class TriangleMetric(ABC):
         return Triangles.of(self.face_lengths, self.curvature)
 
     @property
+    def area(self) -> float:
+        """Area of the surface, in the unit of the lengths, squared."""
+        triangles = self.triangles
+        return float((triangles.areas * triangles.unit * triangles.unit).sum())
+
+    @property
     def unit(self) -> float:
         """Power of two below the mean edge length: dividing by it rounds nothing."""
         return float(np.ldexp(1.0, int(np.frexp(self.mean_length)[1]) - 1))

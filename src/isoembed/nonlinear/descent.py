@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from itertools import count
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -65,6 +66,7 @@ def descend(
     max_iterations: int,
     stalled: Stop = never,
     exhausted: Callable[[P], bool] = never,
+    max_trials: float = np.inf,
 ) -> Solution[P]:
     """Minimize a value iteratively.
 
@@ -84,9 +86,12 @@ def descend(
     max_iterations : int
     exhausted : callable
         Whether no more may be spent, asked with the point before each trial.
+    max_trials : float
+        Of all iterations together.
     """
     best = point = start
     least, size, before, parameter = np.inf, value(start), np.inf, acceptance.first
+    trials = count()
 
     def accepted() -> tuple[P, float, float] | Reason:
         try:
@@ -94,7 +99,7 @@ def descend(
         except SingularMatrix:
             return Reason.SINGULAR
         for tried in acceptance.parameters(parameter):
-            if exhausted(point):
+            if exhausted(point) or next(trials) >= max_trials:
                 return Reason.EXHAUSTED
             try:
                 trial = curve(tried)

@@ -1,6 +1,6 @@
 """Printable and machine-cut paper nets of unfolded solids.
 
-PDF needs matplotlib, ``pip install 'isoembed[plot]'``, and DXF ezdxf, ``pip install 'isoembed[dxf]'``.
+PDF needs matplotlib, ``pip install matplotlib``, and DXF ezdxf, ``pip install ezdxf``.
 """
 
 from isoembed.papercraft.curves import write_dform

@@ -10,7 +10,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.gluing.offset import offset
-from isoembed.papercraft.foot import LEGEND, foot
+from isoembed.papercraft.foot import LEGEND, foot, foot_of_drawing
 from isoembed.papercraft.labels import Label, labels
 from isoembed.papercraft.material import Material
 from isoembed.papercraft.numbers import face_numbers
@@ -69,6 +69,7 @@ class Drawing:
     width, height : float
         Of a page.
     pages : int
+        With that of the drawing of the solid, the last one, if it has numbers.
     scale : float
         Millimeters a unit of the solid.
     cuts : list of ndarray, shape (n, 2)
@@ -82,10 +83,11 @@ class Drawing:
         Areas that get glue, in the middle of each tab.
     labels : list of Label
     ruler : list of ndarray, shape (2, 2)
-        At the foot of each page: 50 mm, by which one sees whether a printer has scaled it; and the marks in
-        the corners of the page.
+        At the foot of each page of the net: 50 mm, by which one sees whether a printer has scaled it; and the
+        marks in the corners of the page.
     legend : list of (str, ndarray of shape (2, 2))
-        At the foot of each page, samples of the kinds of lines: ``"cut"``, ``"mountain"``, ``"valley"``.
+        At the foot of each page of the net, samples of the kinds of lines: ``"cut"``, ``"mountain"``,
+        ``"valley"``.
     notes : list of Label
         At the foot of each page: a line, and what belongs to ruler and legend.
     kerf : float
@@ -205,21 +207,20 @@ def drawn(
         for lines, some in zip(folds, holes, strict=True)
     ]
     written = labels(outlines, obstacles, unfolding.sides)
-    pictured: list[Floats] = []
-    named: list[Label] = []
+    has_valleys = any(fold.kind == "valley" for fold in creases)
+    kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
+    ruler, legend, notes = foot(layout, kinds)
     if numbers and vertices is not None:
         faces = [outline[face] for p, outline in enumerate(outlines) for face in unfolding.faces[p]]
-        named = face_numbers(faces, np.concatenate(unfolding.numbers).tolist(), written)
+        notes += face_numbers(faces, np.concatenate(unfolding.numbers).tolist(), written)
         layout = replace(layout, pages=layout.pages + 1)
         low = -layout.pages * layout.height + FOOT + MARGIN
         high = (1 - layout.pages) * layout.height - MARGIN
         pictured, seen = views(
             unfolding, vertices, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high])
         )
-        named += seen
-    has_valleys = any(fold.kind == "valley" for fold in creases)
-    kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
-    ruler, legend, notes = foot(layout, kinds)
+        ruler += pictured
+        notes += [*seen, foot_of_drawing(layout)]
     radius = (material.hole - material.kerf) / 2
     precision = unfolding.precision
     return Drawing(
@@ -233,9 +234,9 @@ def drawn(
         creases,
         glue,
         written,
-        ruler + pictured,
+        ruler,
         legend,
-        notes + named,
+        notes,
         material.kerf,
         0.0 if precision is None else layout.scale * precision.vertex_error,
         unfolding.any_surface,

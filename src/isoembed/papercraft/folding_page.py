@@ -27,6 +27,7 @@ from isoembed.plot.film import Frame
 from isoembed.plot.page import page_writer
 from isoembed.space import EUCLIDEAN
 from isoembed.surface.flat_faces import FlatFaces
+from isoembed.surface.measures import volume
 from isoembed.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -54,9 +55,6 @@ class _FoldedNet(Embedding):
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
         return super()._made_surface(_NetSurface, of_triangles=self.of_triangles, **more)
-
-    def _sentence(self) -> str:
-        return "the net, folded by its fold angles"
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,5 +109,21 @@ def folding_page_writer(
         title=title or Path(path).stem,
         frames=frames,
         caption=str(unfolding),
+        tables=_counted(unfolding, volume(triangles, solid.vertices)),
         beside=f'<p><img width="100%" alt="The net" src="data:image/svg+xml;base64,{picture}"></p>\n',
     )
+
+
+def _counted(unfolding: Unfolding, enclosed: float) -> dict[str, dict[str, float]]:
+    """Counts and measures of the solid and of its net of one sheet, by table."""
+    ((sheet,), (folds,), (faces,)) = unfolding.sheets, unfolding.folds, unfolding.faces
+    x, y = (sheet - sheet[0]).T
+    solid: dict[str, float] = {
+        "vertices": len(np.unique(unfolding.corners[0])),
+        "edges": len(sheet) - len(unfolding.sides) + len(folds),
+        "faces": len(faces),
+        "area": float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2,
+    }
+    if not unfolding.any_surface:
+        solid["volume"] = enclosed
+    return {"solid": solid, "net": {"pairs_of_sides": len(unfolding.sides), "folds": len(folds)}}

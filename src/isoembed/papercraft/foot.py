@@ -55,8 +55,7 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
             f"outside of the solid{of}; {layout.scale:.4g} mm a unit; print at 100 %: "
             f"the ruler is {RULER} mm long"
         )
-        size = min(NOTE, (layout.width - 2 * MARGIN) / (WIDTH * len(said)))
-        notes.append(Label(said, layout.width / 2, low + 1.6 * NOTE, 0.0, size))
+        notes.append(_line_of_words(said, layout.width, low))
         y, end = low + 3.2 * NOTE, MARGIN + RULER
         ticks = np.arange(MARGIN, end + 1, TICK)
         lines += [_line(MARGIN, y, end, y), *(_line(x, y, x, y + 0.6 * NOTE) for x in ticks)]
@@ -69,6 +68,21 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
             legend.append((kind, _line(x, y, x + narrow * SAMPLE, y)))
             notes.append(_after(said, x + narrow * SAMPLE, y, narrow * NOTE))
     return lines, legend, notes
+
+
+def foot_of_drawing(layout: Layout) -> Label:
+    """Words at the foot of the last page, that with the drawing of the solid."""
+    return _line_of_words(
+        "the solid, with the numbers of its faces; not to scale, not to be cut",
+        layout.width,
+        -layout.pages * layout.height,
+    )
+
+
+def _line_of_words(said: str, width: float, low: float) -> Label:
+    """Words in the middle of the foot of a page whose lower edge is there, as large as there is room."""
+    size = min(NOTE, (width - 2 * MARGIN) / (WIDTH * len(said)))
+    return Label(said, width / 2, low + 1.6 * NOTE, 0.0, size)
 
 
 def _marks(width: float, height: float, low: float) -> list[Floats]:

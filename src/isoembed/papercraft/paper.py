@@ -9,6 +9,7 @@ import numpy as np
 
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
+from isoembed.typed_numbers import UNIT, millimeters
 
 FORMATS = {
     **{"A0": (841.0, 1189.0), "A1": (594.0, 841.0), "A2": (420.0, 594.0)},
@@ -20,7 +21,7 @@ FORMATS = {
 MARGIN = 14.0  # mm, around the sheets; tabs stand out into it
 FOOT = 10.0  # mm, below them and their tabs, for the ruler and the legend
 LEAST = 80.0  # mm, the width of a page with a ruler
-NUMBER = r"(\d+(?:\.\d+)?)"
+NUMBER = r"(\d+(?:[.,]\d+)?)"
 
 
 @dataclass(frozen=True)
@@ -43,9 +44,9 @@ class Paper:
 
     @classmethod
     def of(cls, name: str) -> Paper:
-        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"`` in mm.
+        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``.
 
-        Upper and lower case are alike.
+        Sizes are in mm, or have a unit, as ``"8.5x11in"``.  Upper and lower case are alike.
 
         Raises
         ------
@@ -55,17 +56,30 @@ class Paper:
         for known, size in FORMATS.items():
             if str(name).lower() == known.lower():
                 return cls(known, *size)
-        if page := re.fullmatch(f"{NUMBER}x{NUMBER}", str(name), re.IGNORECASE):
-            found = cls(name, float(page[1]), float(page[2]))
-        elif roll := re.fullmatch(f"roll:{NUMBER}", str(name), re.IGNORECASE):
-            found = cls(name, float(roll[1]), np.inf)
-        else:
+        page = re.fullmatch(f"{NUMBER}x{NUMBER}{UNIT}", str(name), re.IGNORECASE)
+        roll = re.fullmatch(f"roll:{NUMBER}{UNIT}", str(name), re.IGNORECASE)
+        try:
+            if page:
+                found = cls(
+                    name, *(millimeters(f"{side}{page[3] or ''}".lower()) for side in page.groups()[:2])
+                )
+            elif roll:
+                found = cls(name, millimeters(f"{roll[1]}{roll[2] or ''}".lower()), np.inf)
+            else:
+                raise ValueError
+        except ValueError:
             raise InvalidParameter(
                 f"paper is {name!r}, not one of {', '.join(FORMATS)}, nor WIDTHxHEIGHT or roll:WIDTH in mm"
+            ) from None
+        least = min(found.width, found.height)
+        if least < LEAST:
+            larger = (
+                f"; in centimeters, write '{name}cm'"
+                if str(name)[-1].isdigit() and 10 * least >= LEAST
+                else ""
             )
-        if min(found.width, found.height) < LEAST:
             raise InvalidParameter(
-                f"paper is {name!r}: less than {LEAST:g} mm has no room for margins and ruler"
+                f"paper is {name!r}: less than {LEAST:g} mm has no room for margins and ruler{larger}"
             )
         return found
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 GAP = 14.0  # mm, between sheets, for the tabs of both
+NO_FORMAT = "no format has room for it: give a page of your own, paper='WIDTHxHEIGHT' in mm"
 SLACK = 1e-9  # of what fits exactly
 RIGHT_ANGLE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
@@ -116,7 +117,8 @@ def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
     given = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
     for name, value in given:
         if not is_number(value) or not 0 < value < np.inf:
-            raise InvalidParameter(f"{name} is {value!r}, not a positive finite number of mm")
+            said = f"{value:g}" if is_number(value) else repr(value)
+            raise InvalidParameter(f"{name} is {said}, not a positive finite number of mm")
     if len(given) == 2:
         raise InvalidParameter(
             f"give either a scale, here {scale:g} mm, or a size, here {size:g} mm, not both"
@@ -167,7 +169,7 @@ def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, val
     )
     return (
         f"{given} is {value:.6g} mm, but {name} fits on {page.name} up to "
-        f"{given}={np.floor(most / digits) * digits:.6g}; {next(enough, 'no format has room for it')}"
+        f"{given}={np.floor(most / digits) * digits:.6g}; {next(enough, NO_FORMAT)}"
     )
 
 

@@ -71,9 +71,9 @@ def write_sheets(
         ``.html``, a page for the browser that shows how a net of one sheet is folded, with the net beside it.
     unfolding : Unfolding
     paper : str
-        ``"A0"`` to ``"A5"``, ``"letter"``, ``"legal"``, ``"tabloid"``, ``"WIDTHxHEIGHT"`` in mm, or
-        ``"roll:WIDTH"``, which is as long as needed.  At a given scale, pages are turned where that takes
-        fewer islands.
+        ``"A0"`` to ``"A5"``, ``"letter"``, ``"legal"``, ``"tabloid"``, ``"WIDTHxHEIGHT"``, or
+        ``"roll:WIDTH"``, which is as long as needed, in mm or with a unit, as ``"8.5x11in"``.  At a given
+        scale, pages are turned where that takes fewer islands.
     scale : float, optional
         Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
     size : float, optional

@@ -83,7 +83,7 @@ def check_animation(path: str | os.PathLike[str]) -> None:
     """
     check_drawable()
     if ending(path) == ".mp4" and find_spec("imageio_ffmpeg") is None:
-        raise FileError("MP4 needs imageio-ffmpeg: pip install 'isoembed[mp4]'; a .gif does not")
+        raise FileError("MP4 needs imageio-ffmpeg: pip install matplotlib imageio-ffmpeg; a .gif does not")
 
 
 def _images(embedding: Embedding, frames: Sequence[Frame]) -> Iterator[_Image]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from isoembed.surface.changes import Changes
 
 
+EMPTY: Mapping[str, Quantity] = MappingProxyType({})
 SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: a residual of zero is shown as this
 
 
@@ -74,7 +77,7 @@ class Quantity:
         return float(middle - half), float(middle + half)
 
 
-MEAN_CURVATURE = "mean curvature"
+MEAN_CURVATURE, GAUSSIAN_CURVATURE = "mean curvature", "Gaussian curvature"
 SIDES = "sides"
 FEW_FACES = 200  # polyhedra with more look smooth
 
@@ -85,10 +88,10 @@ def mean_curvature(embedding: Embedding) -> Quantity:
 
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
-    """K, the deficit over the circumcentric dual area and that of the triangles, where both are known."""
+    """K, the deficit over the circumcentric dual area and that of the triangles; unknown on a boundary."""
     own = "k + " if embedding.metric.curvature else ""
     label = rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$"
-    return Quantity("Gaussian curvature", label, embedding.gaussian_curvature)
+    return Quantity(GAUSSIAN_CURVATURE, label, embedding.gaussian_curvature)
 
 
 def residual(embedding: Embedding) -> Quantity:
@@ -156,7 +159,7 @@ def mean_curvature_difference(comparison: Comparison) -> Quantity:
 
 QUANTITIES = {
     MEAN_CURVATURE: mean_curvature,
-    "Gaussian curvature": intrinsic_curvature,
+    GAUSSIAN_CURVATURE: intrinsic_curvature,
     "residual": residual,
     "concave edges": concavity,
     "conformal factor": conformal_factor,
@@ -171,15 +174,28 @@ def usual(embedding: Embedding) -> str:
     return SIDES if isinstance(faces, FlatFaces) and len(faces) <= FEW_FACES else MEAN_CURVATURE
 
 
-def quantities(embedding: Embedding) -> tuple[Quantity, ...]:
+def quantities(embedding: Embedding, given: Mapping[str, Quantity] = EMPTY) -> tuple[Quantity, ...]:
     """All quantities of a surface, the default one first.
 
     Parameters
     ----------
     embedding : Embedding
+    given : mapping of str to Quantity
+        By name, those that are shown in place of the surface's own.
     """
     names = sorted(QUANTITIES, key=usual(embedding).__ne__)
-    return tuple(found for name in names if (found := QUANTITIES[name](embedding)) is not None)
+    all_found = (given.get(name) or QUANTITIES[name](embedding) for name in names)
+    return tuple(found for found in all_found if found is not None)
+
+
+def from_file(curvatures: Mapping[str, Floats]) -> dict[str, Quantity]:
+    """The quantities of curvatures (V,) in the file of a surface, by their names there."""
+    named = {MEAN_CURVATURE: "mean curvature  $H$", GAUSSIAN_CURVATURE: "Gaussian curvature  $K$"}
+    return {
+        name: Quantity(name, f"{label}, as in the file", curvatures[spelled(name).replace("-", "_")])
+        for name, label in named.items()
+        if spelled(name).replace("-", "_") in curvatures
+    }
 
 
 def spelled(name: str) -> str:
@@ -236,6 +252,9 @@ def _own(embedding: Embedding, color: Quantity | ArrayLike) -> Quantity:
 
 
 def face_means(values: Floats, faces: Polygons) -> Floats:
-    """The means of values at the vertices over the corners of each face, shape (F,)."""
+    """The means of values at the vertices over the corners of each face where they are known, shape (F,)."""
     corners, sizes = flattened(faces)
-    return np.add.reduceat(values[corners], np.cumsum(sizes) - sizes) / sizes
+    known, begins = np.isfinite(values[corners]), np.cumsum(sizes) - sizes
+    sums = np.add.reduceat(np.where(known, values[corners], 0.0), begins)
+    counts = np.add.reduceat(known.astype(np.float64), begins)
+    return sums / np.where(counts, counts, np.nan)

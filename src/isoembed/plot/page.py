@@ -1,7 +1,7 @@
 """Interactive page of a surface for the browser: colors, film and report in one HTML file."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,10 +21,11 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.browser.document import Document
 from isoembed.plot.browser.packing import Packed
 from isoembed.plot.browser.ramp import diverging, ramp
-from isoembed.plot.browser.report import number, report_html
+from isoembed.plot.browser.report import number, report_html, tables_html
 from isoembed.plot.browser.thinning import thinned
 from isoembed.plot.caption import faces_counted, has_own_lengths, of_integral
 from isoembed.plot.coloring import (
+    EMPTY,
     Quantity,
     concavity,
     face_means,
@@ -91,6 +92,7 @@ def write_page(
     title: str = "",
     caption: str = "",
     beside: str = "",
+    given: Mapping[str, Quantity] = EMPTY,
 ) -> None:
     """Write a page for the browser: one file, which loads nothing from anywhere.
 
@@ -111,6 +113,8 @@ def write_page(
         A line below; by default the numbers of vertices and triangles, int H dA and the residual.
     beside : str
         HTML above the report.
+    given : mapping of str to Quantity
+        See `isoembed.plot.coloring.quantities`.
 
     Raises
     ------
@@ -118,16 +122,30 @@ def write_page(
         The ending is not known or the file cannot be written.
     """
     check_output(path, PAGE_ENDINGS)
-    writer = page_writer(path, embedding, title=title, frames=frames, caption=caption, beside=beside)
+    writer = page_writer(
+        path, embedding, title=title, frames=frames, caption=caption, beside=beside, given=given
+    )
     write_atomically({Path(path): writer})
 
 
 def _page(
-    embedding: Embedding, title: str, *, frames: Sequence[Frame] = (), caption: str = "", beside: str = ""
+    embedding: Embedding,
+    title: str,
+    *,
+    frames: Sequence[Frame] = (),
+    caption: str = "",
+    beside: str = "",
+    tables: Mapping[str, Mapping[str, Any]] | None = None,
+    given: Mapping[str, Quantity] = EMPTY,
 ) -> Document:
-    data, arrays = _data(embedding, frames)
-    found = report(embedding)
-    return Document(title, caption or _caption(embedding), beside + report_html(found), found, data, arrays)
+    """The page, with other tables than those of the report, by their captions, if there are some."""
+    data, arrays = _data(embedding, frames, given)
+    if tables is None:
+        found = report(embedding)
+        told = report_html(found)
+    else:
+        found, told = dict(tables), tables_html(tables)
+    return Document(title, caption or _caption(embedding), beside + told, found, data, arrays)
 
 
 def _caption(embedding: Embedding) -> str:
@@ -144,13 +162,15 @@ def _caption(embedding: Embedding) -> str:
     return " · ".join(words)
 
 
-def _data(embedding: Embedding, frames: Sequence[Frame]) -> tuple[dict[str, Any], Packed]:
+def _data(
+    embedding: Embedding, frames: Sequence[Frame], given: Mapping[str, Quantity]
+) -> tuple[dict[str, Any], Packed]:
     """Data for the script: a JSON object, and the arrays that it points to."""
     packed, drawn = Packed(), Drawn.of(embedding)
     pieces = drawn.pieces
     earlier = list(frames[:-1])
     own = not earlier and has_own_lengths(embedding)
-    shown = [q for q in quantities(embedding) if not (own and q.name == "residual")]
+    shown = [q for q in quantities(embedding, given) if not (own and q.name == "residual")]
     size = pieces.n_vertices * (6 + 2 * len(shown)) + len(pieces.faces) * 3 / 16
     limit = int(min(MAX_FRAMES, 1 + MAX_BYTES // size))
     chosen = thinned([frame.stage for frame in earlier] + [ANSWER], limit)

@@ -195,7 +195,7 @@ def check_drawable() -> None:
     try:
         import matplotlib.figure  # noqa: F401
     except ImportError:
-        raise FileError("pictures need matplotlib: pip install 'isoembed[plot]'") from None
+        raise FileError("pictures need matplotlib: pip install matplotlib") from None
 
 
 def _row(
@@ -338,8 +338,7 @@ def draw(
     known = np.isfinite(shown)[:, None]
     shaded = view.shade(np.where(known, scale.to_rgba(np.nan_to_num(shown))[:, :3], UNKNOWN))
     width = float(np.clip(14.0 / np.sqrt(len(values)), 0.1, 0.7))
-    dark = shaded.mean(axis=1, keepdims=True) < 0.4
-    rims = np.where(dark, 0.88 * shaded + 0.12, 0.8 * shaded)
+    rims = shaded * (0.45 + 0.35 * np.minimum(2 * shaded.mean(axis=1, keepdims=True), 1.0))  # darker
     shapes = Shapes(list(view.polygons), shaded, rims, np.full(len(shaded), width))
     if outlines is not None:
         drawn = [(outlines, rims, OUTLINE)] + (

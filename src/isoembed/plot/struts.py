@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.io.files import Writer, write_atomically
 from isoembed.io.registry import check_output
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.plot.lines import Shapes, among_faces
 from isoembed.plot.picture import INK, PAPER, WIDTH, check_drawable, figure_writer
-from isoembed.plot.view import View
+from isoembed.plot.view import AZIMUTH, View
 from isoembed.struts.table import StrutTable
 from isoembed.surface.segments import Segments
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 COLORS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#000000", "#b8a800")
@@ -26,6 +30,7 @@ COLORS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#00
 FACES = np.array([0.82, 0.82, 0.8])
 STRUT, DENSE = 2.6, 24.0  # points: the width of a strut, and what many share
 NUMBERED = 100  # hubs, of which each has its number in the picture
+LABEL = {"boxstyle": "round,pad=0.15", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
 SHARE = 0.74  # of the width; the rest is for the legend
 LISTED = 30  # types in the legend
 ROW, FOOT = 0.24, 0.25  # inches, of a line of the legend and around the picture
@@ -33,6 +38,8 @@ ROW, FOOT = 0.24, 0.25  # inches, of a line of the legend and around the picture
 
 def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
     """Draw a frame, with its struts colored by type, and the numbers of its hubs if they are at most 100.
+
+    Where a hub is behind, the frame is seen from the opposite side, too, below.
 
     Parameters
     ----------
@@ -51,7 +58,6 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
     """
     check_drawable()
     from matplotlib import colormaps
-    from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgb
     from matplotlib.lines import Line2D
 
@@ -63,46 +69,37 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
         if n <= len(COLORS)
         else [colormaps["turbo"](share)[:3] for share in np.linspace(0.05, 0.95, n)]
     )
-    view = View.of(x, surface.faces)
-    shaded = view.shade(np.broadcast_to(FACES, (len(view.faces), 3)))
-    faces = Shapes(list(view.polygons), shaded, shaded, np.full(len(shaded), 0.3))
     beside = t.edge_flanks[t.edge_indices(table.edges)] // 3
     width = float(np.clip(DENSE / np.sqrt(len(table.edges)), 0.5, STRUT))
     lines = [
         (Segments(x[table.edges[table.types == k]], beside[table.types == k]), colors[k], width)
         for k in range(n)
     ]
-    shapes = among_faces(view, faces, lines)
-    low, high = view.extent
+    views = [View.of(x, surface.faces)]
+    if set(np.unique(table.edges).tolist()) - set(_outside(surface, views[0]).tolist()):
+        # Turned around the long axis; the viewer's azimuth then has the other sign.
+        pose = replace(views[0].pose, axes=views[0].pose.axes * [1.0, -1.0, -1.0])
+        views.append(View.of(x, surface.faces, pose, -2 * AZIMUTH))
+    low, high = views[0].extent
     across = SHARE * WIDTH
     shown = n if n <= LISTED else LISTED - 1
     rows = [f"{one.name}  {one.count} x {one.length:.6g}" for one in table.struts[:shown]]
     rows += [f"and {n - shown} more types"] if shown < n else []
-    height = max(across * (high[1] - low[1]) / (high[0] - low[0]), ROW * (len(rows) + 2)) + 2 * FOOT
-    picture = WindowlessFigure(WIDTH, height, facecolor=PAPER)
-    axes = picture.add_axes((0.01, FOOT / height, SHARE, 1 - 2 * FOOT / height))
-    axes.add_collection(
-        PolyCollection(
-            shapes.polygons,
-            facecolors=shapes.fills,
-            edgecolors=shapes.rims,
-            linewidths=shapes.widths,
-            joinstyle="round",
-            clip_on=False,
-        )
+    tall = (
+        max(across * (high[1] - low[1]) / (high[0] - low[0]), ROW * (len(rows) + 2) / len(views)) + 2 * FOOT
     )
-    if len(np.unique(table.edges)) <= NUMBERED:
-        in_sight = np.unique(t.faces[view.faces[~view.inside]])
-        for v in in_sight[table.hub_types[in_sight] >= 0].tolist():
-            right, up = view.put(x[v])
-            axes.text(
-                right, up, str(v), size=7, color=INK, ha="center", va="center",
-                bbox={"boxstyle": "round,pad=0.15", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8},
-            )  # fmt: skip
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    axes.set_aspect("equal")
-    axes.axis("off")
+    height = tall * len(views)
+    picture = WindowlessFigure(WIDTH, height, facecolor=PAPER)
+    for k, view in enumerate(views):
+        axes = picture.add_axes(
+            (0.01, 1 - ((k + 1) * tall - FOOT) / height, SHARE, (tall - 2 * FOOT) / height)
+        )
+        _draw(axes, view, lines)
+        if len(np.unique(table.edges)) <= NUMBERED:
+            in_sight = _outside(surface, view)
+            for v in in_sight[table.hub_types[in_sight] >= 0].tolist():
+                right, up = view.put(x[v])
+                axes.text(right, up, str(v), size=7, color=INK, ha="center", va="center", bbox=LABEL)
     picture.legend(
         [Line2D([], [], color=color, linewidth=STRUT) for color in (*colors[:shown], PAPER)][: len(rows)],
         rows,
@@ -113,6 +110,35 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
         fontsize=9 if len(rows) <= 20 else 7,
     )
     return picture
+
+
+def _outside(surface: Embedding, view: View) -> Indices:
+    """The vertices whose outside is seen."""
+    return np.unique(surface.faces[view.faces[~view.inside]])
+
+
+def _draw(axes: Axes, view: View, lines: Sequence[tuple[Segments, Floats, float]]) -> None:
+    """Draw the faces of a view, with lines among them."""
+    from matplotlib.collections import PolyCollection
+
+    shaded = view.shade(np.broadcast_to(FACES, (len(view.faces), 3)))
+    faces = Shapes(list(view.polygons), shaded, shaded, np.full(len(shaded), 0.3))
+    shapes = among_faces(view, faces, lines)
+    axes.add_collection(
+        PolyCollection(
+            shapes.polygons,
+            facecolors=shapes.fills,
+            edgecolors=shapes.rims,
+            linewidths=shapes.widths,
+            joinstyle="round",
+            clip_on=False,
+        )
+    )
+    low, high = view.extent
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal")
+    axes.axis("off")
 
 
 def struts_picture_writer(path: str | os.PathLike[str], surface: Embedding, table: StrutTable) -> Writer:

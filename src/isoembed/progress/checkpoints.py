@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from isoembed.linalg import Work
 from isoembed.progress.fingerprint import Fingerprint
-from isoembed.progress.work import Work
 
 Arrays = Mapping[str, NDArray[Any]]
 

@@ -1,7 +1,7 @@
 """Stages of a computation: their costs, and snapshots for a listener.
 
-Snapshots only watch.  The factorizations counted here are the work by which budgets are measured; no other
-decision of a computation depends on stages, least of all on their names.
+They only watch.  The factorizations, by which budgets are measured, are counted by the solvers
+(`isoembed.linalg.work`); no decision of a computation depends on stages, least of all on their names.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats
+from isoembed.linalg import Work
 from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.time_left import TimeLeft
-from isoembed.progress.work import Work
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,8 @@ Listener = Callable[[Progress], None]
 class StageRecorder:
     """Recorder of one running stage, its snapshots and checkpoints.
 
-    A stage's code counts its iterations and factorizations here, calls `show`, and `keep` with what it could
-    go on from.
+    A stage's code counts its iterations here, calls `show`, and `keep` with what it could go on from.
+    Solvers made with its `work` count their factorizations; code that factors by other means adds them here.
     """
 
     name: str

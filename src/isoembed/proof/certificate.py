@@ -83,12 +83,12 @@ NOT_ASKED = Certificate(False, "not certified, because a report asks for no cert
 def overdetermined(more: int, residual: float) -> Certificate:
     """The refusal of a problem with more equations than unknowns, and a residual in mean edge lengths."""
     open_question = (
-        "whether all of them can hold is hidden by rounding"
+        "so that nearly all lengths have no exact surface, and within rounding none can be proven to exist"
         if residual < HIDDEN
-        else f"the surface misses the lengths by up to {residual:.1e} mean edge lengths, which is no rounding"
+        else f"and the surface misses the lengths by up to {residual:.1e} mean edge lengths: no rounding"
     )
     return Certificate(
-        False, f"not certified: there are {more} more equations than unknowns, and {open_question}"
+        False, f"not certified: there are {more} more equations than unknowns, {open_question}"
     )
 
 

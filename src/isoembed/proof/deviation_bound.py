@@ -31,9 +31,10 @@ from isoembed.proof.nearby_realization import NearbyRealization, norm
 from isoembed.proof.rounding import GUARD, U, gamma
 from isoembed.reprs import short_repr
 from isoembed.surface.changes import Changes
-from isoembed.surface.curvature import vertex_areas, vertex_mean_curvature
+from isoembed.surface.curvature import vertex_mean_curvature
 from isoembed.surface.derivatives import volume_gradient
 from isoembed.surface.measures import edge_lengths
+from isoembed.surface.vertex_areas import vertex_area_changes, vertex_areas
 
 
 @short_repr
@@ -108,7 +109,7 @@ class DeviationBound(Changes):
             vertices=moved.far,
             normals=np.minimum(moved.turns, np.pi),
             dihedral_angles=bent,
-            mean_curvature=_mean_curvature(moved, lengths, nearby.missed, bent, grown),
+            mean_curvature=_mean_curvature(moved, lengths, nearby.missed, bent, squares),
             area=GUARD * float(grown.sum()) + total,
             volume=_volume(moved, nearby, volume_rates),
             integrated_mean_curvature=_integral(moved, nearby, lengths, theta),
@@ -116,16 +117,20 @@ class DeviationBound(Changes):
 
 
 def _mean_curvature(
-    moved: MovedTriangles, lengths: Floats, missed: Floats, bent: Floats, grown: Floats
+    moved: MovedTriangles, lengths: Floats, missed: Floats, bent: Floats, squares: Floats
 ) -> Floats:
-    """Bounds at the vertices: H is a quarter of the sum of l theta over a third of the area around."""
-    t, theta = moved.triangulation, np.abs(moved.dihedral_angles)
+    """Bounds at the vertices: H is a quarter of the sum of l theta over the vertex's share of the area."""
+    t, x, theta = moved.triangulation, moved.vertices, np.abs(moved.dihedral_angles)
     rounding = gamma(int(t.degrees.max()) + 32)
     integrals = (lengths + missed) * bent + (missed + rounding * lengths) * theta
     of_integrals = np.bincount(t.edges.ravel(), np.repeat(integrals / 4, 2))
-    of_areas = np.bincount(t.faces.ravel(), np.repeat(grown / 3, 3))
-    areas = vertex_areas(t, moved.vertices)
-    H = np.abs(vertex_mean_curvature(t, moved.vertices, areas))
+    # The lengths are rounded, and so are the cotangents, by 10 U (sum of l^2) / A or less.
+    squares = squares + rounding * lengths * lengths
+    of_areas = vertex_area_changes(t, x, squares, moved.area_changes(squares))
+    perimeters = (lengths[t.face_edges] ** 2).sum(axis=1)
+    of_areas += np.bincount(t.faces.ravel(), np.repeat(16 * U * perimeters**2 / moved.areas, 3))
+    areas = vertex_areas(t, x)
+    H = np.abs(vertex_mean_curvature(t, x, areas))
     least = areas * (1 - rounding) - GUARD * of_areas
     with np.errstate(divide="ignore", invalid="ignore"):
         found = GUARD * (of_integrals + H * of_areas) / least + rounding * H

@@ -35,7 +35,7 @@ def dask_workers(address: str) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError:
-        raise InvalidParameter("a cluster needs Dask: pip install 'isoembed[dask]'") from None
+        raise InvalidParameter("a cluster needs Dask: pip install distributed") from None
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:  # nobody answers; the address is none

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass
@@ -129,8 +130,14 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
             "the system ended its process, and that of a second attempt: most likely memory ran out, or what "
             "was sent to it is of a module that it cannot import"
         )
+    sent = not (isinstance(error, pickle.PicklingError) or "pickle" in why)
+    if not sent:
+        why = (
+            "it cannot be sent to another process, for which functions must be defined at the top of a "
+            f"module: {why}; without an executor they may be anywhere"
+        )
     result = Result.without_answer(task.label, FAILED, why, **task.facts)
-    if store is None:
+    if store is None or not sent:  # what could not be sent may be computed here
         return Outcome(result, computed=True)
     try:
         key = key_of(task.digest())

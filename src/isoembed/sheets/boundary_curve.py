@@ -15,6 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
+from isoembed.aim.acceptance import REALIZED
 from isoembed.aim.vertex_reflections import reflections, shallow
 from isoembed.arrays import Floats, Mask
 from isoembed.linalg import factor_general
@@ -25,8 +26,8 @@ from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface import measures
-from isoembed.surface.rigidity import HeldVertices
 from isoembed.surface.smoothness import fine_roughness
+from isoembed.surface.vertex_system import HeldVertices
 
 STIFFNESSES = tuple(10.0 ** (-k / 2) for k in range(2, 13))  # epsilon over the area, one after the other
 BUMPED = 1e-4  # the first for a start with a bump, which thicker sheets would flatten
@@ -41,7 +42,6 @@ LESS = 0.99  # share of the energy of another surface
 ROUNDS = 40  # vertices that are reflected at most
 REFLECTED = 16  # vertices whose reflections are tried, before a minimum counts as the least
 BETTER = 0.9  # share of the squares that is left by a reflection that helps
-REALIZED = 1e-11  # largest residual of a realization, in mean edge lengths
 FLAT = 1e-6  # thickness over size of a curve that is in a plane
 
 
@@ -70,8 +70,11 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     height = BUMP * float(np.linalg.norm(curve, axis=1).max())
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
     for shape in (bump, bump * away[:, 0], bump * away[:, 1]):
+        largest = float(np.abs(shape).max())
+        if largest <= FLAT * float(np.abs(away).max()):  # all vertices inside are in the middle
+            continue
         for side in (height, -height):
-            yield vertices + np.outer(side / np.abs(shape).max() * shape, axes[2]), BUMPED
+            yield vertices + np.outer(side / largest * shape, axes[2]), BUMPED
 
 
 def height_with_area(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:

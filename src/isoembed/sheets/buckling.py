@@ -20,7 +20,7 @@ from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.least_bending import STIFFNESSES
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.multidimensional_scaling import scaled_distances
-from isoembed.surface.rigidity import HeldTriangle
+from isoembed.surface.vertex_system import HeldTriangle
 
 MODES = 3
 THIN = 0.2  # of the epsilon at which the flat sheet buckles: with more, another start may become flat

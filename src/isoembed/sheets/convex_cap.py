@@ -25,7 +25,8 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.nonlinear.newton import largest, newton
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldVertices, VertexSystem, edge_rows
+from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
 STEPS = 60  # of Newton's method at most
 ANY_CURVATURE = "positions (B, 3) of the boundary suit any curvature, boundary='free' takes none"
@@ -114,7 +115,7 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
     """
     lengths, t = LengthConstraints(metric), metric.triangulation
     [loop] = t.boundaries
-    system = VertexSystem(t)
+    system = VertexSystem(t, work=recorder.work)
     blocks = np.zeros((len(loop), 3, 3))
     blocks[:, 2, 2] = 1.0
     across = (start[loop] - start[loop[0]])[:, :2]
@@ -129,7 +130,6 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
 
     def solve(vertices: Floats, missed: Floats) -> Floats:
         recorder.show(residual=float(np.abs(missed).max()) / metric.mean_length)
-        recorder.factorizations += 1
         recorder.iterations += 1
         forces = lengths.forces(vertices, missed[: t.n_edges])
         forces[loop, 2] += missed[t.n_edges :]

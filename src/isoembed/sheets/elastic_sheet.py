@@ -13,7 +13,8 @@ from isoembed.nonlinear.newton import Point
 from isoembed.nonlinear.stopping import short_step
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldVertices, VertexSystem, edge_rows
+from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
 CHORDS = 3  # steps with the factors of the last Newton step, at most
 
@@ -35,7 +36,7 @@ class ElasticSheet:
         self, lengths: LengthConstraints, form: csr_array, held: HeldVertices, recorder: StageRecorder
     ) -> None:
         self.lengths, self.form, self.held, self.recorder = lengths, form, held, recorder
-        self._system = VertexSystem(lengths.triangulation, form)
+        self._system = VertexSystem(lengths.triangulation, form, recorder.work)
 
     def value(self, vertices: Floats, epsilon: float) -> float:
         """The energy."""
@@ -91,10 +92,8 @@ class ElasticSheet:
         """Factors of the Hessian; without the stress of compressed edges where it is not definite."""
         t, given = self.lengths.triangulation, self.lengths.lengths
         rows = edge_rows(t, p.x, given)
-        self.recorder.factorizations += 1
         try:
             return self._system.penalized(rows, 2 * epsilon, tensions=p.residual / given, held=self.held)
         except SingularMatrix:
-            self.recorder.factorizations += 1
             stretched = np.maximum(p.residual, 0.0) / given
             return self._system.penalized(rows, 2 * epsilon, tensions=stretched, held=self.held)

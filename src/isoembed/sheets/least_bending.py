@@ -22,7 +22,8 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.elastic_sheet import ElasticSheet
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldTriangle, VertexSystem, edge_rows
+from isoembed.surface.rigidity import edge_rows
+from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
 STIFFNESSES = tuple(10.0**-k for k in range(4, 10))  # epsilon over the area, one after the other
 TRIED = 20  # Newton steps at most for each of several starts
@@ -120,7 +121,7 @@ def balanced(
     and is shortened until ``|g| + |r|`` decreases.
     """
     metric, t = energy.metric, lengths.triangulation
-    system, held = VertexSystem(t, energy.form), HeldTriangle.of(start.vertices, t.faces[0])
+    system, held = VertexSystem(t, energy.form, recorder.work), HeldTriangle.of(start.vertices, t.faces[0])
     epsilon = AUGMENTED * energy.area
     size = max(2 * float(energy.form.diagonal().mean()), 1 / energy.area)  # one triangle does not bend
     x, y, unit = start.vertices, start.multipliers, metric.mean_length
@@ -134,7 +135,7 @@ def balanced(
         rows = edge_rows(t, x, metric.lengths)
         recorder.iterations += 1
         try:
-            factor, epsilon = _factored(system, rows, y / metric.lengths, epsilon, held, recorder)
+            factor, epsilon = _factored(system, rows, y / metric.lengths, epsilon, held)
         except SingularMatrix:
             break
         d, dy = _constrained_step(t, factor, rows, g, r, epsilon)
@@ -185,7 +186,6 @@ def _factored(
     stress: Floats,
     epsilon: float,
     held: HeldTriangle,
-    recorder: StageRecorder,
 ) -> tuple[SymmetricFactor, float]:
     """Factors of ``J^T J + epsilon B``, and an epsilon with which it is definite.
 
@@ -194,12 +194,10 @@ def _factored(
     """
     smaller = ((epsilon * 0.1**k, 0.0) for k in range(SMALLER))
     for part, more in (*smaller, *((epsilon, more) for more in STIFFER)):
-        recorder.factorizations += 1
         try:
             weight = 2 * part * (1 + more)
             return system.penalized(rows, weight, tensions=part * stress, held=held), part
         except SingularMatrix:
             continue
-    recorder.factorizations += 1
     stretched = epsilon * np.maximum(stress, 0.0)  # without the stress of compressed edges it is definite
     return system.penalized(rows, 2 * epsilon, tensions=stretched, held=held), epsilon

@@ -21,8 +21,8 @@ from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, doubled, upright
-from isoembed.sheets.placement import turned_about_vertical
 from isoembed.sheets.surface import SheetEmbedding
+from isoembed.surface.placement import turned_about_vertical
 
 if TYPE_CHECKING:
     from isoembed.sheets.derivatives import SheetDerivatives

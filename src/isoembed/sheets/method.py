@@ -37,10 +37,10 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.measured_cap import explained_angles, measured_cap
 from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.sheets.newton_on_lengths import nearest_with_lengths
-from isoembed.sheets.placement import standard_sheet, turned_about_vertical
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
 from isoembed.surface.alignment import aligned, aligned_image
 from isoembed.surface.measures import face_areas
+from isoembed.surface.placement import standard_sheet, turned_about_vertical
 
 CONDITIONS = "free", "plane"
 HEIGHTS = 5  # steps in which the boundary is raised
@@ -108,9 +108,9 @@ class Sheet(Method):
             The boundary or the start does not fit the metric.
         """
         found = self._found(metric, tolerance, log)
-        if not found.converged and self.start is not None:
-            raise NotEmbedded(f"{found.message}; without start= others are tried", found)
-        return found
+        if found.converged or self.start is None:
+            return found
+        return found._with_message(f"{found.message}; without start= others are tried")
 
     def scaled(self, factor: float) -> Sheet:
         """See `isoembed.Method`."""

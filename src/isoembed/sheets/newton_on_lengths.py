@@ -10,7 +10,8 @@ from isoembed.nonlinear.newton import newton
 from isoembed.nonlinear.stopping import below
 from isoembed.progress.stages import StageRecorder
 from isoembed.sheets.length_constraints import LengthConstraints
-from isoembed.surface.rigidity import HeldTriangle, LengthSystem, VertexSystem, edge_rows
+from isoembed.surface.rigidity import LengthSystem, edge_rows
+from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
 STEPS = 30  # at most
 EXACT = 1e-15  # largest residual, in mean edge lengths, that ends it
@@ -35,11 +36,10 @@ def nearest_with_lengths(lengths: LengthConstraints, start: Floats, recorder: St
     """
     t, metric = lengths.triangulation, lengths.metric
     enough = t.n_edges > 3 * t.n_vertices - 6
-    system = VertexSystem(t) if enough else LengthSystem(t)
+    system = VertexSystem(t, work=recorder.work) if enough else LengthSystem(t, work=recorder.work)
 
     def solve(x: Floats, r: Floats) -> Floats:
         recorder.show(residual=float(np.abs(r).max()) / metric.mean_length)
-        recorder.factorizations += 1
         recorder.iterations += 1
         if isinstance(system, LengthSystem):
             return system.step(x, metric.lengths, r)

@@ -15,7 +15,7 @@ from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
-from isoembed.surface.measures import face_normals
+from isoembed.surface.measures import above_boundary, cone_sum, face_normals
 from isoembed.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -70,6 +70,23 @@ class SheetSurface(Surface):
         along = np.einsum("vi,vi->v", self._energy.curvature_vectors(x), normals)
         return frozen(-along)
 
+    @cached_property
+    def _above_boundary(self) -> Floats | None:
+        return above_boundary(self.triangulation, self._normalized)
+
+    @property
+    def volume(self) -> float:
+        """Enclosed volume, or that between a cap and the horizontal plane of its boundary.
+
+        Raises
+        ------
+        InvalidMetric
+            The boundary is in no horizontal plane.
+        """
+        if self._above_boundary is None:
+            return super().volume
+        return abs(cone_sum(self.faces, self._above_boundary)) * self.unit * self.unit * self.unit
+
     @property
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA, in the unit of the lengths."""
@@ -80,8 +97,9 @@ class SheetSurface(Surface):
 class SheetEmbedding(Embedding):
     """Surface with boundary, or of higher genus, that has the lengths of a metric.
 
-    The volume of a surface with boundary raises `InvalidMetric`.  That has no outside: it is not turned over,
-    and the sign of its mean curvature depends on the side from which triangles are counterclockwise.
+    The volume of a cap is that between it and the plane of its boundary; of other surfaces with boundary, it
+    raises `InvalidMetric`.  They have no outside: they are not turned over, and the sign of the mean
+    curvature depends on the side from which triangles are counterclockwise.
 
     Parameters
     ----------
@@ -166,8 +184,8 @@ class SheetEmbedding(Embedding):
         if self.second_form_energy < TOO_LITTLE * self.least_second_form_energy:
             said.append(
                 "the mesh is too coarse to tell the bending energy: int k1^2 + k2^2 dA is computed as "
-                f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA = "
-                f"{self.least_second_form_energy:.3g}"
+                f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA, which is "
+                f"estimated as {self.least_second_form_energy:.3g}"
             )
         inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
         if rough.sum() > ROUGH * inside.sum():
@@ -181,8 +199,8 @@ class SheetEmbedding(Embedding):
             assert isinstance(other, SheetEmbedding)
             more = other.second_form_energy / self.second_form_energy
             said.append(
-                f"another surface, {self.distance(other):.1g} mean edge lengths from this one, has "
-                f"{more:.4g} times its int k1^2 + k2^2 dA"
+                f"another surface was found, whose vertices are up to {self.distance(other):.1g} mean edge "
+                f"lengths away and whose int k1^2 + k2^2 dA is {more:.4g} times that of this one"
             )
         return "".join(f"; {each}" for each in said)
 
@@ -197,9 +215,11 @@ class SheetEmbedding(Embedding):
 
     @cached_property
     def least_second_form_energy(self) -> float:
-        """Integral of 2 abs(K) dA: no smooth surface with this metric has a smaller `second_form_energy`.
+        """Estimate of the integral of 2 abs(K) dA.
 
-        From the deficits inside.  At the boundary, K is that of the neighbors inside.
+        The `second_form_energy` of a smooth surface is not below this integral.  The estimate is from the
+        deficits inside; at the boundary, K is that of the neighbors inside.  It tends to the integral as the
+        triangles shrink, as the energy of a mesh does to its own limit: of a mesh, either may be the smaller.
         """
         assert isinstance(self.surface, SheetSurface)
         t, areas = self.triangulation, self.surface._energy.areas
@@ -240,8 +260,13 @@ class SheetEmbedding(Embedding):
             "condition": self.condition,
             "boundaries": [len(loop) for loop in t.boundaries],
             "genus": t.genus,
-            "squares_of_principal_curvatures": self.second_form_energy,
-            "least_squares_of_principal_curvatures": self.least_second_form_energy,
+            "second_form_energy": self.second_form_energy,
+            "least_second_form_energy": self.least_second_form_energy,
             "imbalance": self.imbalance,
         }
-        return {"sheet": found}
+        assert isinstance(self.surface, SheetSurface)
+        return (
+            {"sheet": found}
+            if self.surface._above_boundary is None
+            else {"sheet": found, "volume": self.volume}
+        )

@@ -253,29 +253,13 @@ class IsometrySystem:
         They lose half of the digits, but further steps make up for that.
         """
         J, turns = self._jacobian(tangents), self._turns(C)
-        normal = J.T @ J + turns.T @ turns
-        scale = 1.0 / np.sqrt(np.diag(normal))
-        normal *= scale[:, None] * scale
-        normal[np.diag_indices_from(normal)] += len(normal) * np.finfo(np.float64).eps
-        factor = cho_factor(normal, overwrite_a=True)
-
-        def solve(right: Floats) -> Floats:
-            return np.asarray(scale * cho_solve(factor, scale * right.T.ravel())).reshape(3, -1).T
-
-        return solve
+        solve = normal_solver(J.T @ J + turns.T @ turns)
+        return lambda right: solve(right.T.reshape(-1, 1)).reshape(3, -1).T
 
     def _jacobian(self, tangents: Tangents) -> Floats:
         """Derivatives (3 n, 3 m) of the weighted strains by the coefficients of x, y and z."""
-        n, _, m = self.B.shape
-        J = np.empty((3, n, 3, m))
-        D = self._derivatives(tangents)
-        first, second = D[:, 0] * self.root[:, None], D[:, 1] * self.root[:, None]
-        for i in range(3):
-            X1, X2 = tangents.lowered[:, 0, i, None], tangents.lowered[:, 1, i, None]
-            J[0, :, i] = 2.0 * X1 * first
-            J[1, :, i] = np.sqrt(2.0) * (X1 * second + X2 * first)
-            J[2, :, i] = 2.0 * X2 * second
-        return J.reshape(3 * n, 3 * m)
+        D = self.root[:, None, None] * self._derivatives(tangents)
+        return strain_rates(*np.moveaxis(tangents.lowered, 1, 0), *np.moveaxis(D, 1, 0))
 
     def _turns(self, C: Floats) -> Floats:
         """Rows (3, 3 m) that are zero for steps without rotation."""
@@ -287,6 +271,29 @@ class IsometrySystem:
             i, j = (k + 1) % 3, (k + 2) % 3
             rows[k, j], rows[k, i] = moments[i], -moments[j]
         return rows.reshape(3, -1)
+
+
+def strain_rates(X1: Floats, X2: Floats, first: Floats, second: Floats) -> Floats:
+    """Derivatives (3 n, 3 m) of strains of tangents (n, 3) by the coefficients of x, y and z.
+
+    The derivatives (n, m) of the harmonics along both directions may be weighted.
+    """
+    J = np.empty((3, len(X1), 3, first.shape[1]))
+    for i in range(3):
+        x1, x2 = X1[:, i, None], X2[:, i, None]
+        J[0, :, i] = 2.0 * x1 * first
+        J[1, :, i] = np.sqrt(2.0) * (x1 * second + x2 * first)
+        J[2, :, i] = 2.0 * x2 * second
+    return J.reshape(-1, 3 * first.shape[1])
+
+
+def normal_solver(normal: Floats) -> Callable[[Floats], Floats]:
+    """A solver of normal equations, whose matrix it overwrites, for right sides and solutions (k, r)."""
+    scale = 1.0 / np.sqrt(np.diag(normal))
+    normal *= scale[:, None] * scale
+    normal[np.diag_indices_from(normal)] += len(normal) * np.finfo(np.float64).eps
+    factor = cho_factor(normal, overwrite_a=True)
+    return lambda right: np.asarray(scale[:, None] * cho_solve(factor, scale[:, None] * right))
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,18 +3,9 @@
 
 from __future__ import annotations
 
-import cython
 import numpy as np
-
-if cython.compiled:
-    from cython.cimports.isoembed.intrinsic.chart import point
-else:
-    from isoembed.intrinsic.chart import point
-
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Complex = cython.typedef(cython.doublecomplex)
-ConstComplex = cython.typedef(cython.const[cython.doublecomplex])
+from cython.cimports.isoembed.c_types import Complex, ConstComplex, ConstReal, Real
+from cython.cimports.isoembed.intrinsic.chart import point
 
 
 def summed(

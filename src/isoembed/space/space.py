@@ -205,7 +205,7 @@ def Hyperbolic(k: float = 1.0) -> Space:  # noqa: N802
     InvalidParameter
         k is not positive and finite.
     """
-    return Space(-_positive(k))
+    return Space(-_positive(k, "; Hyperbolic(k) has the curvature -k"))
 
 
 def Spherical(k: float = 1.0) -> Space:  # noqa: N802
@@ -219,7 +219,9 @@ def Spherical(k: float = 1.0) -> Space:  # noqa: N802
     return Space(_positive(k))
 
 
-def _positive(k: float) -> float:
+def _positive(k: float, convention: str = "") -> float:
     if not isinstance(k, numbers.Real) or not 0 < k < math.inf:
-        raise InvalidParameter(f"the curvature of space must be a positive finite number, not {k!r}")
+        raise InvalidParameter(
+            f"the curvature of space must be a positive finite number, not {k!r}{convention}"
+        )
     return float(k)

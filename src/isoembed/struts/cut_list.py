@@ -60,7 +60,8 @@ class CutList:
         return sum(bar.count * bar.rest for bar in self.bars) / (self.count * self.stock)
 
     def __str__(self) -> str:
-        lines = [f"{self.count} bars of {self.stock:.6g}, {self.waste:.1%} left over"]
+        bars = "bar" if self.count == 1 else "bars"
+        lines = [f"{self.count} {bars} of {self.stock:.6g}, {self.waste:.1%} left over"]
         width = len(str(max(bar.count for bar in self.bars)))
         for bar in self.bars:
             parts = ", ".join(f"{n} {name}" for name, n in Counter(bar.struts).items())

@@ -13,6 +13,7 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation_loops import chosen_centers
 from isoembed.surface.local_fit import edge_lengths_about
 from isoembed.surface.measures import edge_lengths
+from isoembed.surface.spatial_order import spatial_order
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +58,9 @@ class VertexCells:
         radius *= np.sqrt(
             len(chosen_centers(graph.indptr, graph.indices, graph.data, order, radius)[0]) / count
         )
-        return cls(*chosen_centers(graph.indptr, graph.indices, graph.data, order, radius))
+        chosen, cell = chosen_centers(graph.indptr, graph.indices, graph.data, order, radius)
+        near = spatial_order(convex[chosen])  # neighbors are near in memory
+        return cls(chosen[near], np.argsort(near)[cell])
 
     def triangulation(self, convex: Floats) -> Triangulation | None:
         """The triangles of the chosen vertices' hull on a convex surface; None where it has not them all."""

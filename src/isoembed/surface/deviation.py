@@ -22,7 +22,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.metric.variation import area_derivative
 from isoembed.reprs import short_repr
 from isoembed.surface.changes import INTEGRALS, Changes
-from isoembed.surface.curvature import dihedral_angles, vertex_areas, vertex_mean_curvature
+from isoembed.surface.curvature import dihedral_angles, vertex_mean_curvature
 from isoembed.surface.derivatives import (
     LengthDerivatives,
     Variation,
@@ -31,7 +31,8 @@ from isoembed.surface.derivatives import (
     normal_rates,
     volume_gradient,
 )
-from isoembed.surface.measures import edge_lengths
+from isoembed.surface.measures import above_boundary, cone_sum, edge_lengths
+from isoembed.surface.vertex_areas import vertex_area_rates, vertex_areas
 
 NONLINEAR = 0.1
 """Nonlinearity of the volume above which it is not determined to first order.  In trials it was below .04, or
@@ -63,7 +64,7 @@ class IntegralDeviation:
     ----------
     area, volume, integrated_mean_curvature : float
         To first order.  The volume's is infinite where the surface is not infinitesimally rigid, and NaN of
-        surfaces with boundary.
+        surfaces with boundary, unless this is in a horizontal plane.
     correlation : ndarray, shape (3, 3)
         Of the errors of the three; NaN beside one that has no error, or an infinite one.
     volume_nonlinearity : float
@@ -117,8 +118,12 @@ class IntegralDeviation:
         missed: Floats,
     ) -> IntegralDeviation:
         """Deviation of a surface in R^3 with boundary or handles, whose lengths need not be those given."""
-        rates = derivatives.vjp(integral_gradients(triangulation, vertices))
-        if not triangulation.is_closed:
+        above = above_boundary(triangulation, vertices)
+        x = vertices if above is None else above
+        rates = derivatives.vjp(integral_gradients(triangulation, x))
+        if above is not None:  # the volume is positive, whatever the side
+            rates[1] *= np.sign(cone_sum(triangulation.faces, above))
+        elif not triangulation.is_closed:
             rates[1] = np.nan
         return cls.from_rates(rates, errors, shared, missed, np.nan)
 
@@ -275,7 +280,6 @@ def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Fl
     grown = np.einsum("ei,ei->e", x[a] - x[b], v[a] - v[b]) / lengths
     quarters = np.repeat((grown * dihedral_angles(t, x) + lengths * bent) / 4, 2)
     integrals = np.bincount(t.edges.ravel(), quarters)
-    shares = np.bincount(t.faces.ravel(), np.repeat(along / 6, 3))
-    areas = vertex_areas(t, x)
+    areas, shares = vertex_areas(t, x), vertex_area_rates(t, x, along / 2, 2 * lengths * grown)
     curved = (integrals - vertex_mean_curvature(t, x, areas) * shares) / areas
     return np.einsum("vi,vi->v", v, v), turned**2, bent**2, curved**2

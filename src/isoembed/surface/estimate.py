@@ -10,7 +10,7 @@ MOST = 15  # digits of a double
 
 @dataclass(frozen=True)
 class Estimate:
-    """Number with its uncertainty, in the same unit."""
+    """Number with its uncertainty, in the same unit; ``float`` returns the number alone."""
 
     value: float
     error: float
@@ -41,6 +41,9 @@ class Estimate:
             return MOST
         known = log10(abs(self.value)) - log10(self.error)
         return min(max(ceil(min(known, MOST)) + 1, 1), MOST)
+
+    def __float__(self) -> float:
+        return self.value
 
     def __add__(self, other: Estimate) -> Estimate:
         return Estimate(self.value + other.value, self.error + other.error)

@@ -5,15 +5,8 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Flag, Int, Int32, Real
 from cython.cimports.libc.math import sqrt
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Int32 = cython.typedef(cython.int)
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Flag = cython.typedef(cython.uchar)
 
 NEAR = cython.declare(cython.double, 0.5)  # as in `normal_fits`
 SPARE_POINTS = cython.declare(

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, kron
 
 from isoembed.arrays import Floats
-from isoembed.linalg import Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
-from isoembed.surface.interpolation_loops import add_cell_products
+from isoembed.surface.interpolation_loops import cell_products
 
 MAX_EDGES = 30  # measured in a cell: an interpolated surface has fewer degrees of freedom
 DIAGONAL_SHIFT = 1e-6  # relative: beyond rounding in single precision
@@ -30,6 +30,8 @@ class InterpolatedRigidity:
     triangulation : Triangulation
         Of all vertices.
     stencils : Stencils
+    work : Work, optional
+        Counts the factorizations.
 
     Attributes
     ----------
@@ -39,8 +41,8 @@ class InterpolatedRigidity:
         Their cells.
     """
 
-    def __init__(self, triangulation: Triangulation, stencils: Stencils) -> None:
-        self._triangulation, self._stencils = triangulation, stencils
+    def __init__(self, triangulation: Triangulation, stencils: Stencils, work: Work | None = None) -> None:
+        self._triangulation, self._stencils, self._work = triangulation, stencils, work
         cells = stencils.cells.of_vertex[triangulation.edges]
         inner = np.flatnonzero(cells[:, 0] == cells[:, 1])
         # too few edges inside: those across the border are measured, too
@@ -57,15 +59,19 @@ class InterpolatedRigidity:
         kept = (of <= most) | ((rank + 1) * most // of > rank * most // of)
         self.edges, self.of_edge = edges[kept], of_edge[kept]
 
-    def differences(self, positions: Floats) -> CellRows:
-        """The differences of both ends of the edges, (M, C), interpolated in charts of these positions."""
-        ends = self._triangulation.edges[self.edges]
-        n = len(self._stencils.cells.vertices)
-        pairs, places = np.unique(ends * n + self.of_edge[:, None], return_inverse=True)
-        P = self._stencils.interpolation(positions, self._triangulation.faces, pairs // n, pairs % n)
-        first, second = (P[place] for place in places.reshape(ends.shape).T)
-        first.data = first.data - second.data  # of one stencil
-        return CellRows.of(self._stencils, first, self.of_edge)
+    def interpolated(self, positions: Floats) -> tuple[CellRows, CellRows]:
+        """All vertices, (V, C), and the differences of both ends of the edges, (M, C), in these charts."""
+        stencils, places = self._stencils, self._triangulation.edges[self.edges]
+        cell, n = stencils.cells.of_vertex, len(stencils.cells.vertices)
+        across = cell[places] != self.of_edge[:, None]  # ends outside the edge's cell
+        pairs, which = np.unique((places * n + self.of_edge[:, None])[across], return_inverse=True)
+        places[across] = len(cell) + which
+        vertices = np.concatenate([np.arange(len(cell)), pairs // n])
+        source = np.concatenate([cell, pairs % n])
+        P = stencils.interpolation(positions, self._triangulation.faces, vertices, source)
+        first, second = (P[place] for place in places.T)
+        first.data -= second.data  # of one stencil
+        return CellRows.of(stencils, P, cell), CellRows.of(stencils, first, self.of_edge)
 
     @cached_property
     def pattern(self) -> csc_array:
@@ -79,7 +85,9 @@ class InterpolatedRigidity:
     @cached_property
     def _solver(self) -> Solver:
         order = dissect(csr_array(self.pattern)).block_order(3)
-        return analyze(kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order)
+        return analyze(
+            kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order, work=self._work
+        )
 
     def factor(self, differences: CellRows, rows: Floats, penalty: csr_array) -> SymmetricFactor:
         """Factor ``(J P)^T J P + penalty``, in single precision, the penalty acting on x, y and z alike.
@@ -87,7 +95,7 @@ class InterpolatedRigidity:
         Parameters
         ----------
         differences : CellRows, (M, C)
-            From the method of this name.
+            As from `interpolated`.
         rows : ndarray, shape (M, 3)
             The gradients of the residuals by the differences.
         penalty : sparse, shape (C, C)
@@ -99,15 +107,13 @@ class InterpolatedRigidity:
             It is not positive definite.
         """
         pattern = self.pattern
-        values = np.zeros(9 * pattern.nnz)
-        add_cell_products(
+        values = cell_products(
             differences.starts,
             *differences.stencils,
             differences.weights,
             rows,
             pattern.indptr,
             pattern.indices,
-            values,
         )
         coupled = csc_array(penalty).tocoo()
         n = pattern.shape[0]

@@ -5,14 +5,8 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Flag, Int, Real, Single
 from cython.cimports.libc.math import sqrt
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
-Flag = cython.typedef(cython.uchar)
-Single = cython.typedef(cython.float)
 
 INF = cython.declare(cython.double, float("inf"))
 
@@ -148,7 +142,7 @@ def projected(
     return np.asarray(charts)
 
 
-def add_cell_products(
+def cell_products(
     starts: ConstInt[::1],
     stencil_indptr: ConstInt[::1],
     stencil_indices: ConstInt[::1],
@@ -156,11 +150,10 @@ def add_cell_products(
     rows: ConstReal[:, ::1],
     indptr: ConstInt[::1],
     indices: ConstInt[::1],
-    values: Real[::1],
 ):
-    """Add the products of the rows of each cell to the zeros of a symmetric matrix in blocks of 3 x 3.
+    """The sum of the products of the rows of each cell, a symmetric matrix in blocks of 3 x 3.
 
-    They are added up below the diagonal, then copied above it.
+    They are added up below the diagonal, a block at one place, then copied to the columns and above it.
     """
     n = indptr.shape[0] - 1
     diagonal: Int[::1] = np.empty(n, dtype=np.int64)
@@ -169,8 +162,9 @@ def add_cell_products(
         while indices[p] < column:
             p += 1
         diagonal[column] = p
+    blocks: Real[:, ::1] = np.zeros((indices.shape[0], 9))
     at: Int = 0  # in the differences
-    for cell in range(starts.shape[0] - 1):
+    for cell in range(n):
         first, last = starts[cell], starts[cell + 1]
         begin = stencil_indptr[cell]
         size = stencil_indptr[cell + 1] - begin
@@ -183,24 +177,21 @@ def add_cell_products(
                 for k in range(3):
                     J[edge - first, 3 * j + k] = differences[at] * rows[edge, k]
                 at += 1
-        products: Single[:, ::1] = np.dot(dense.T, dense)
+        products: Single[:, ::1] = np.dot(dense.T, dense.copy())  # of itself, NumPy would copy half of it
         for j in range(size):
-            column = stencil_indices[begin + j]
-            start = indptr[column]
-            p = diagonal[column]
-            width = 3 * (indptr[column + 1] - start)
+            p = diagonal[stencil_indices[begin + j]]
             for i in range(j, size):
                 row = stencil_indices[begin + i]
                 while indices[p] < row:
                     p += 1
-                place = 9 * start + 3 * (p - start)
                 for b in range(3):
                     for a in range(3):
-                        values[place + b * width + a] += products[3 * j + b, 3 * i + a]
+                        blocks[p, 3 * b + a] += products[3 * j + b, 3 * i + a]
+    values: Real[::1] = np.empty(9 * indices.shape[0])
     above: Int[::1] = np.array(indptr[:n])  # the next block above the diagonal, by column
     for column in range(n):
         start, width = indptr[column], 3 * (indptr[column + 1] - indptr[column])
-        for p in range(diagonal[column] + 1, indptr[column + 1]):
+        for p in range(diagonal[column], indptr[column + 1]):
             row = indices[p]
             first, mirrored = indptr[row], 3 * (indptr[row + 1] - indptr[row])
             place = 9 * start + 3 * (p - start)
@@ -208,4 +199,6 @@ def add_cell_products(
             above[row] += 1
             for b in range(3):
                 for a in range(3):
-                    values[image + a * mirrored + b] = values[place + b * width + a]
+                    values[image + a * mirrored + b] = blocks[p, 3 * b + a]
+                    values[place + b * width + a] = blocks[p, 3 * b + a]
+    return np.asarray(values)

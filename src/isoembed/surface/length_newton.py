@@ -25,7 +25,7 @@ def length_newton(
     """Bring the edges of a surface from given vertices, (V, 3), to given lengths, (E,).
 
     The value of a point is the largest of the `length_residuals`; `damping` is the mu of `LengthSystem.step`,
-    and the rest is as of `isoembed.nonlinear.newton.newton`.  A recorder counts steps and factorizations.
+    and the rest is as of `isoembed.nonlinear.newton.newton`.  A recorder counts steps.
     """
 
     def residual(x: Floats) -> Floats:
@@ -38,7 +38,6 @@ def length_newton(
         step = system.step(x, lengths, r, damping)
         if recorder is not None:
             recorder.iterations += 1
-            recorder.factorizations += 1
         return step
 
     return newton(start, residual, solve, acceptance, **stops)

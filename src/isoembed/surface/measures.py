@@ -3,6 +3,7 @@
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
+from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.distances import straight_lengths
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
@@ -12,6 +13,8 @@ from isoembed.surface.triangle_loops import boxes_of, curved_areas
 from isoembed.surface.triangle_loops import face_areas as face_areas
 from isoembed.surface.triangle_loops import face_normals as face_normals
 from isoembed.surface.triangle_loops import vertex_normals as vertex_normals
+
+COPLANAR = 1e-9  # mean edge lengths: boundaries of caps in files
 
 
 def edge_lengths(edges: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
@@ -48,7 +51,31 @@ def volume(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> float:
     """Signed enclosed volume, positive where the normals point outward."""
     if not space.is_euclidean:
         return float(cone_volumes(faces, vertices, space).sum())
-    return float(boxes_of(faces, vertices - vertices.mean(axis=0)).sum() / 6)
+    return cone_sum(faces, vertices - vertices.mean(axis=0))
+
+
+def above_boundary(triangulation: Triangulation, vertices: Floats, error: float = COPLANAR) -> Floats | None:
+    """The vertices about a point in the horizontal plane of the boundary, (V, 3); None if there is no such.
+
+    About this point, the `cone_sum` is the volume between surface and plane, as the plane adds none.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+    vertices : ndarray, shape (V, 3)
+    error : float, optional
+        Mean edge lengths by which the heights of the boundary may differ.
+    """
+    t = triangulation
+    heights = vertices[t.boundary_vertices, 2]
+    if not len(heights) or np.ptp(heights) > error * edge_lengths(t.edges, vertices).mean():
+        return None
+    return vertices - [*vertices[:, :2].mean(axis=0), heights.mean()]
+
+
+def cone_sum(faces: Indices, vertices: Floats) -> float:
+    """Signed volume of the cones from the origin over the triangles."""
+    return float(boxes_of(faces, vertices).sum() / 6)
 
 
 def outward(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:

@@ -1,46 +1,11 @@
-"""Principal axes of inertia and standard position: a frame of coordinates that rounding cannot turn."""
+"""Principal axes of inertia that rounding cannot turn."""
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
-from isoembed.space import EUCLIDEAN, Space
-from isoembed.surface.measures import face_areas
+from isoembed.arrays import Floats
 
 EQUAL = 1e-4  # relative difference of moments of inertia below which their axes are one plane, or all space
 SAME = 1e-6  # relative difference below which skews and distances are equal
-
-
-def standard_position(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Move a surface rigidly to a place that its shape and the numbers of its vertices determine.
-
-    The centroid of its area, in curved space the center of its vertices, is at the origin, and its principal
-    axes are those of the coordinates, longest first.  Rounding of the vertices moves the result by some
-    rounding over `EQUAL` at most, also where a symmetry makes moments equal.
-
-    Parameters
-    ----------
-    faces : ndarray of int, shape (F, 3)
-    vertices : ndarray, shape (V, 3)
-        Ambient coordinates in hyperbolic and spherical space.
-    space : Space
-    """
-    if not space.is_euclidean:
-        center = space.center(vertices)
-        heights = space.heights(vertices) * space.heights(center) + space.curvature * (vertices @ center)
-        # On the sphere, bodies wider than a quarter of a great circle may leave the half about the origin.
-        points = space.translated(vertices, -center) if (heights > 0).all() else vertices
-        return points @ principal_axes(points, points.T @ points)
-    points = vertices - vertices.mean(axis=0)
-    areas = face_areas(faces, points)
-    areas /= areas.sum()
-    sums = points[faces].sum(axis=1)
-    centroid = areas @ sums / 3.0
-    points -= centroid
-    sums -= 3.0 * centroid
-    # The integral of x x^T over a triangle is its area over 12 times sum_i x_i x_i^T + s s^T, s = sum_i x_i.
-    shares = np.bincount(faces.ravel(), np.repeat(areas, 3), minlength=len(points))
-    moments = (points.T * shares) @ points + (sums.T * areas) @ sums
-    return points @ principal_axes(points, moments)
 
 
 def principal_axes(points: Floats, moments: Floats) -> Floats:

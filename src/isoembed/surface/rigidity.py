@@ -13,22 +13,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import NamedTuple, cast
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, eye_array, kron
+from scipy.sparse import csc_array
 
 from isoembed.arrays import Floats, Indices
-from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, analyze, dissect
+from isoembed.linalg import SingularMatrix, Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.linalg.dissection import Dissection
 from isoembed.linalg.superlu import checked_lu
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.projected import Projected
-from isoembed.surface.rigidity_matrix import RigidityMatrix, coupled_edges
-
-MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
-DIAGONAL_SHIFT = 1e-10  # relative, added to J^T J: it fixes the motions that change no edge
+from isoembed.surface.rigidity_matrix import MEAN_DIAGONAL, RigidityMatrix, coupled_edges
+from isoembed.surface.vertex_system import VertexSystem
 
 
 def length_residuals(
@@ -92,10 +89,15 @@ class LengthSystem:
     triangulation : Triangulation
     space : Space, optional
         Where the surface is.
+    work : Work, optional
+        Counts the factorizations.
     """
 
-    def __init__(self, triangulation: Triangulation, *, space: Space = EUCLIDEAN) -> None:
+    def __init__(
+        self, triangulation: Triangulation, *, space: Space = EUCLIDEAN, work: Work | None = None
+    ) -> None:
         self.triangulation, self.space = triangulation, space
+        self.work = Work() if work is None else work
         # The edges are held in the order in which they are eliminated: neighbors then are near in memory.
         by_number = np.arange(triangulation.n_edges)
         self._order = by_number if self._by_vertices else self._dissection.edge_order(triangulation.edges)
@@ -224,7 +226,7 @@ class LengthSystem:
 
     @cached_property
     def _vertex_system(self) -> VertexSystem:
-        return VertexSystem(self.triangulation)
+        return VertexSystem(self.triangulation, work=self.work)
 
     def _step_by_vertices(self, surface: Projected, J: RigidityMatrix, r: Floats, damping: float) -> Floats:
         """Newton step by factors of J^T J; without damping, by those of J with a triangle held.
@@ -236,6 +238,7 @@ class LengthSystem:
         if damping > 0:
             damped = self._vertex_system.damped(rows, damping)
             return damped.solve(J.forces(r).ravel(), sweeps=0).reshape(-1, 3)
+        self.work.factorizations += 1
         lu = checked_lu(_square(J, surface.positions), "COLAMD")
         if not np.abs(lu.U.diagonal()).min() > 1e-14:  # the rows have entries up to 1
             raise SingularMatrix("J is singular to working precision")
@@ -248,7 +251,7 @@ class LengthSystem:
         indptr, indices = coupled_edges(self._ends, self.triangulation.n_vertices)
         n = len(self._ends)
         pattern = csc_array((np.ones(indices.size, dtype=np.int8), indices, indptr), shape=(n, n))
-        return analyze(pattern, np.arange(n))
+        return analyze(pattern, np.arange(n), work=self.work)
 
 
 def _square(J: RigidityMatrix, positions: Floats) -> csc_array:
@@ -270,135 +273,3 @@ def _square(J: RigidityMatrix, positions: Floats) -> csc_array:
     rows = np.concatenate([edge, edge, held])
     places = np.concatenate([columns[:, 0].ravel(), columns[:, 1].ravel(), held_columns])
     return csc_array((np.concatenate(values), (rows, places)), shape=(3 * J.vertices, 3 * J.vertices))
-
-
-class HeldVertices(NamedTuple):
-    """Vertices that are held.
-
-    Attributes
-    ----------
-    corners : ndarray of int, shape (n,)
-    blocks : ndarray, shape (n, 3, 3)
-        What that adds to the matrix at each.
-    """
-
-    corners: Indices
-    blocks: Floats
-
-    @classmethod
-    def fixed(cls, corners: Indices) -> HeldVertices:
-        """Vertices that do not move, by more than a force times 1e-20."""
-        return cls(corners, np.tile(1e20 * np.eye(3), (len(corners), 1, 1)))
-
-
-class HeldTriangle(HeldVertices):
-    """A triangle that holds a surface against the six rigid motions, and against nothing else.
-
-    The first corner does not move, the second only along the edge to it, the third only in the plane.
-    """
-
-    @classmethod
-    def of(cls, vertices: Floats, corners: Indices) -> HeldTriangle:
-        """Hold the triangle with these corners."""
-        x, y, z = vertices[corners]
-        along, normal = y - x, np.cross(y - x, z - x)
-        along, normal = along / np.linalg.norm(along), normal / np.linalg.norm(normal)
-        across = np.eye(3) - np.outer(along, along)
-        return cls(corners, MEAN_DIAGONAL * np.array([np.eye(3), across, np.outer(normal, normal)]))
-
-
-class VertexSystem:
-    """``J^T J + w P`` in the coordinates, P coupling vertices of a graph: for penalized and fitted steps.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-    penalty : sparse, shape (V, V), optional
-        P, symmetric; its pattern, with the triangulation's, is the pattern of every matrix of the system.
-        It acts on x, y and z alike.
-    """
-
-    def __init__(self, triangulation: Triangulation, penalty: csr_array | None = None) -> None:
-        self.triangulation = triangulation
-        n = triangulation.n_vertices
-        penalty = csr_array((n, n)) if penalty is None else penalty
-        graph = csr_array(triangulation.adjacency + abs(penalty) + eye_array(n))
-        graph.data[:] = 1.0  # a pattern, from connectivity: values that cancel must not shrink it
-        pairs = csr_array(graph - eye_array(n))
-        pairs.eliminate_zeros()
-        order = dissect(pairs).block_order(3)  # where P reaches beyond the neighbors, so do the separators
-        self._solver = analyze(kron(graph, np.ones((3, 3)), format="csc"), order)
-        pattern = self._solver.pattern
-        column = np.repeat(np.arange(3 * n), np.diff(pattern.indptr))
-        self._keys = column * (3 * n) + pattern.indices
-        a, b = triangulation.edges.T
-        # The four 3 x 3 blocks of an edge: +R at (a, a) and (b, b), -R at (a, b) and (b, a).
-        self._edge_slots = np.concatenate([self._blocks(i, j) for i, j in ((a, a), (b, b), (a, b), (b, a))])
-        self._edge_signs = np.repeat([1.0, 1.0, -1.0, -1.0], 9 * len(a))
-        self._vertex_slots = self._blocks(np.arange(n), np.arange(n))
-        entries = penalty.tocoo()
-        slots = [self._slot(3 * entries.row + k, 3 * entries.col + k) for k in range(3)]
-        values = np.tile(entries.data, 3)
-        self._penalty = cast(Floats, np.bincount(np.concatenate(slots), values, minlength=len(self._keys)))
-        self._diagonal = pattern.indices == column
-        self._hold = DIAGONAL_SHIFT * MEAN_DIAGONAL * self._diagonal
-
-    def _slot(self, row: Indices, column: Indices) -> Indices:
-        return np.searchsorted(
-            self._keys, column.astype(np.int64) * (3 * self.triangulation.n_vertices) + row
-        )
-
-    def _blocks(self, a: Indices, b: Indices) -> Indices:
-        i, j = np.divmod(np.arange(9), 3)
-        return self._slot(3 * a[:, None] + i, 3 * b[:, None] + j).ravel()
-
-    def penalized(
-        self,
-        rows: Floats,
-        weight: float,
-        surface: Projected | None = None,
-        tensions: Floats | float = 0.0,
-        held: HeldVertices | None = None,
-    ) -> SymmetricFactor:
-        """Factor ``J^T J + S + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite.
-
-        S is the Laplacian of the triangulation with the tensions, (E,), for the weights of its edges.  For a
-        surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.  Rigid motions
-        are held at all vertices, a little, or by held vertices: where the weight is below `DIAGONAL_SHIFT`,
-        the former would be more than P.
-        """
-        penalty = weight * self._penalty
-        if surface is not None and not surface.space.is_euclidean:
-            pattern, w = self._solver.pattern, np.repeat(surface.heights, 3)
-            penalty *= w[pattern.indices] * np.repeat(w, np.diff(pattern.indptr))
-        hold = self._hold
-        if held is not None:
-            hold = 1e-16 / DIAGONAL_SHIFT * hold  # where a triangle fixes the motions, 1e-16 is enough
-            hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(-1, 9)
-        return self._factor(rows, penalty, tensions, hold)
-
-    def damped(self, rows: Floats, damping: float) -> SymmetricFactor:
-        """Factor ``J^T J + damping I``, J given by its `edge_rows`."""
-        none = np.zeros(len(self._keys))
-        return self._factor(rows, none, 0.0, damping * self._diagonal)
-
-    def spherical_step(self, vertices: Floats, lengths: Floats, residuals: Floats, radius: float) -> Floats:
-        """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
-
-        The rows ``x_a^T / r`` with residuals ``(|x_a|^2 - r^2) / (2 r)`` join those of J.  To be subtracted
-        from the vertices; raises SingularMatrix if the matrix is not definite.
-        """
-        outward = vertices / radius
-        blocks = np.einsum("ai,aj->aij", outward, outward).ravel()
-        extra = cast(Floats, np.bincount(self._vertex_slots, blocks, minlength=len(self._keys)))
-        heights = radius * (np.einsum("ai,ai->a", outward, outward) - 1) / 2
-        rows = edge_rows(self.triangulation, vertices, lengths)
-        gradient = self.triangulation.incidence @ (rows * residuals[:, None]) + outward * heights[:, None]
-        return self._factor(rows, extra, 0.0, self._hold).solve(gradient.ravel(), sweeps=1).reshape(-1, 3)
-
-    def _factor(self, rows: Floats, extra: Floats, tensions: Floats | float, hold: Floats) -> SymmetricFactor:
-        products = (np.einsum("ei,ej->eij", rows, rows) + np.multiply.outer(tensions, np.eye(3))).ravel()
-        values = np.bincount(
-            self._edge_slots, self._edge_signs * np.tile(products, 4), minlength=len(self._keys)
-        )
-        return self._solver.factor(values + extra + hold)

@@ -3,15 +3,8 @@
 
 from __future__ import annotations
 
-import cython
 import numpy as np
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Int32 = cython.typedef(cython.int)
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Int32, Real
 
 
 def couplings(ends: ConstInt32[:, ::1], degrees: ConstInt[::1], entries: Int):

@@ -13,6 +13,8 @@ from isoembed.arrays import Floats, Indices32
 from isoembed.linalg.memory import OutOfMemory, require_memory
 from isoembed.surface.rigidity_loops import couplings, edge_rows, gram_values, length_rates, vertex_forces
 
+MEAN_DIAGONAL = 2.0  # of J J^T, whose rows have unit norm at each end, and, nearly, of J^T J
+
 
 @dataclass(frozen=True, eq=False)
 class RigidityMatrix:

@@ -3,15 +3,9 @@
 
 from __future__ import annotations
 
-import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstInt32, ConstReal, Int, Real
 from cython.cimports.libc.math import sqrt
-
-Int = cython.typedef(cython.longlong)
-ConstInt = cython.typedef(cython.const[cython.longlong])
-ConstInt32 = cython.typedef(cython.const[cython.int])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
 
 
 def residuals_of(

@@ -16,6 +16,7 @@ from isoembed.space.models import to_model
 from isoembed.surface import convexity, curvature, measures, smoothness
 from isoembed.surface.flat_faces import FlatFaces, TriangleFaces
 from isoembed.surface.segments import Segments
+from isoembed.surface.vertex_areas import vertex_areas
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,7 +137,7 @@ class Surface:
         t, x, space = self.triangulation, self._normalized, self._space
         if isinstance(self.flat_faces, FlatFaces):
             return frozen(self.flat_faces.vertex_shares(measures.triangle_areas(t.faces, x, space)))
-        return frozen(curvature.vertex_areas(t, x, space))
+        return frozen(vertex_areas(t, x, space))
 
     @property
     def lengths(self) -> Floats:

@@ -5,16 +5,9 @@ from __future__ import annotations
 
 import cython
 import numpy as np
+from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Real
+from cython.cimports.isoembed.space.trigonometry import triangle_area
 from cython.cimports.libc.math import sqrt
-
-if cython.compiled:
-    from cython.cimports.isoembed.space.trigonometry import triangle_area
-else:
-    from isoembed.space.trigonometry import triangle_area
-
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
 
 TINY = cython.declare(cython.double, 2.2250738585072014e-308)  # the least normal number
 SHUT = cython.declare(cython.double, 1e-9)  # as in `curvature`

@@ -51,3 +51,25 @@ def test_that_a_dimple_may_be_a_reflected_one_is_said():
     found = embed_surface(SurfaceData(AngleMetric(components)), vertices=300)
     assert found.embedding.least_curvature < 0.0
     assert any("a dimple and its reflection have the same metric" in note for note in found.energies.notes)
+
+
+@pytest.mark.parametrize(
+    ("field", "name"),
+    [
+        ("mean_curvature", "the mean curvature"),
+        ("momentum", "the momentum"),
+        ("normal_momentum", r"K\(., n\)"),
+    ],
+)
+def test_values_that_are_not_finite_are_refused(field, name):
+    def values(u):
+        out = np.ones_like(u) if field == "normal_momentum" else np.ones(len(u))
+        out[u[:, 2] > 0.5] = np.nan
+        return out
+
+    data = replace(
+        SurfaceData(AngleMetric(lambda theta, phi: (1.0, 0.0, np.sin(theta) ** 2))), **{field: values}
+    )
+    with pytest.raises(InvalidParameter, match=f"{name} in the direction .* is .*nan.*: it must be finite"):
+        surface = embed_surface(data)
+        _ = surface.energies, surface.spin

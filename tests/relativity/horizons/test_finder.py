@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from isoembed.errors import NoHorizon
+from isoembed.errors import InvalidParameter, NoHorizon
 from isoembed.meshing.sphere import gauss_rule
-from isoembed.relativity.horizons import finder
+from isoembed.relativity.horizons import finder, foliated_horizon
 from isoembed.relativity.horizons.finder import constant_expansion, find_horizon, find_horizons
 from isoembed.relativity.horizons.newton import NoConvergence
-from isoembed.relativity.spacetimes.kerr_slices import KerrSchild
+from isoembed.relativity.spacetimes.kerr_slices import BoyerLindquist, KerrSchild
 from isoembed.relativity.spacetimes.schwarzschild import (
     BoostedSchwarzschild,
     BrillLindquist,
@@ -16,6 +16,7 @@ from isoembed.relativity.spacetimes.schwarzschild import (
     PainleveGullstrand,
 )
 from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.transformed import Translated
 
 
 def pair(d, masses=(0.5, 0.5), *, tilt=0.0, center=(0.0, 0.0, 0.0)):
@@ -89,7 +90,9 @@ def test_two_separate_horizons():
     horizons = find_horizons(pair(1.0))
     assert [horizon.irreducible_mass for horizon in horizons] == pytest.approx([0.624999260] * 2, abs=6e-10)
     largest = find_horizon(pair(1.0, (0.4, 0.6)))
-    assert "of 2 separate horizons" in largest.notes[0]
+    assert "of 2 separate horizons; the others have" in largest.notes[0]
+    for horizon in find_horizons(pair(1.0, (0.4, 0.6))):
+        assert "around ({:.6g}, {:.6g}, {:.6g})".format(*horizon.surface.center) in largest.notes[0]
     assert largest.outermost.kind == "searched"
     assert "reach a least c R / 2 above zero" in largest.outermost.basis
 
@@ -189,7 +192,7 @@ def test_a_horizon_that_exists_and_is_not_resolved(monkeypatch):
     def fails(*_, **__):
         raise NoConvergence("Newton's method stalls")
 
-    monkeypatch.setattr(finder, "horizon_near", fails)
+    monkeypatch.setattr(foliated_horizon, "horizon_near", fails)
     with pytest.raises(
         NoHorizon, match="a horizon exists between two surfaces, and no horizon was resolved"
     ) as failure:
@@ -207,8 +210,8 @@ def test_a_larger_horizon_that_is_not_excluded(monkeypatch):
             raise NoHorizon("no horizon was found: the slice ends there")
         return foliated(geometry, start)
 
-    foliated = finder._foliated
-    monkeypatch.setattr(finder, "_foliated", blocked)
+    foliated = finder.foliated_horizon
+    monkeypatch.setattr(finder, "foliated_horizon", blocked)
     horizon = find_horizon(pair(0.7))
     assert horizon.outermost.kind == "searched"
     assert "it is not known whether a larger horizon encloses this one" in horizon.notes[0]
@@ -278,3 +281,16 @@ def test_holes_without_a_horizon_are_named(monkeypatch):
     monkeypatch.setattr(finder, "_inside_sphere", alone)
     (horizon,) = find_horizons(pair(1.0))
     assert "no horizon was found around the black holes 1," in horizon.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("geometry", "sentence"),
+    [
+        (KerrSchild(1.0, (0.0, 0.0, 1.5)), "there is no horizon: the spin 1.5 exceeds the mass 1"),
+        (BoyerLindquist(1.0, (0.0, 0.0, 0.5)), "singular on the horizon: take KerrSchild"),
+    ],
+)
+def test_slices_that_have_no_horizon_say_so(geometry, sentence):
+    for guess in (None, StarSurface.sphere((1.0, 0.0, 0.0), 3.0)):
+        with pytest.raises(InvalidParameter, match=sentence):
+            find_horizon(Translated(geometry, (1.0, 0.0, 0.0)), guess)

@@ -37,6 +37,58 @@ def test_metrics_on_grids(kind, tmp_path):
         np.testing.assert_array_equal(metric.tensor(u), with_tp.tensor(u))
 
 
+def write_table(path, names, rows, head="{}"):
+    lines = [head.format(" ".join(names)), *(" ".join(f"{value:.17g}" for value in row) for row in rows)]
+    separated = [line.replace(" ", ",") for line in lines] if path.suffix == ".csv" else lines
+    path.write_text("\n".join([*separated, ""]))
+
+
+def nodes(arrays):
+    """The names of columns, and a row for each node in a scrambled order."""
+    theta, phi = np.meshgrid(arrays["theta"], arrays["phi"], indexing="ij")
+    columns = {"theta": theta, "phi": phi, "q_tt": arrays["q_tt"], "q_pp": arrays["q_pp"]}
+    rows = np.stack([column.ravel() for column in columns.values()], axis=1)
+    return list(columns), np.random.default_rng(0).permutation(rows)
+
+
+@pytest.mark.parametrize(
+    ("name", "head"), [("q.csv", "{}"), ("q.txt", "# {}"), ("q.dat", "# of Kerr\n#\n# {}"), ("q.txt", "\n{}")]
+)
+def test_tables_with_a_row_for_each_node(name, head, tmp_path):
+    arrays = metric_arrays()
+    write_table(tmp_path / name, *nodes(arrays), head)
+    found = read_metric_or_grid(tmp_path / name).metric
+    for each in ("theta", "phi", "q_tt", "q_pp"):
+        np.testing.assert_array_equal(getattr(found, each), arrays[each])
+
+
+def test_tables_that_are_no_grid(tmp_path):
+    names, rows = nodes(metric_arrays())
+    write_table(tmp_path / "q.csv", names, rows[1:])
+    with pytest.raises(
+        FileError, match="719 rows, which are not one for each pair of its 24 angles theta and 30"
+    ):
+        read_metric_or_grid(tmp_path / "q.csv")
+    write_table(tmp_path / "q.txt", ["th", "ph", "qtt", "qpp"], rows)
+    with pytest.raises(FileError, match="no names theta, phi, q_tt, q_tp and q_pp above its columns"):
+        read_metric_or_grid(tmp_path / "q.txt")
+    write_table(tmp_path / "q.txt", ["theta", "q_tt", "q_pp"], rows[:, [0, 2, 3]])
+    with pytest.raises(FileError, match="no column phi"):
+        read_metric_or_grid(tmp_path / "q.txt")
+    np.savez(tmp_path / "q.npz", th=rows[:, 0], qtt=rows[:, 2])
+    with pytest.raises(FileError, match=r"holds th, qtt: .*on a grid, theta, phi, q_tt, q_tp and q_pp"):
+        read_metric_or_grid(tmp_path / "q.npz")
+
+
+def test_axisymmetric_metrics_along_theta(tmp_path):
+    arrays = metric_arrays(m=1)
+    flat = {name: arrays[name][:, 0] for name in ("q_tt", "q_pp")}
+    np.savez(tmp_path / "q.npz", theta=arrays["theta"], phi=0.0, k=np.ones(24), **flat)
+    found = read_metric_or_grid(tmp_path / "q.npz")
+    np.testing.assert_array_equal(found.metric.q_tt, arrays["q_tt"])
+    assert found.mean_curvature is not None
+
+
 def test_q_tp_is_the_coordinate_component(tmp_path):
     theta, phi = (np.arange(16) + 0.5) * np.pi / 16, 2.0 * np.pi / 20 * np.arange(20)
     t, p = np.meshgrid(theta, phi, indexing="ij")

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from isoembed.errors import InvalidParameter
-from isoembed.relativity import CoordinateShape, KerrNewmanHorizon, KerrSchild, horizon_data
+from isoembed.relativity import (
+    CoordinateShape,
+    IsotropicSchwarzschild,
+    KerrNewmanHorizon,
+    KerrSchild,
+    find_horizon,
+    horizon_data,
+)
 
 METRIC = KerrNewmanHorizon(1.0, 0.5).data()
 POINTS = CoordinateShape.star_shaped(2.0 * np.array([*np.eye(3), *-np.eye(3)]), "six points", np.zeros(3))
@@ -16,7 +23,7 @@ POINTS = CoordinateShape.star_shaped(2.0 * np.array([*np.eye(3), *-np.eye(3)]), 
         (
             METRIC,
             {"geometry": KerrSchild(1.0, (0, 0, 0.5))},
-            "a.npz holds a metric of its own: it needs no geometry",
+            "a.npz has a metric of its own: leave out the geometry",
         ),
         (METRIC, {"axis": (0, 0, 1)}, "a.npz holds no coordinates that an axis could be given in"),
         (POINTS, {}, "name its geometry"),
@@ -25,3 +32,15 @@ POINTS = CoordinateShape.star_shaped(2.0 * np.array([*np.eye(3), *-np.eye(3)]), 
 def test_refusals(found, given, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         horizon_data(found, name="a.npz", **given)
+
+
+def test_what_was_found_goes_with_its_own_slice_and_with_others():
+    own = IsotropicSchwarzschild(1.0)
+    found = find_horizon(own)
+    for geometry in (None, own):
+        data, facts = horizon_data(found, geometry)
+        assert facts.found is found and data.marginal
+    data, facts = horizon_data(found, IsotropicSchwarzschild(2.0))  # the same sphere around twice the mass
+    assert facts.found is None and facts.surface is found.surface and not data.marginal
+    u = np.array([[0.0, 0.0, 1.0]])
+    np.testing.assert_allclose(data.mean_curvature(u), -4.0 / 27.0, rtol=1e-9)

@@ -1,7 +1,7 @@
 """Series from Python: what moments are, chunks, folders and executors."""
 
 import os
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from isoembed.relativity import (
     StarSurface,
     SurfaceData,
     embed_series,
+    find_horizon,
 )
 from isoembed.relativity.series import horizon_task
 from isoembed.relativity.series.source import HeldShape
@@ -94,7 +95,8 @@ def test_a_failure_does_not_end_a_series(alone):
 
 
 def test_a_moment_is_taken_as_it_is():
-    (found,) = embed_series([Moment("inner", 1.0, 7, HeldShape(SPHERE))], vertices=60)
+    with pytest.warns(UserWarning, match=r"inner\.t7, is refused"):
+        (found,) = embed_series([Moment("inner", 1.0, 7, HeldShape(SPHERE))], vertices=60)
     assert found.label == "inner.t7" and found.status == "refused"
 
 
@@ -149,11 +151,34 @@ def test_two_of_the_same_time():
         list(embed_series([(0.5, SPHERE, None), (0.5, SPHERE, None)]))
 
 
-def test_what_cannot_be_kept_or_sent_is_said(tmp_path):
+def test_local_functions_are_kept_but_not_sent(tmp_path):
     sphere = SurfaceData(PulledBack(lambda u: np.broadcast_to(np.eye(3), (len(u), 3, 3))))
-    assert next(embed_series([(0.0, sphere, None)], vertices=60)).answered
-    found = next(embed_series([(0.0, sphere, None)], vertices=60, folder=tmp_path))
-    assert found.status == "refused" and "cannot be sent to another process" in found.message
+    given = [(0.0, sphere, None)]
+    with (
+        ProcessPoolExecutor(1) as pool,
+        pytest.warns(UserWarning, match="all horizons are refused or failed"),
+    ):
+        (found,) = embed_series(given, vertices=60, folder=tmp_path, executor=pool)
+    assert found.status == "failed" and "cannot be sent to another process" in found.message
+    assert next(embed_series(given, vertices=60, folder=tmp_path)).answered
+    assert len(list(Store(tmp_path))) == 1
+
+
+def test_a_horizon_that_was_found_with_its_slice():
+    geometry = IsotropicSchwarzschild(1.0)
+    horizon = find_horizon(geometry)
+    results = list(embed_series([(0.0, horizon, geometry), (1.0, horizon, None)], vertices=60))
+    for result in results:
+        assert result.report["horizon"]["residual"] == horizon.residual
+        assert abs(result.report["irreducible_mass"] - 1.0) < 1e-9
+
+
+def test_a_series_of_refused_horizons_warns():
+    with pytest.warns(
+        UserWarning, match=r"all horizons are refused or failed; the first one, horizon\.T0, is refused: .*"
+    ):
+        (found,) = embed_series([(0.0, SPHERE, None)])
+    assert found.report["notes"] == [] and "name its geometry" in found.message
 
 
 def test_what_the_disk_does_not_take_is_said(tmp_path, monkeypatch):

@@ -98,5 +98,5 @@ def test_a_run_of_the_einstein_toolkit(tmp_path):
 
 def test_without_kuibit_one_sentence_says_how_to_get_it(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "kuibit.simdir", None)
-    with pytest.raises(FileError, match=r"needs kuibit: pip install 'isoembed\[kuibit\]'"):
+    with pytest.raises(FileError, match=r"needs kuibit: pip install kuibit h5py"):
         simulation(run)

@@ -7,15 +7,24 @@ import pickle
 import numpy as np
 import pytest
 
-from isoembed.errors import InvalidParameter
 from isoembed.io.digest import file_digest, unchanged
 from isoembed.io.files import FileError
-from isoembed.relativity import AnalyticCallable, BrillLindquist, CoordinateShape, KerrNewmanHorizon
+from isoembed.relativity import (
+    AnalyticCallable,
+    BrillLindquist,
+    CoordinateShape,
+    KerrNewmanHorizon,
+    StarSurface,
+    SurfaceData,
+)
+from isoembed.relativity.series.horizon_task import HorizonTask
 from isoembed.relativity.series.moment import Moment
 from isoembed.relativity.series.source import HeldShape, HeldSlice, MissingSlice
 from isoembed.smooth.grid_metric import GridMetric
 
 CORNERS = 2.0 * np.array([*np.eye(3), *-np.eye(3)])
+SPHERE = StarSurface.sphere((0.0, 0.0, 0.0), 3.0)
+MASS = 0.5
 LOW, HIGH = -np.ones(3), np.ones(3)
 
 
@@ -66,8 +75,44 @@ def test_slices_in_memory():
     assert held.read(LOW, HIGH) is geometry and held.name == "BrillLindquist"
     assert held.digest() == HeldSlice(BrillLindquist([0.5, 0.5], [[0, 0, 0.4], [0, 0, -0.4]])).digest()
     assert held.digest() != HeldSlice(BrillLindquist([0.5, 0.5], [[0, 0, 0.41], [0, 0, -0.4]])).digest()
-    with pytest.raises(InvalidParameter, match="the geometry AnalyticCallable cannot be sent to another"):
-        HeldSlice(AnalyticCallable(lambda x: x)).digest()
+
+
+def test_functions_of_slices_in_memory_count_by_their_values(monkeypatch):
+    def digest(geometry):
+        return HorizonTask(Moment("a", 0.0, None, HeldShape(SPHERE), HeldSlice(geometry))).digest()
+
+    def gamma(x):
+        return ((1.0 + MASS / np.sqrt((x**2).sum(axis=1))) ** 4)[:, None, None] * np.eye(3)
+
+    def again(x):
+        return (x.dtype.type(1.0) + MASS / np.sqrt((x**2).sum(axis=1)))[:, None, None] ** 4 * np.eye(3)
+
+    again.__name__, again.__qualname__ = gamma.__name__, gamma.__qualname__
+    still = digest(AnalyticCallable(lambda x: 0.0 * x))  # no metric, but a digest
+    before = digest(AnalyticCallable(gamma))
+    assert still != before == digest(AnalyticCallable(again))
+    curved = AnalyticCallable(gamma, lambda x: 0.1 * gamma(x))
+    assert digest(curved) != before
+    monkeypatch.setitem(globals(), "MASS", 0.65)
+    assert digest(AnalyticCallable(gamma)) != before
+    monkeypatch.setitem(globals(), "MASS", 0.5)
+    assert digest(AnalyticCallable(gamma)) == before
+
+
+def test_functions_of_surfaces_in_memory_count_by_their_values():
+    def digest(k):
+        data = SurfaceData(KerrNewmanHorizon(1.0, 0.5).data().metric, lambda u: np.full(len(u), k))
+        return HorizonTask(Moment("a", 0.0, None, HeldShape(data))).digest()
+
+    assert digest(0.5) == digest(0.5) != digest(0.5 + 1e-6)
+
+
+def test_a_function_that_fails_has_a_digest():
+    def fails(x):
+        raise ZeroDivisionError
+
+    moment = Moment("a", 0.0, None, HeldShape(SPHERE), HeldSlice(AnalyticCallable(fails)))
+    assert len(HorizonTask(moment).digest()) == 64
 
 
 def test_a_slice_that_is_missing():

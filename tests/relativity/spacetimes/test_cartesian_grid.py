@@ -287,3 +287,14 @@ def test_a_surface_through_missing_points_is_refused(missing):
     surface = StarSurface.sphere((4, 4, 4), 1.0)
     with pytest.raises(InvalidMetric, match=r"is not positive definite: xx, xy, \.\.\. = (nan|inf)"):
         surface.mean_curvature(CartesianGrid((0, 0, 0), 1.0, gamma), np.array([[0, 0, 1.0]]))
+
+
+def test_a_metric_that_is_positive_definite_nowhere_is_refused():
+    lorentzian = FLAT.copy()
+    lorentzian[0, 0] = -1.0
+    sentence = r"not positive definite anywhere; its first node has xx, xy, ... = -1, 0, 0, 1, 0, 1"
+    with pytest.raises(InvalidParameter, match=sentence):
+        CartesianGrid((0, 0, 0), 1.0, lorentzian)
+    hole = lorentzian.copy()  # what lies inside of a hole is not looked at
+    hole[..., 5:, :, :] = FLAT[..., 5:, :, :]
+    CartesianGrid((0, 0, 0), 1.0, hole)

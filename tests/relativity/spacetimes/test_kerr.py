@@ -418,6 +418,10 @@ def test_what_is_said_about_the_embedding():
         (lambda: KerrNewmanHorizon(mass=0.0), "Kerr-Newman horizon: mass must be positive, not 0.0"),
         (lambda: KerrNewmanHorizon(spin=float("nan")), "Kerr-Newman horizon: spin must be finite, not nan"),
         (
+            lambda: KerrNewmanHorizon(spin=(0, 0, 0.5)),
+            "spin must be one number, about the z-axis, not \\(0, 0",
+        ),
+        (
             lambda: KerrNewmanHorizon(2.0, 1.6, 1.6),
             r"spin\^2 \+ charge\^2 must be at most mass\^2 for a horizon to exist, not 1.28 mass\^2",
         ),

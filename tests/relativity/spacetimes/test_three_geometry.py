@@ -339,3 +339,28 @@ def test_what_is_no_metric(bad):
     ):
         check_slice("the 3-metric", X, gamma)
     check_slice("the 3-metric", X[:1], gamma[:1])
+
+
+def sheared(xy, yx):
+    """A constant tensor that is symmetric if its entries xy and yx are equal."""
+    return np.array([[1.0, xy, 0.0], [yx, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def test_tensors_that_are_not_symmetric_are_refused():
+    sphere = StarSurface.sphere((0.0, 0.0, 0.0), 1.0)
+
+    def slice_of(gamma, K=None):
+        def conformal(x):
+            return ((1.0 + 0.5 / np.sqrt((x**2).sum(axis=1))) ** 4)[:, None, None] * gamma
+
+        return AnalyticCallable(conformal, K and (lambda x: K * np.ones((len(x), 1, 1)) * sheared(0.2, 0.0)))
+
+    with pytest.raises(
+        InvalidMetric, match=r"3-metric at .* is not symmetric: its entry xy is .*, and yx is 0"
+    ):
+        find_horizon(slice_of(sheared(0.2, 0.0)), sphere)
+    for K in (0.01, 1e-6):
+        with pytest.raises(InvalidMetric, match=r"the extrinsic curvature at .* is not symmetric"):
+            sphere.data(slice_of(np.eye(3), K))
+    sphere.data(slice_of(sheared(0.2, 0.2)))
+    sphere.data(slice_of(np.eye(3), 1e-15))  # rounding of what vanishes

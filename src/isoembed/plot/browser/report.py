@@ -58,12 +58,14 @@ def report_html(report: Mapping[str, Any]) -> str:
         grid("Stages", ("stage", "seconds", "steps", "factor&shy;izations"), _stages(report["stages"])),
         grid("Other realizations of these lengths", columns, others),
     ]
-    parts += [
-        _table(_words(key).capitalize(), _flattened(report[key]))
-        for key in ("deviation", "best_fit", "sheet", "polyhedron", "certificate", "repair")
-        if report.get(key)
-    ]
+    keys = ("deviation", "best_fit", "sheet", "polyhedron", "certificate", "repair")
+    parts.append(tables_html({key: report[key] for key in keys if report.get(key)}))
     return "\n".join(part for part in parts if part)
+
+
+def tables_html(tables: Mapping[str, Mapping[str, Any]]) -> str:
+    """A table for each entry, under its key."""
+    return "\n".join(_table(_words(key).capitalize(), _flattened(table)) for key, table in tables.items())
 
 
 def number(value: float | None) -> str:

@@ -9,10 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, qr
+from scipy.linalg import qr
 
 from isoembed.arrays import Floats
 from isoembed.relativity.energies.wang_yau_functional import EmbeddedTime, Functional, applied, paired, traced
+from isoembed.smooth.isometry import normal_solver, strain_rates
 
 COFACTORS = np.array([-1.0, 1.0, -1.0])[:, None]
 
@@ -83,28 +84,15 @@ class SecondVariation:
         """Changes (size, 3, m) of X that make these strains (3, n, m) to first order, without a rotation."""
         B, root = self.first[:, :, 1:], np.sqrt(self.functional.areas)
         (X1, X2), (first, second) = np.moveaxis(B @ X[1:], 1, 0), root[:, None] * np.moveaxis(B, 1, 0)
-        m = B.shape[2]
-        J = np.empty((3, len(B), 3, m))  # by the coefficients of x, y and z
-        for i in range(3):
-            x1, x2 = X1[:, i, None], X2[:, i, None]
-            J[0, :, i], J[1, :, i], J[2, :, i] = (
-                2.0 * x1 * first,
-                np.sqrt(2.0) * (x1 * second + x2 * first),
-                2.0 * x2 * second,
-            )
-        flat = J.reshape(-1, 3 * m)
+        flat = strain_rates(X1, X2, first, second)
         normal = flat.T @ flat
-        turns = np.cross(np.eye(3)[:, None], X[None, 1:]).transpose(2, 1, 0).reshape(3 * m, 3)
+        turns = np.cross(np.eye(3)[:, None], X[None, 1:]).transpose(2, 1, 0).reshape(-1, 3)
         turns = qr(turns, mode="economic")[0]
         normal += np.trace(normal) / len(normal) * turns @ turns.T
-        scale = 1.0 / np.sqrt(np.diag(normal))
-        normal *= scale[:, None] * scale
-        normal[np.diag_indices_from(normal)] += len(normal) * np.finfo(np.float64).eps
         right = flat.T @ (root[:, None] * strains).reshape(len(flat), -1)
-        factor = cho_factor(normal, overwrite_a=True)
-        solved = scale[:, None] * cho_solve(factor, scale[:, None] * right)
+        solved = normal_solver(normal)(right)
         changes = np.zeros((len(X), 3, right.shape[1]))
-        changes[1:] = solved.reshape(3, m, -1).transpose(1, 0, 2)
+        changes[1:] = solved.reshape(3, len(X) - 1, -1).transpose(1, 0, 2)
         return changes
 
     def _conjugates(self, X: Floats, changes: Floats) -> Floats:

@@ -25,7 +25,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.energies.time_function import TimeFunction
-from isoembed.relativity.spacetimes.surface_data import SurfaceData
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, values_of, vectors_of
 from isoembed.smooth.embedding import SmoothEmbedding
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.isometry import MetricSamples, strains
@@ -290,8 +290,8 @@ def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floa
     """The curvature k and momentum p (n,) of the data and, along the frames (n, 2), K(., n)."""
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
-    k = data.mean_curvature(u)
-    p = np.zeros(len(u)) if data.momentum is None else data.momentum(u)
+    k = values_of(data.mean_curvature, u, "the mean curvature")
+    p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
     if data.normal_momentum is None and np.any(p):
         raise InvalidParameter("with a momentum, the Wang-Yau energy needs the normal_momentum K(., n), too")
     worst = int(np.argmin(k - np.abs(p)))
@@ -303,7 +303,7 @@ def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floa
         )
     if data.normal_momentum is None:
         return k, p, np.zeros((len(u), 2))
-    return k, p, np.einsum("nai,ni->na", frames, data.normal_momentum(u))
+    return k, p, np.einsum("nai,ni->na", frames, vectors_of(data.normal_momentum, u, "K(., n)"))
 
 
 def _nearer(system: MatrixFreeIsometry, frames: Floats, X: Floats, stretch: Floats) -> Floats:

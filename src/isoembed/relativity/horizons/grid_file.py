@@ -11,6 +11,7 @@ from isoembed.io.files import FileError, Tables, check_ending, input_ending
 from isoembed.io.hdf5 import HDF5_ENDINGS, enumerated
 from isoembed.io.input_file import InputFile, opened
 from isoembed.io.metric import read_metric
+from isoembed.io.text_table import read_text_table
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.relativity.horizons.curvature_check import brought_curvature
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
@@ -18,7 +19,10 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.grid_metric import GridMetric
 
 ARRAY_ENDINGS = (".npz", *HDF5_ENDINGS)
-NEEDED = ("theta", "phi", "q_tt", "q_pp")
+TEXT_ENDINGS = (".csv", ".txt", ".dat")
+GRID_ENDINGS = (*ARRAY_ENDINGS, *TEXT_ENDINGS)
+ANGLES = ("theta", "phi")
+NEEDED = (*ANGLES, "q_tt", "q_pp")
 
 
 def read_metric_grid(path: str | os.PathLike[str]) -> GridMetric:
@@ -40,7 +44,7 @@ def read_metric_grid(path: str | os.PathLike[str]) -> GridMetric:
     InvalidMetric
         What it holds is not a metric on such a grid.
     """
-    check_ending(path, ARRAY_ENDINGS)
+    check_ending(path, GRID_ENDINGS)
     with opened(path) as file:
         return _metric(file, _tables(file))
 
@@ -52,10 +56,11 @@ def read_grid_data(path: str | os.PathLike[str]) -> SurfaceData:
     ----------
     path : path
         ``.npz``, or ``.h5`` or ``.hdf5`` with everything at the top or in one group.  It holds ``theta``
-        (n,), ``phi`` (m,), and ``q_tt``, ``q_tp``, ``q_pp`` (n, m) as `GridMetric` takes them; ``q_tp`` may
-        be left out where it is 0.  Besides, ``k``, ``p`` (n, m), and ``j_t`` and ``j_p``, the components of
-        K(., n) for theta and phi: see `SurfaceData`; and a Gaussian curvature to compare with that of the
-        metric, as `CurvatureCheck` knows it.
+        (n,), ``phi`` (m,), and ``q_tt``, ``q_tp``, ``q_pp`` (n, m) as `GridMetric` takes them, or with one
+        angle phi (n,); ``q_tp`` may be left out where it is 0.  Or a table in ``.csv``, ``.txt`` or ``.dat``,
+        one row for each node, with these names above its columns.  Besides, ``k``, ``p`` (n, m), and ``j_t``
+        and ``j_p``, the components of K(., n) for theta and phi: see `SurfaceData`; and a Gaussian curvature
+        to compare with that of the metric, as `CurvatureCheck` knows it.
 
     Returns
     -------
@@ -69,7 +74,7 @@ def read_grid_data(path: str | os.PathLike[str]) -> SurfaceData:
     InvalidMetric
         What it holds is not a metric on such a grid, or the grid is too coarse for the rest.
     """
-    check_ending(path, ARRAY_ENDINGS)
+    check_ending(path, GRID_ENDINGS)
     with opened(path) as file:
         tables = _tables(file)
         missing = [name for name in ("j_t", "j_p") if name not in tables]
@@ -105,9 +110,12 @@ def read_metric_or_grid(
     InvalidMetric
         What it holds is not a metric.
     """
-    if input_ending(path) not in ARRAY_ENDINGS:
+    if input_ending(path) not in GRID_ENDINGS:
         return read_metric(path, merge=merge, length_errors=length_errors)
     with opened(path) as file:
+        if file.ending in TEXT_ENDINGS:
+            is_grid = file.ending != ".csv" or _is_metric(dict.fromkeys(_columns(file)))
+            return read_grid_data(file) if is_grid else read_metric(file, length_errors=length_errors)
         is_grid = file.ending != ".npz" or holds_metric_grid(file) or "theta" in file.arrays[""]
         if is_grid:
             return read_grid_data(file)
@@ -124,16 +132,68 @@ def _is_metric(tables: Tables) -> bool:
 
 
 def _tables(file: InputFile) -> Tables:
-    """The arrays of the one metric of a file."""
-    found = {name: tables for name, tables in file.arrays.items() if _is_metric(tables)}
-    tables = next(iter(found.values())) if found else file.arrays[""]
-    if len(found) > 1:
-        raise FileError(f"{file} holds {len(found)} metrics, in the groups {', '.join(found)}: leave one")
+    """The arrays of the one metric of a file; those along theta alone as of one angle phi."""
+    tables = _table_on_grid(file) if file.ending in TEXT_ENDINGS else _arrays(file)
     missing = [name for name in NEEDED if name not in tables]
     if missing:
         there = enumerated(tables) if tables else file.contents
         raise FileError(f"{file} holds {there}: {' and '.join(missing)} missing from a metric on a grid")
+    if np.size(tables["phi"]) != 1:
+        return tables
+    n = np.shape(tables["theta"])
+    along = {
+        name: values[:, None]
+        for name, values in tables.items()
+        if np.shape(values) == n and name not in ANGLES
+    }
+    return {**tables, **along, "phi": np.reshape(tables["phi"], 1)}
+
+
+def _arrays(file: InputFile) -> Tables:
+    found = {name: tables for name, tables in file.arrays.items() if _is_metric(tables)}
+    tables = next(iter(found.values())) if found else file.arrays[""]
+    if len(found) > 1:
+        raise FileError(f"{file} holds {len(found)} metrics, in the groups {', '.join(found)}: leave one")
     return tables
+
+
+def _columns(file: InputFile) -> list[str]:
+    """The names above the columns of a table: the last comment before them, or a line of its own."""
+    names = list[str]()
+    for line in file.text.splitlines():
+        words = line.strip("# \t\ufeff").replace(",", " ").split()
+        if words and words[0].isidentifier():
+            names = words
+        if words and not line.lstrip().startswith("#"):
+            break
+    return names
+
+
+def _table_on_grid(file: InputFile) -> Tables:
+    """The columns of a table with a row for each node, as arrays (n, m)."""
+    names = _columns(file)
+    if not _is_metric(dict.fromkeys(names)):
+        raise FileError(
+            f"{file} is not a metric on a grid: there are no names theta, phi, q_tt, q_tp and q_pp above its "
+            "columns; arrays of these names, (n,), (m,) and (n, m), may be in .npz or .h5"
+        )
+    if missing := [name for name in NEEDED if name not in names]:
+        raise FileError(f"{file} has no column {missing[0]}")
+    numbers = read_text_table(file, named=True).numbers
+    if numbers.shape[1] != len(names):
+        raise FileError(f"{file} has {numbers.shape[1]} columns, and {len(names)} names above them")
+    columns = dict(zip(names, numbers.T, strict=True))
+    angles = {name: np.unique(columns.pop(name), return_inverse=True) for name in ANGLES}
+    (theta, i), (phi, j) = angles.values()
+    cells = i.ravel() * len(phi) + j.ravel()
+    if len(cells) != len(theta) * len(phi) or len(np.unique(cells)) != len(cells):
+        raise FileError(
+            f"{file} has {len(cells)} rows, which are not one for each pair of its {len(theta)} angles "
+            f"theta and {len(phi)} angles phi"
+        )
+    order = np.argsort(cells)
+    arrays = {name: values[order].reshape(len(theta), len(phi)) for name, values in columns.items()}
+    return {"theta": theta, "phi": phi, **arrays}
 
 
 def _metric(file: InputFile, tables: Tables) -> GridMetric:

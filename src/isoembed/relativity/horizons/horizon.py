@@ -24,6 +24,7 @@ from isoembed.surface.estimate import percent
 
 GivenHorizon = CoordinateShape | SurfaceData | Surface | FoundHorizon
 """Representations of a horizon that `horizon_data` takes."""
+OWN_METRIC = "has a metric of its own: leave out the geometry"
 
 
 @short_repr
@@ -87,7 +88,8 @@ def horizon_data(
     found : CoordinateShape, SurfaceData, StarSurface, MappedSurface or FoundHorizon
         From `isoembed.relativity.read_horizon` or `isoembed.relativity.find_horizon`, for one.
     geometry : ThreeGeometry, optional
-        The slice; a grid has its metric, what was found its slice, coordinates and surfaces need one.
+        The slice.  Coordinates and surfaces need one, a surface with a metric of its own takes none; what
+        was found has its own, and in another one counts by its surface.
     axis : sequence of 3 floats, optional
         Axis of the angular momentum that is reported besides the one that is found, in the coordinates of a
         slice.
@@ -98,17 +100,19 @@ def horizon_data(
     Raises
     ------
     InvalidParameter
-        The geometry is missing, or there is a metric already; there is an axis without coordinates; or the
-        points are not star-shaped and there are no triangles.
+        The geometry is missing, or there is a metric without one; there is an axis without coordinates; or
+        the points are not star-shaped and there are no triangles.
     """
-    if isinstance(found, SurfaceData | FoundHorizon):
-        if geometry is not None:
-            raise InvalidParameter(f"{name or 'this'} holds a metric of its own: it needs no geometry")
-        if isinstance(found, FoundHorizon):
+    if isinstance(found, FoundHorizon):
+        if geometry is None or geometry is found.geometry:
             data = found.data(axis, name)
             test = expansion_test(data)
             data = data if marginal is None else classify_horizon(data, marginal, test)
             return data, HorizonFacts(data.marginal, test, found.surface, found=found)
+        found = found.surface
+    if isinstance(found, SurfaceData):
+        if geometry is not None:
+            raise InvalidParameter(f"{name or 'the surface'} {OWN_METRIC}")
         if axis is not None:
             raise InvalidParameter(f"{name} holds no coordinates that an axis could be given in")
         measured = None if found.mean_curvature is None else expansion_test(found)

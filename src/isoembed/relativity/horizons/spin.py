@@ -26,7 +26,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.horizons.approximate_killing import Rotations, rotations
 from isoembed.relativity.horizons.invariant_coordinate import InvariantCoordinate
-from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of
+from isoembed.relativity.spacetimes.surface_data import SurfaceData, error_of, vectors_of
 from isoembed.reprs import short_repr
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.transforms import resized
@@ -149,7 +149,9 @@ def torques(data: SurfaceData, u: Floats) -> Floats:
     """
     if data.torque is not None:
         return data.torque(u)
-    return np.zeros_like(u) if data.normal_momentum is None else np.cross(u, data.normal_momentum(u))
+    if data.normal_momentum is None:
+        return np.zeros_like(u)
+    return np.cross(u, vectors_of(data.normal_momentum, u, "K(., n)"))
 
 
 @dataclass(frozen=True)

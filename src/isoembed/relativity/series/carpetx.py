@@ -211,7 +211,7 @@ def _opened(path: str) -> Iterator[Any]:
         import openpmd_api
     except ImportError:
         raise FileError(
-            f"reading {path} needs openpmd-api, which comes with kuibit: pip install 'isoembed[kuibit]'"
+            f"reading {path} needs openpmd-api, which comes with kuibit: pip install kuibit h5py"
         ) from None
     with unchanged(Path(path, DATA)):
         series = None

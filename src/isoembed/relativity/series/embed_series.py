@@ -20,6 +20,7 @@ from isoembed.relativity.series.source import HeldShape, HeldSlice, ShapeSource,
 from isoembed.relativity.spacetimes.checks import vector
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.runs import Result, Store, run
+from isoembed.runs.result import FAILED, REFUSED
 from isoembed.space import EUCLIDEAN, Space
 
 SERIES = "horizon"
@@ -44,8 +45,9 @@ def embed_series(
     moments : iterable of Moment or of tuples
         As from `isoembed.relativity.moments`, or tuples (time, shape, geometry): the time, or None; a horizon
         as `horizon_data` takes it, or its file; its slice, a file of one, grid data of kuibit by the names
-        gxx ... kzz, or None where the horizon needs none.  They are taken one
-        after the other; by an executor, as `isoembed.runs.Workers` has room for them, or all at once.
+        gxx ... kzz, or None where the horizon needs none, as one of `isoembed.relativity.find_horizon`.  They
+        are taken one after the other; by an executor, as `isoembed.runs.Workers` has room for them, or all at
+        once.
     vertices : int
         Of the meshes.
     wang_yau : bool
@@ -56,10 +58,12 @@ def embed_series(
         See `isoembed.relativity.embed_surface`.
     folder : path, optional
         Where the results are kept, each in a file of its own: what is there already, of the same content and
-        options, is not computed again.  Of slices in code, the functions and classes count by their names:
-        take another folder when they have changed.
+        options, is not computed again.  Of slices and surfaces in code, the data they hold and their values
+        at 64 points of the surface count, to eight digits: the metric, its gradient, K_ij and their error.
+        Take another folder after a change that is elsewhere only.
     executor : concurrent.futures.Executor, optional
-        By default all is done in this process.  `isoembed.runs.Workers` has one process on each core.
+        By default all is done in this process.  `isoembed.runs.Workers` has one process on each core; what is
+        sent there must be picklable, its functions at the top of a module.
 
     Yields
     ------
@@ -78,7 +82,7 @@ def embed_series(
     Warns
     -----
     UserWarning
-        A result cannot be kept, as on a full disk.
+        A result cannot be kept, as on a full disk; or all horizons are refused or failed.
     """
     about = None if axis is None else vector("the axis", axis)
     options = HorizonOptions(vertices, wang_yau, about, marginal, space)
@@ -89,10 +93,18 @@ def embed_series(
 def _results(
     tasks: Iterable[HorizonTask], store: Store | None, executor: Executor | None
 ) -> Iterator[Result]:
+    first, computed = None, False
     for outcome in run(tasks, store=store, executor=executor):
         if outcome.complaint:
             warnings.warn(outcome.complaint, stacklevel=3)
+        first, computed = first or outcome.result, computed or outcome.result.status not in (REFUSED, FAILED)
         yield outcome.result
+    if first is not None and not computed:
+        warnings.warn(
+            f"all horizons are refused or failed; the first one, {first.label}, is {first.status}: "
+            f"{first.message}",
+            stacklevel=3,
+        )
 
 
 def _tasks(moments: Iterable[Any], options: HorizonOptions) -> Iterator[HorizonTask]:

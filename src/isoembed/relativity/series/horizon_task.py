@@ -19,8 +19,11 @@ from isoembed.relativity.energies.embedded import EmbeddedSurface, embed_surface
 from isoembed.relativity.energies.report import checked_report, unembedded_report
 from isoembed.relativity.horizons.conformal_multipoles import checked_order, conformal_multipoles
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
-from isoembed.relativity.horizons.horizon import HorizonFacts, horizon_data
+from isoembed.relativity.horizons.found_horizon import FoundHorizon
+from isoembed.relativity.horizons.horizon import OWN_METRIC, HorizonFacts, horizon_data
 from isoembed.relativity.series.moment import Moment
+from isoembed.relativity.series.sampled_values import values_digest
+from isoembed.relativity.series.source import HeldShape, HeldSlice
 from isoembed.relativity.spacetimes.checks import vector
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
@@ -100,10 +103,13 @@ class HorizonTask:
     @property
     def facts(self) -> dict[str, Any]:
         """See `isoembed.runs.Task`."""
-        return {"name": self.moment.shape.name, "moment": self._when(None)}
+        return {"name": self.moment.shape.name, "notes": [], "moment": self._when(None)}
 
     def digest(self) -> str:
-        """Digest of the contents of the shape and the slice, of the time, and of the options."""
+        """Digest of the contents of the shape and the slice, of the time, and of the options.
+
+        Of what is in memory, the values at fixed points count, too: functions may have changed.
+        """
         moment = self.moment
         there = {
             "moment": [moment.series, moment.time, moment.iteration],
@@ -111,6 +117,8 @@ class HorizonTask:
             "slice": moment.slice and _digest(moment.slice.digest),
             **asdict(self.options),
         }
+        if isinstance(moment.shape, HeldShape) or isinstance(moment.slice, HeldSlice):
+            there["values"] = self._values_digest()
         if self.options.space == EUCLIDEAN:  # the digest of results that are older than other spaces
             del there["space"]
         if self.options.multipoles is None:  # likewise
@@ -133,13 +141,22 @@ class HorizonTask:
         except (FileError, InvalidMetric, InvalidParameter) as error:
             return Result.without_answer(self.label, REFUSED, str(error), **self.facts)
 
+    def _values_digest(self) -> str:
+        """Digest of values at fixed points, or why there are none: `compute` will meet the same."""
+        slice_ = self.moment.slice
+        geometry = slice_.geometry if isinstance(slice_, HeldSlice) else None
+        try:
+            return values_digest(self.moment.shape.read(), geometry)
+        except Exception as error:  # of a user's function
+            return f"{type(error).__name__}: {error}"
+
     def _horizon(self) -> tuple[SurfaceData, HorizonFacts]:
         moment, options = self.moment, self.options
         found = moment.shape.read()
         name, geometry = moment.shape.name, None
         if moment.slice is not None:
-            if not isinstance(found, CoordinateShape | Surface):
-                raise InvalidParameter(f"{name} holds a metric of its own: it needs no geometry")
+            if isinstance(found, SurfaceData):
+                raise InvalidParameter(f"{name} {OWN_METRIC}")
             geometry = moment.slice.read(*_box(found))
         return horizon_data(found, geometry, axis=options.axis, marginal=options.marginal, name=name)
 
@@ -198,9 +215,10 @@ def _digest(digest: Callable[[], str]) -> str:
         return str(error)
 
 
-def _box(found: CoordinateShape | Surface) -> tuple[Floats, Floats]:
+def _box(found: CoordinateShape | Surface | FoundHorizon) -> tuple[Floats, Floats]:
     """The corners (3,) of a box with room around a horizon."""
     directions, _ = gauss_rule(24, 48)
+    found = found.surface if isinstance(found, FoundHorizon) else found
     points = found.points(directions) if isinstance(found, Surface) else found.points
     low, high = points.min(axis=0), points.max(axis=0)
     room = 0.02 * (high - low)  # the surface may reach beyond its points

@@ -209,9 +209,7 @@ def _run_files(folder: Any) -> list[str]:
     try:
         from kuibit.simdir import SimDir
     except ImportError:
-        raise FileError(
-            f"reading the simulation {folder} needs kuibit: pip install 'isoembed[kuibit]'"
-        ) from None
+        raise FileError(f"reading the simulation {folder} needs kuibit: pip install kuibit h5py") from None
     return list(SimDir(os.fspath(folder)).allfiles)
 
 

@@ -7,15 +7,15 @@ import hashlib
 import pickle
 from dataclasses import dataclass
 from functools import cached_property
+from types import FunctionType
 from typing import Any, Protocol, TypeVar
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidParameter
 from isoembed.io.files import FileError
 from isoembed.relativity.horizons.horizon import GivenHorizon
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
-HELD = "memory"
+HELD = "the horizon"
 T_co = TypeVar("T_co", covariant=True)
 
 
@@ -102,8 +102,8 @@ class HeldShape:
         return next(filter(None, known), HELD)
 
     def digest(self) -> str:
-        """Hash of its pickle.  Raises `InvalidParameter`: it cannot be pickled."""
-        return object_digest(self.shape, f"the horizon {self.name}")
+        """See `object_digest`."""
+        return object_digest(self.shape)
 
     def read(self) -> GivenHorizon:
         """The horizon itself."""
@@ -127,11 +127,8 @@ class HeldSlice:
         return type(self.geometry).__name__
 
     def digest(self) -> str:
-        """Hash of its pickle: functions count by their names.
-
-        Raises `InvalidParameter`: it cannot be pickled.
-        """
-        return object_digest(self.geometry, f"the geometry {self.name}")
+        """See `object_digest`."""
+        return object_digest(self.geometry)
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
         """The slice itself, all of it."""
@@ -164,29 +161,24 @@ class MissingSlice:
         raise FileError(self.why)
 
 
-def object_digest(thing: object, what: str) -> str:
-    """Hash of what an object is pickled to, without what it keeps to be faster.
+def object_digest(thing: object) -> str:
+    """Hash of the data of an object: of its pickle, in which functions and classes count by their names.
 
-    Raises `InvalidParameter`: it cannot be pickled.
-
-    Parameters
-    ----------
-    thing : object
-    what : str
-        Its name in the message.
+    What the functions return is not in it: see `isoembed.relativity.series.sampled_values`.  Of an object
+    that has no pickle only the name of its class counts.
     """
     hashed = _HashedPickle()
     pickler = _Contents(hashed, protocol=4)  # from 5 on pickles tell arrays from views of them
     pickler.fast = True  # without references to what was pickled before: equal objects count as the same
     try:
         pickler.dump(thing)
-    except (pickle.PicklingError, AttributeError, TypeError, ValueError, RecursionError) as error:
-        why = " ".join(str(error).split())
-        raise InvalidParameter(
-            f"{what} cannot be sent to another process, for which its functions must be defined at the top "
-            f"of a module: {why}"
-        ) from None
+    except (pickle.PicklingError, AttributeError, TypeError, ValueError, RecursionError):
+        return hashlib.sha256(_named(type(thing)).encode()).hexdigest()
     return hashed.sha.hexdigest()
+
+
+def _named(thing: type | FunctionType) -> str:
+    return f"{thing.__module__}.{thing.__qualname__}"
 
 
 class _HashedPickle:
@@ -201,9 +193,11 @@ class _HashedPickle:
 
 
 class _Contents(pickle.Pickler):
-    """Pickler of objects without their cached properties."""
+    """Pickler of objects without their cached properties, and of functions and local classes by name."""
 
     def reducer_override(self, thing: Any) -> Any:
+        if isinstance(thing, FunctionType) or (isinstance(thing, type) and "<locals>" in thing.__qualname__):
+            return str, (_named(thing),)
         kept = [
             name
             for base in type(thing).__mro__

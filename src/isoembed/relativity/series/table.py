@@ -208,7 +208,7 @@ def table_writer(path: str | os.PathLike[str], table: SeriesTable) -> Writer:
     try:
         import h5py  # noqa: F401
     except ImportError:
-        raise FileError("HDF5 needs h5py: pip install 'isoembed[hdf5]'; a .csv does not") from None
+        raise FileError("HDF5 needs h5py: pip install h5py; a .csv does not") from None
     return lambda temporary: _write_hdf5(temporary, table)
 
 

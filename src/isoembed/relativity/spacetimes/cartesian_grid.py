@@ -58,8 +58,8 @@ class CartesianGrid(ThreeGeometry):
     Raises
     ------
     InvalidParameter
-        A shape is wrong, there are fewer than eight points along an axis, a matrix is not symmetric, or the
-        spacing is not positive.
+        A shape is wrong, there are fewer than eight points along an axis, a matrix is not symmetric,
+        gamma is not positive definite anywhere, or the spacing is not positive.
     """
 
     origin: Sequence[float]
@@ -83,6 +83,21 @@ class CartesianGrid(ThreeGeometry):
             object.__setattr__(self, "K", _six("K", self.K))
             if self.K.shape != self.gamma.shape:
                 raise InvalidParameter(f"K is given at {self.K.shape[1:]} points, gamma at {shape}")
+        self._check_signature()
+
+    def _check_signature(self) -> None:
+        """Refuse a gamma that is positive definite at none of some nodes; inside of holes anything may be."""
+        steps = tuple(slice(None, None, n // 20 + 1) for n in self.gamma.shape[1:])
+        some = self.gamma[(slice(None), *steps)].reshape(6, -1)
+        known = np.isfinite(some).all(axis=0)
+        xx, xy, xz, yy, yz, zz = some[:, known]
+        minor = xx * yy - xy * xy
+        det = zz * minor - xx * yz * yz - yy * xz * xz + 2.0 * xy * yz * xz
+        if known.any() and not ((xx > 0.0) & (minor > 0.0) & (det > 0.0)).any():
+            entries = ", ".join(f"{value:.6g}" for value in some[:, np.argmax(known)])
+            raise InvalidParameter(
+                f"gamma is not positive definite anywhere; its first node has xx, xy, ... = {entries}"
+            )
 
     @property
     def time_symmetric(self) -> bool:

@@ -59,6 +59,26 @@ def check_slice(what: str, x: Floats, gamma: Floats) -> None:
         )
 
 
+def check_symmetric(what: str, x: Floats, tensor: Floats, allowed: float) -> None:
+    """Raise an `InvalidMetric` where a tensor (n, 3, 3), at the points x (n, 3), is not symmetric.
+
+    Parameters
+    ----------
+    what : str
+        Its name in the message.
+    x, tensor : ndarray
+    allowed : float
+        Largest difference of two entries that is rounding.
+    """
+    uneven = np.abs(tensor - tensor.transpose(0, 2, 1)) > allowed
+    if uneven.any():
+        point, i, j = np.argwhere(uneven)[0]
+        raise InvalidMetric(
+            f"{what} at {written(x[point])} is not symmetric: its entry {'xyz'[i]}{'xyz'[j]} is "
+            f"{tensor[point, i, j]:.6g}, and {'xyz'[j]}{'xyz'[i]} is {tensor[point, j, i]:.6g}"
+        )
+
+
 def check_finite(what: str, x: Floats, values: Floats) -> Floats:
     """The values (n, ...) at the points x (n, 3); `InvalidMetric` where they are not finite."""
     good = np.isfinite(values.reshape(len(x), -1)).all(axis=1)

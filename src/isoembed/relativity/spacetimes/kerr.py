@@ -18,6 +18,7 @@ from isoembed.errors import InvalidParameter
 from isoembed.gallery import kerr
 from isoembed.gallery.kerr import Radius, Squares
 from isoembed.gallery.quadrature import integrate, tanh_sinh
+from isoembed.relativity.spacetimes.checks import numbers
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
 from isoembed.smooth.two_metric import from_angles
@@ -339,10 +340,14 @@ def embeddability(surface: KerrNewmanSurface) -> str:
 def make_finite(surface: Any, name: str) -> None:
     """Make the fields of a frozen dataclass floats; `InvalidParameter` where one is not finite."""
     for parameter in fields(surface):
-        value = float(getattr(surface, parameter.name))
+        given = getattr(surface, parameter.name)
+        value = numbers(given)
+        if value.ndim:
+            axis = ", about the z-axis" if parameter.name == "spin" else ""
+            raise InvalidParameter(f"{name}: {parameter.name} must be one number{axis}, not {given}")
         if not isfinite(value):
-            raise InvalidParameter(f"{name}: {parameter.name} must be finite, not {value}")
-        object.__setattr__(surface, parameter.name, value)
+            raise InvalidParameter(f"{name}: {parameter.name} must be finite, not {given}")
+        object.__setattr__(surface, parameter.name, float(value))
 
 
 def sin2(u: Floats) -> Floats:

@@ -33,6 +33,15 @@ class KerrSlice(OneHole):
         return horizon_radius(self.mass, self.spin)
 
     @property
+    def hindrance(self) -> str:
+        """See `ThreeGeometry`: a spin beyond the mass."""
+        try:
+            horizon_radius(self.mass, self.spin)
+        except InvalidParameter as error:
+            return str(error)
+        return ""
+
+    @property
     def _a(self) -> Floats:
         """The spin over the mass."""
         return np.array(self.spin) / self.mass
@@ -113,6 +122,14 @@ class BoyerLindquist(KerrSlice):
     def __post_init__(self) -> None:
         super().__post_init__()
         horizon_radius(self.mass, self.spin)
+
+    @property
+    def hindrance(self) -> str:
+        """See `ThreeGeometry`."""
+        return (
+            "Boyer-Lindquist coordinates are singular on the horizon: take KerrSchild, or "
+            "KerrNewmanHorizon(mass, spin) for the horizon itself"
+        )
 
     def metric(self, x: Numbers) -> Numbers:
         """See `ThreeGeometry`; x may be complex, and lies outside the horizon.

@@ -55,7 +55,9 @@ def kerr_surface(
     try:
         number = 0.0 if kind == "horizon" else float(text)
     except ValueError:
-        raise InvalidParameter(f"surface {surface}: {text!r} is not a number") from None
+        example = {"r": "r=3", "ergosphere": "ergosphere=0.1"}[kind]
+        why = f"{text!r} is not a number; give one" if text else "give a number"
+        raise InvalidParameter(f"surface {surface}: {why}, for instance {example}") from None
     if cosmological_constant:
         if charge or kind == "ergosphere" or slice != "boyer-lindquist":
             what = "charge" if charge else f"surface {kind}" if kind == "ergosphere" else f"slice {slice}"

@@ -9,10 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.relativity.spacetimes.checks import check_finite, check_slice
+from isoembed.relativity.spacetimes.checks import check_finite, check_slice, check_symmetric
 from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.three_geometry import Numbers, ThreeGeometry
 from isoembed.smooth.two_metric import angle_frame, from_angles
+
+ASYMMETRY = 1e-6  # relative difference of entries ij and ji that is no longer rounding
+ROUNDING = 1e-6  # largest K_ij that may be rounding alone, over the metric per length
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +33,7 @@ class SliceFields:
         """``gamma_ij`` (n, 3, 3)."""
         gamma = self.geometry.metric(self.x)
         check_slice("the 3-metric", self.x, gamma)
+        check_symmetric("the 3-metric", self.x, gamma, ASYMMETRY * float(np.abs(gamma).max(initial=0.0)))
         return gamma
 
     @cached_property
@@ -42,7 +46,12 @@ class SliceFields:
         """``K_ij`` (n, 3, 3)."""
         if self.geometry.time_symmetric:
             return np.zeros((len(self.x), 3, 3))
-        return check_finite("the extrinsic curvature", self.x, self.geometry.extrinsic_curvature(self.x))
+        K = check_finite("the extrinsic curvature", self.x, self.geometry.extrinsic_curvature(self.x))
+        # Rounding of gradients, as in what should vanish, is relative to the metric.
+        size = float(np.abs(self.gamma).max(initial=0.0)) / float(np.abs(self.x).max(initial=0.0) or 1.0)
+        allowed = ASYMMETRY * max(float(np.abs(K).max(initial=0.0)), ROUNDING * size)
+        check_symmetric("the extrinsic curvature", self.x, K, allowed)
+        return K
 
 
 class ComplexFields(NamedTuple):

@@ -3,12 +3,8 @@
 
 from __future__ import annotations
 
-import cython
 import numpy as np
-
-ConstInt = cython.typedef(cython.const[cython.longlong])
-Real = cython.typedef(cython.double)
-ConstReal = cython.typedef(cython.const[cython.double])
+from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Real
 
 
 def contracted(fields: ConstReal[:, :, :, ::1], start: ConstInt[:, ::1], weights: ConstReal[:, :, ::1]):

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
+from isoembed.relativity.spacetimes.checks import written
 from isoembed.reprs import short_repr
 from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.grid_metric import GridMetric
@@ -254,11 +255,25 @@ def _composed(
 def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
     """The values (n,) of a function at unit vectors u (n, 3).
 
-    Raises `InvalidParameter`: they have another shape; the message calls the function by the name.
+    Raises `InvalidParameter`: they have another shape, or one is not finite; the message calls the function
+    by the name.
     """
+    return _checked(function, u, name, (len(u),))
+
+
+def vectors_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
+    """The values (n, 3) of a function at unit vectors u (n, 3); see `values_of`."""
+    return _checked(function, u, name, u.shape)
+
+
+def _checked(function: Callable[[Floats], ArrayLike], u: Floats, name: str, shape: tuple[int, ...]) -> Floats:
     values = real_values(name, function, u)
-    if values.shape != (len(u),):
-        raise InvalidParameter(f"{name} at {len(u)} directions has the shape {values.shape}, not ({len(u)},)")
+    if values.shape != shape:
+        raise InvalidParameter(f"{name} at {len(u)} directions has the shape {values.shape}, not {shape}")
+    bad = ~np.isfinite(values.reshape(len(u), -1)).all(axis=1)
+    if bad.any():
+        i = int(np.argmax(bad))
+        raise InvalidParameter(f"{name} in the direction {written(u[i])} is {values[i]}: it must be finite")
     return values
 
 

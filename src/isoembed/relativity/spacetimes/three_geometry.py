@@ -64,6 +64,11 @@ class ThreeGeometry(ABC):
         return None
 
     @property
+    def hindrance(self) -> str:
+        """Why no horizon can be found in the slice; by default empty: there may be one."""
+        return ""
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """Notes needed to interpret the numbers of surfaces in the slice; by default none."""
         return ()
@@ -141,9 +146,12 @@ def check_members(geometry: ThreeGeometry, x: Floats) -> None:
             )
     wrong = disagreement(geometry.metric, x, found["gradient"], relative=1e-3)
     if wrong:
+        turned = (found["gradient"].transpose(0, *order) for order in ((2, 3, 1), (3, 1, 2), (2, 1, 3)))
+        fits = any(not disagreement(geometry.metric, x, other, relative=1e-3) for other in turned)
+        hint = ": the order is [point, k, i, j], with d_k gamma_ij" if fits else ""
         raise InvalidParameter(
             f"{_named(wrong)} by {kind.__name__}.gradient and {wrong.found:.6g} by differences of its "
-            "metric: the order is [point, k, i, j], with d_k gamma_ij"
+            f"metric{hint}"
         )
     if geometry.time_symmetric and found["extrinsic_curvature"].any():
         raise InvalidParameter(

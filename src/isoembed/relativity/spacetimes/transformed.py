@@ -38,6 +38,11 @@ class _Transformed(ThreeGeometry):
         return self._here(low), self._here(high)
 
     @property
+    def hindrance(self) -> str:
+        """See `ThreeGeometry`."""
+        return self.geometry.hindrance
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """See `ThreeGeometry`."""
         return self.geometry.notes

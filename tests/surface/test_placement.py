@@ -8,7 +8,7 @@ import zoo
 from isoembed import PolyhedralMetric
 from isoembed.gallery import Ergosphere, KerrHorizon, triangulate
 from isoembed.surface.measures import face_areas
-from isoembed.surface.principal_axes import standard_position
+from isoembed.surface.placement import standard_position
 from regular_in_space import regular_solid
 from solids import uniform
 

@@ -45,6 +45,11 @@ class Budget:
         """Add work that counts as a share of a factorization."""
         self.shares += share
 
+    def close(self) -> None:
+        """Count the shares as whole factorizations."""
+        self.work.factorizations += round(self.shares)
+        self.shares = 0.0
+
     @property
     def spent(self) -> float:
         """Factorizations, and what counts as shares of one."""

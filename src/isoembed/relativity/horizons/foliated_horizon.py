@@ -1,0 +1,158 @@
+"""Horizon to which a foliation by surfaces of constant expansion leads, and what that says of larger ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+from isoembed.errors import InvalidMetric, InvalidParameter, NoHorizon
+from isoembed.evidence import Evidence
+from isoembed.meshing.sphere import gauss_rule
+from isoembed.relativity.horizons.foliation import Foliation, crossing, foliate, inside
+from isoembed.relativity.horizons.found_horizon import FoundHorizon, horizon_near
+from isoembed.relativity.horizons.newton import NoConvergence
+from isoembed.relativity.horizons.radial_image import is_symmetric
+from isoembed.relativity.horizons.symmetry_axis import symmetry_axis
+from isoembed.relativity.spacetimes.star_surface import StarSurface
+from isoembed.relativity.spacetimes.surface import Surface
+from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
+
+NODES = (16, 32)  # heights and angles at which surfaces are tried
+FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
+"""Exceptions that end a search."""
+
+
+def foliated_horizon(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizon:
+    """The horizon to which a foliation leads, in a frame where it needs the fewest harmonics.
+
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is no surface of constant expansion
+    near the first one; `NoHorizon`: there is no change of sign, or the horizon beside it is not resolved.
+    """
+    if is_symmetric(geometry, start):
+        return _from_foliation(geometry, start, True)
+    axis = symmetry_axis(geometry, start)
+    if axis is None:
+        return _from_foliation(geometry, start, False)
+    return axis.horizon(
+        _from_foliation(axis.frame, StarSurface.sphere((0.0, 0.0, 0.0), start.mean_radius), True)
+    )
+
+
+def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> FoundHorizon:
+    """The horizon to which a foliation leads, in the given frame; see `foliated_horizon`."""
+    foliation = foliate(geometry, start, symmetric=symmetric)
+    if foliation.barriers is not None:
+        return _between(geometry, foliation, symmetric)
+    if foliation.undecided:
+        degenerate = _degenerate(geometry, foliation, symmetric)
+        if degenerate is not None:
+            return degenerate
+    raise _none(geometry, foliation)
+
+
+def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon:
+    """The stable horizon between barriers, which exists.
+
+    Raises `NoHorizon`: it was not resolved; the message names the barriers.
+    """
+    assert foliation.barriers is not None
+    outer, inner = foliation.barriers
+    for closeness in (1e-4, 1e-6, 1e-8):
+        try:
+            outer, inner, guess = crossing(geometry, outer, inner, symmetric=symmetric, closeness=closeness)
+            horizon = horizon_near(geometry, guess, symmetric=symmetric)
+        except FAILURES as error:
+            why = str(error)
+            continue
+        if not horizon.outer:
+            why = f"the one that was found is not stable, with the eigenvalue {horizon.stability:.3g} / R^2"
+        elif not _is_between(horizon, foliation):
+            why = "the one that was found does not lie between them"
+        else:
+            return replace(horizon, outermost=_outermost(foliation))
+    outer, inner = foliation.barriers
+    proved = inner.greatest < 0.0 < outer.least
+    kind: Literal["proved", "searched"] = "proved" if proved else "searched"
+    verdict = (
+        "a horizon exists between two surfaces, and no horizon was resolved there"
+        if proved
+        else "the expansion seems to change sign between two surfaces, but by less than its error, and no "
+        "horizon was resolved there"
+    )
+    raise NoHorizon(
+        f"{verdict}: the outer one has areal radius {outer.areal_radius:.9g} and expansion "
+        f"{outer.expansion:.3g}, the inner one {inner.areal_radius:.9g} and {inner.expansion:.3g}; {why}"
+        f"{_too_coarse(geometry, outer.surface)}",
+        evidence=Evidence(kind, "barriers: a surface of negative expansion inside one of positive expansion"),
+        barriers=(outer.surface, inner.surface),
+    )
+
+
+def _is_between(horizon: FoundHorizon, foliation: Foliation) -> bool:
+    """Whether a horizon lies inside the leaves of positive expansion, and around the trapped ones."""
+    surface = horizon.surface
+    assert isinstance(surface, StarSurface)
+    return all(
+        inside(surface, leaf.surface) if leaf.expansion > 0.0 else inside(leaf.surface, surface)
+        for leaf in foliation.leaves
+    )
+
+
+def _outermost(foliation: Foliation) -> Evidence:
+    """The evidence that no horizon in the first leaf reaches outside of the one that was found."""
+    above = [leaf for leaf in foliation.leaves if leaf.expansion > 0.0]
+    if foliation.leaves[0].expansion <= 0.0:
+        return Evidence("searched", "surfaces of constant expansion from a trapped one outward")
+    positive = "positive" if all(leaf.least > 0.0 for leaf in above) else "positive in the mean"
+    return Evidence(
+        "searched",
+        f"inside the surface of areal radius {above[0].areal_radius:.6g}: the expansion is {positive} on "
+        f"{len(above)} surfaces, each inside the one before",
+    )
+
+
+def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon | None:
+    """The surface of least expansion, where that is zero to rounding: a horizon of stability zero."""
+    assert foliation.minimum is not None
+    try:
+        horizon = horizon_near(geometry, foliation.minimum.surface, symmetric=symmetric)
+    except FAILURES:
+        return None
+    if horizon.residual > 1e-9 or abs(horizon.stability) > 1e-4:
+        return None
+    return replace(horizon, outermost=_outermost(foliation))
+
+
+def _too_coarse(geometry: ThreeGeometry, surface: Surface) -> str:
+    """A sentence on the grid of a slice, where a surface is small for it."""
+    least = geometry.least_diameter(surface.points(gauss_rule(*NODES)[0]))
+    if (diameter := 2.0 * surface.mean_radius) >= least:
+        return ""
+    return (
+        f".\nThis surface has a diameter of {diameter:.3g} in coordinates, and the grid resolves horizons "
+        f"of at least {least:.3g}: use a finer grid around the hole"
+    )
+
+
+def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
+    """The error for a foliation without a change of sign."""
+    least = foliation.least
+    center = ", ".join(f"{x:.4g}" for x in least.surface.center)
+    error = 0.5 * foliation.minimum_error * least.areal_radius if foliation.excludes else None
+    off = "" if error is None else f" +- {error:.1g}"
+    evidence = Evidence(
+        "searched",
+        f"{len(foliation.leaves)} surfaces of constant expansion, of areal radius "
+        f"{foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
+    )
+    at = f"at R = {least.areal_radius:.6g} around ({center})"
+    # It is 1 in flat space: there is a hole.
+    coarse = _too_coarse(geometry, least.surface) if least.normalized_expansion < 0.5 else ""
+    return NoHorizon(
+        "no horizon was found: among surfaces of constant expansion c and areal radius R, the least c R / 2 "
+        f"is {least.normalized_expansion:.6g}{off}, {at}, and a horizon has 0; the search ended because "
+        f"{foliation.end}{coarse}",
+        least.normalized_expansion,
+        evidence,
+        error,
+    )
