@@ -85,7 +85,7 @@ def overdetermined(more: int, residual: float) -> Certificate:
     open_question = (
         "so that nearly all lengths have no exact surface, and within rounding none can be proven to exist"
         if residual < HIDDEN
-        else f"and the surface misses the lengths by up to {residual:.1e} mean edge lengths, not by rounding"
+        else f"and the surface misses the lengths by up to {residual:.1e} mean edge lengths: no rounding"
     )
     return Certificate(
         False, f"not certified: there are {more} more equations than unknowns, {open_question}"
