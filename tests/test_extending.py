@@ -118,9 +118,7 @@ def test_what_a_method_returns_is_checked(metric):
         def run(self, metric, tolerance, log):
             return np.zeros((6, 3))
 
-    with pytest.raises(
-        InvalidParameter, match=r"the method 'points' returned array\(\[\[.*, which is no Embedding"
-    ):
+    with pytest.raises(InvalidParameter, match="the method 'points' returned ndarray, which is no Embedding"):
         isoembed.embed(metric, method=Points())
 
 

@@ -158,7 +158,8 @@ def solve(
     except KeyboardInterrupt as interruption:
         raise Interrupted(checkpoints.last, log.stages) from interruption
     if not isinstance(found, Embedding):
-        raise InvalidParameter(f"the method {method.name!r} returned {found!r:.40}, which is no Embedding")
+        kind = type(found).__name__
+        raise InvalidParameter(f"the method {method.name!r} returned {kind}, which is no Embedding")
     embedding = found._in_unit_of(metric)
     if not embedding.is_answer:
         raise NotEmbedded(embedding.message, embedding)

@@ -26,8 +26,9 @@ def scan(body, count, noise, seed=0):
 
 def test_steps_are_those_of_the_energy_with_fewer_factorizations():
     vertices, _, metric = scan(CassiniPeanut(), 300, 1e-3)
-    kept, energy = SmoothingEnergy(metric, vertices), RegularizedEnergy(metric, vertices)
     recorder, plain = smooth_bodies.recorder(), smooth_bodies.recorder()
+    kept = SmoothingEnergy(metric, vertices, recorder.work)
+    energy = RegularizedEnergy(metric, vertices, plain.work)
     mu = 10.0 * metric.mean_length**2
     x = kept.minimized(vertices, metric.lengths, mu, 1e-6, 6, recorder)
     y = energy.minimized(vertices, metric.lengths, mu, 1e-6, 6, plain)

@@ -17,7 +17,8 @@ from isoembed.linalg import SingularMatrix, SymmetricFactor
 from isoembed.linalg.krylov import conjugate_gradients
 from isoembed.surface.projected import Projected
 
-SOLVED = 1e-3  # relative residual of linear equations
+SOLVED = 1e-3  # relative residual of linear equations, for estimates
+STEPPED = 1e-6  # of those for steps: with 1e-3, fits would change by 1e-6 with rounding
 WORTH = 30  # iterations that cost as much as new factors
 PATIENCE = 4  # iterations before it is judged whether WORTH of them will do
 NEAR = 5.0  # ratio of mu to that of the factors, beyond which others are made at once
@@ -36,6 +37,15 @@ class SmoothingEnergy(RegularizedEnergy):
         self, vertices: Floats, lengths: Floats, mu: float, w: float, tensions: Floats | float = 0.0
     ) -> Callable[[Floats], Floats]:
         """See `RegularizedEnergy.solver`; w is 0, and no edge has a tension."""
+        return self._solver(vertices, lengths, mu, SOLVED)
+
+    def solved(self, vertices: Floats, lengths: Floats, gradient: Floats, mu: float, w: float) -> Floats:
+        """See `RegularizedEnergy.solved`."""
+        return self._solver(vertices, lengths, mu, STEPPED)(gradient)
+
+    def _solver(
+        self, vertices: Floats, lengths: Floats, mu: float, tolerance: float
+    ) -> Callable[[Floats], Floats]:
         surface = Projected.of(self.space, vertices)
         rows, fixed = self._rows(vertices, lengths), surface.without_isometries()
         a, b = self.triangulation.edges.T
@@ -59,8 +69,8 @@ class SmoothingEnergy(RegularizedEnergy):
                 def precondition(g: Floats, factor: SymmetricFactor = factor) -> Floats:
                     return fixed(factor.solve(g.ravel(), sweeps=0)).reshape(-1, 3)
 
-                found = conjugate_gradients(product, precondition, forces, SOLVED, most, patience=patience)
-                if found.residual <= SOLVED or patience is None:
+                found = conjugate_gradients(product, precondition, forces, tolerance, most, patience=patience)
+                if found.residual <= tolerance or patience is None:
                     break
                 self._factor = None  # its memory is free for the next
             if not np.isfinite(found.x).all():

@@ -27,7 +27,7 @@ FOLLOWED = 0.05
 SCATTERED = 2.0
 """Ratio of the scatter of the lengths to their errors above which a smooth surface has larger ones."""
 MARGIN = 1.1
-"""Factor by which a residual that stands out exceeds its limits: of 97 bodies with right lengths none did."""
+"""Factor by which a residual that stands out exceeds its limits: of 87 bodies with right lengths none did."""
 
 
 def outlier_limit(count: int) -> float:
