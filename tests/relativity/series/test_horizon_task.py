@@ -177,7 +177,10 @@ REFUSED = [
     ({"slice": None}, "h.gp is a surface in coordinates: name its geometry"),
     ({"slice": MissingSlice("no slice has t = 0.5")}, "no slice has t = 0.5"),
     ({"slice": Failing(InvalidParameter("too small"))}, "too small"),
-    ({"shape": HeldShape(KerrNewmanHorizon(1.0, 0.5).data())}, "has a metric of its own: leave out the geometry"),
+    (
+        {"shape": HeldShape(KerrNewmanHorizon(1.0, 0.5).data())},
+        "has a metric of its own: leave out the geometry",
+    ),
 ]
 
 
