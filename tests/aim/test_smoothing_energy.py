@@ -60,12 +60,12 @@ def test_no_least_squares_solver_finds_less():
 
 @pytest.mark.parametrize("noise", [0.0, 3e-3])
 def test_noise_is_told_from_a_smooth_surface(noise):
-    vertices, _, metric = scan(Bean(), 800, noise)
+    vertices, _, metric = scan(Bean(), 1200, noise)
     assert looks_noisy(metric, vertices) == (noise > 0)
 
 
 def test_noisy_lengths_are_fitted_at_once():
-    vertices, exact, metric = scan(Bean(), 800, 3e-3)
+    vertices, exact, metric = scan(Bean(), 1200, 3e-3)
     found = isoembed.embed(metric, method=Aim(best_fit=True))
     assert isinstance(found, FittedSurface)
     assert found.noise == pytest.approx(3e-3, rel=0.3)

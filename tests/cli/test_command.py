@@ -90,7 +90,8 @@ def test_embed_writes_what_the_report_says(run, method):
     assert report["status"] == "converged"
     assert report["method"] == method
     counts = {"vertices": 42, "edges": 120, "faces": 80, "negative_deficits": 0}
-    assert report["input"] == {**counts, "precision": None}
+    mean = metric.lengths.mean()
+    assert report["input"] == {**counts, "mean_length": pytest.approx(mean), "precision": None}
     assert {"version", "message", "convexity", "area", "volume", "integrated_mean_curvature"} <= set(report)
     assert set(report["stages"][0]) == {"name", "seconds", "iterations", "factorizations"}
 

@@ -64,8 +64,10 @@ def test_refusals(tmp_path):
         write_dform(tmp_path / "d.svg", circle(), circle(), offset=1)
     with pytest.raises(InvalidParameter, match="scale is 0, not a positive finite number of mm"):
         write_dform(tmp_path / "d.svg", circle(), circle(), scale=0)
-    (tmp_path / "d.svg").write_text('<svg><circle r="9" /><circle cx="50" r="9.1"/></svg>')
+    (tmp_path / "d.svg").write_text(
+        '<svg width="99mm" height="20mm" viewBox="0 0 99 20"><circle r="9" /><circle cx="50" r="9.1"/></svg>'
+    )
     with pytest.raises(
-        InvalidMetric, match=r"two curves that are glued all around are 14\.\d+ and 15\.\d+ mm long"
+        InvalidMetric, match=r"two curves that are glued all around are 56\.\d+ and 57\.\d+ mm long"
     ):
         isoembed.glue(tmp_path / "d.svg")

@@ -68,7 +68,7 @@ def test_another_surface_is_kept_beside_the_one_that_bends_less():
     [other] = found.others
     more = other.second_form_energy / found.second_form_energy
     assert 1.01 < more < 1.2
-    assert f"has {more:.4g} times its int k1^2 + k2^2 dA" in found.message
+    assert f"whose int k1^2 + k2^2 dA is {more:.4g} times that of this one" in found.message
     assert np.abs(lengths_of(other) - found.metric.lengths).max() < 1e-12
     assert isoembed.report(found)["other_realizations"][0]["distance"] == pytest.approx(found.distance(other))
 

@@ -39,7 +39,7 @@ DOUBT = 2.0  # errors: a fit that misses the other lengths by more is not a witn
 TELLING = 0.1  # degrees of freedom, over the edges, of a fit whose noise is that of the lengths
 CANDIDATES = 4  # lengths with the largest residuals, of which one may stand out
 PERSISTENT = 0.85  # share of what a length is missed by that a third of mu leaves of an error
-COARSE = 150  # vertices of the largest surface that may be rough as well as noisy
+COARSE = 1000  # vertices of the largest surface that may be rough as well as noisy
 ROUGH = 0.5  # share of the deficits that neighbors do not expect, of lengths that look noisy
 PROBES = 4  # random vectors that estimate degrees of freedom, to a percent
 

@@ -203,10 +203,11 @@ class FitOfNoise(Strategy):
     key = "fit of noise"
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
+        if state.trusted or not pipeline.method.best_fit:
+            return False
         from isoembed.aim.best_fit import looks_noisy
 
-        asked = pipeline.method.best_fit and not state.trusted
-        return asked and looks_noisy(pipeline.problem.metric, started(state))
+        return looks_noisy(pipeline.problem.metric, started(state))
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         from isoembed.aim.diagnosis import UNLIKE
