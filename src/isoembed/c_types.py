@@ -1,4 +1,4 @@
-"""Types of C in compiled modules, declared in ``c_types.pxd``; here for those that run as Python."""
+"""C types of compiled modules, declared in ``c_types.pxd``: Python types for interpreted runs."""
 
 Int = ConstInt = Int32 = ConstInt32 = Int8 = Flag = ConstFlag = Byte = ConstByte = int
 Real = ConstReal = Single = float

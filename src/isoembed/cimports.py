@@ -1,4 +1,4 @@
-"""Imports of C declarations by modules that are not compiled: from Python modules of the same names."""
+"""Import hook for ``cython.cimports.isoembed`` in interpreted runs: the Python modules of the same names."""
 
 import sys
 from importlib import import_module

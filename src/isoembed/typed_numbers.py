@@ -1,4 +1,4 @@
-"""Numbers and lengths as people type them: decimal commas and units."""
+"""Parsing of numbers and lengths with units and decimal commas."""
 
 import re
 

@@ -7,8 +7,8 @@ import smooth_bodies
 from isoembed import Aim, embed
 from isoembed.aim import levels
 from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
+from isoembed.aim.nearest_polyhedron import nearest_polyhedron
 from isoembed.aim.pipeline import Pipeline
-from isoembed.aim.strategies import nearest_polyhedron
 from isoembed.gallery import CassiniPeanut, triangulate
 from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric

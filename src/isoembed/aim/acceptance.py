@@ -1,4 +1,4 @@
-"""Acceptance of surfaces as realizations: thresholds on residuals, and distances of different ones.
+"""Acceptance of surfaces as realizations: thresholds on residuals and on distances between realizations.
 
 A surface says `converged` by its own tolerance.  What the searches ask besides is here.
 """

@@ -20,8 +20,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from isoembed.aim.decisions import DECISIONS, choose
 from isoembed.aim.pipeline import Pipeline
-from isoembed.aim.strategies import DECISIONS, STRATEGIES, choose
+from isoembed.aim.strategies import STRATEGIES
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
 from isoembed.method import Method

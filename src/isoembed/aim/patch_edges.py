@@ -1,4 +1,4 @@
-"""Edges of a patch: errors of their lengths, and what these add to gradient and Hessian of the energy."""
+"""Edges of a patch: residuals of their lengths, and their terms in the gradient and Hessian of the energy."""
 
 from __future__ import annotations
 

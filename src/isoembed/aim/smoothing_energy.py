@@ -1,4 +1,4 @@
-"""Regularized energy for fits: its steps are solved with factors that serve several surfaces and weights.
+"""Regularized energy for fits, with conjugate gradients preconditioned by factors of earlier steps.
 
 The matrix of a step, ``J^T J + mu R^T R``, fills more than the one with K in the place of R, but with its
 factors conjugate gradients converge at once, and in some ten iterations on other surfaces nearby and with a

@@ -2,7 +2,7 @@
 
 The paper's three steps, uniformize, embed and pull back, are `NearestPolyhedron` and what follows it.  Convex
 metrics, and those that nearly are, do without: the strategies before it go to their surface at once.  Those
-after the pull-back are for what it missed.  Then one candidate is chosen, and decisions change the choice.
+after the pull-back are for what it missed.  Then one candidate is chosen (`isoembed.aim.decisions`).
 """
 
 from __future__ import annotations
@@ -13,36 +13,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from isoembed.aim.acceptance import PLACED, REALIZED, is_accepted, is_exact, is_near
-from isoembed.aim.choice import asked_for, smoothest, with_neighbors
-from isoembed.aim.convexification import FAR_MARGIN, NEAR_MARGIN
-from isoembed.aim.pipeline import Decision, Pipeline, State, Strategy
+from isoembed.aim.acceptance import REALIZED, is_accepted, is_exact, is_near
+from isoembed.aim.choice import smoothest
+from isoembed.aim.convexification import NEAR_MARGIN
+from isoembed.aim.decisions import fitted_surface, has_small_errors, measured_candidate
+from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron, polished_polyhedron
+from isoembed.aim.pipeline import Pipeline, State, Strategy
 from isoembed.aim.problem import Problem
+from isoembed.aim.stage_seconds import AT_ONCE, BY_A_POLYTOPE, GUIDED, LOCAL, PULL_BACK
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.embedding.fitted import FittedSurface
-from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.errors import InvalidMetric
 from isoembed.progress.checkpoints import Arrays
 
 if TYPE_CHECKING:
-    from isoembed.aim.best_fit import BestFit
     from isoembed.aim.regularized_continuation import Continued
-    from isoembed.embedding.measured import MeasuredSurface
-    from isoembed.metric.polyhedral import PolyhedralMetric
 
 # What a strategy needs is imported when it runs: all of it is slow to import, and convex bodies do without.
 
 RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
 LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
 FIT = 36  # factorizations of the best fit, as a rule
-
-# Seconds that stages take as a rule, 40,000 vertices, for the time left.
-AT_ONCE = {"radii": 1.0}
-BY_A_POLYTOPE = {"nearest waypoint": 0.5, "polytopes": 1.0, "leap": 0.8}
-POLYHEDRON = {"waypoint": 1.0, "flat vertices": 0.05, "polytope": 1.0, "placement": 0.2, "edge paths": 0.1}
-GUIDED = {"guided pull back": 100.0, "polish": 2.0, "neighbors": 15.0}
-LOCAL = {"local search": 100.0}
-PULL_BACK = {"pull back": 2.0, **GUIDED, "mirrored patches": 50.0, **LOCAL}
 
 
 class FitWithinErrors(Strategy):
@@ -381,98 +372,6 @@ class VertexReflections(Strategy):
         return with_smoother(state.adding(found), found, pipeline)
 
 
-def choose(state: State, pipeline: Pipeline) -> Embedding:
-    """The smoothest candidate with the lengths; if there is none, the best fit, or a diagnosis."""
-    problem, fit, method = pipeline.problem, state.fit, pipeline.method
-    found = smoothest(state.candidates, problem.is_convex, state.searched)
-    if found.converged or (is_accepted(found) and fit is None):
-        return found
-    from isoembed.aim.diagnosis import diagnosis
-
-    fitted = None if fit is None else fitted_surface(fit, problem)
-    if method.best_fit and fitted is not None:
-        return fitted
-    return found._with_message(diagnosis(found, fitted, method.effort))
-
-
-class Neighbors(Decision):
-    """Search for other realizations near one that was found at once.
-
-    A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors apart,
-    and the search would cost more than all else.
-    """
-
-    key = "neighbors"
-
-    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
-        is_small = answer.triangulation.n_vertices <= 150
-        return (
-            answer.converged
-            and answer.uniqueness is None
-            and is_small
-            and bool(answer.surface.concave_edges.any())
-        )
-
-    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
-        return with_neighbors(answer, pipeline.log)
-
-
-class FitWithinDigits(Decision):
-    """Smooth surface that agrees with rounded lengths, instead of a rough one or of none."""
-
-    key = "fit within digits"
-
-    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
-        doubtful = answer.surface.rough_edges.any() if answer.converged else not pipeline.method.best_fit
-        return bool(doubtful) and pipeline.problem.metric.rounding is not None
-
-    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
-        from isoembed.aim.measured_lengths import fit_within_digits
-
-        start = state.start
-        if start is None:
-            start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
-        return fit_within_digits(answer, start, pipeline.log)
-
-
-class AskedFor(Decision):
-    """The realization that the caller asked for, among those that were found."""
-
-    key = "asked for"
-
-    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
-        return pipeline.method.which is not None and answer.converged
-
-    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
-        which = pipeline.method.which
-        return answer if which is None else asked_for(answer, which, pipeline.log)
-
-
-class SmootherWithinErrors(Decision):
-    """Smooth fit to lengths with errors, with the vertices of the exact surface if that is better.
-
-    That is where it is smoother, or where the errors are too small for a fit.  A rougher one would follow
-    blunders.
-    """
-
-    key = "smoother within errors"
-
-    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
-        return state.measured is not None
-
-    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
-        assert state.measured is not None
-        found, exact = measured_candidate(state.measured, pipeline), answer
-        if not exact.converged:
-            return found
-        smoother = exact.surface.fine_roughness < found.surface.fine_roughness
-        if smoother or (not found.converged and has_small_errors(pipeline.metric)):
-            found = replace(found, vertices=exact.vertices, weight=0.0, scatter=0.0, message="")
-        elif not found.converged:
-            found = found._with_others([exact])
-        return found
-
-
 # What strategies share
 
 
@@ -506,18 +405,6 @@ def with_best_fit(state: State, pipeline: Pipeline, most: float) -> State:
     return state.adding(problem.surface(fit.vertices), polished, fit=fit)
 
 
-def fitted_surface(fit: BestFit, problem: Problem) -> FittedSurface:
-    """The surface of a best fit."""
-    return FittedSurface(
-        problem.metric,
-        fit.vertices,
-        noise=fit.noise,
-        weight=fit.weight,
-        method=problem.name,
-        tolerance=problem.tolerance,
-    )
-
-
 def missed(state: State, pipeline: Pipeline) -> bool:
     """Whether no candidate is accepted."""
     return not is_accepted(smoothest(state.candidates, pipeline.problem.is_convex, searched=False))
@@ -541,62 +428,6 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
     return state.adding(*map(problem.surface, met), searched=True)
 
 
-def fresh(problem: Problem) -> Problem:
-    """Copy of the problem with an unused convexification."""
-    return Problem(problem.metric, problem.tolerance, problem.name, problem.work)
-
-
-def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
-    """Vertices of the polyhedron of a convex metric nearby, (V, 3), or what comes nearest."""
-    from isoembed.alexandrov.method import convex_polyhedron
-    from isoembed.metric.conformal_sphere import conformal_sphere
-    from isoembed.metric.curvature import area
-    from isoembed.metric.delaunay import delaunay
-    from isoembed.metric.polyhedral import PolyhedralMetric
-    from isoembed.surface.measures import outward
-
-    metric, log = problem.metric, pipeline.log
-    log.expect(POLYHEDRON | PULL_BACK)
-    with log.stage("waypoint") as recorder:
-        convex = problem.convexification.metric(FAR_MARGIN, recorder)
-    if convex is not None:
-        try:
-            found = convex_polyhedron(convex.normalized, PLACED, log)
-            return problem.in_given_order(convex.unit * found.vertices)
-        except NotEmbedded as failure:
-            nearest = failure.embedding.vertices[: problem.numbers.size]
-            return problem.in_given_order(convex.unit * nearest)
-        except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
-            pass
-    with log.stage("sphere") as recorder:
-        x = outward(metric.faces, conformal_sphere(delaunay(metric), recorder).points)
-        return x * np.sqrt(area(metric) / area(PolyhedralMetric.from_mesh(x, metric.faces)))
-
-
-def polished_polyhedron(vertices: Floats, pipeline: Pipeline) -> Embedding:
-    """The polyhedron of a convex metric on the given triangles, with the lengths to rounding if it may be."""
-    found = pipeline.problem.surface(vertices)
-    if found.residual <= REALIZED or not is_near(found):
-        return found
-    with pipeline.log.stage("polish") as recorder:
-        polished = pipeline.problem.annealed(vertices, recorder)
-    return found if polished.surface.concave_edges.any() else polished
-
-
-def has_small_errors(metric: PolyhedralMetric) -> bool:
-    """Whether the errors of the lengths are so small that a surface with exactly these is sought as well."""
-    from isoembed.aim.measured_lengths import SMALL
-
-    return bool(np.max(np.asarray(metric.length_errors)) < SMALL * metric.mean_length)
-
-
-def measured_candidate(fit: BestFit, pipeline: Pipeline) -> MeasuredSurface:
-    """The smooth surface within the errors of the lengths."""
-    from isoembed.aim.measured_lengths import measured_surface
-
-    return measured_surface(pipeline.metric, fit, pipeline.problem.name, pipeline.problem.tolerance)
-
-
 STRATEGIES = (
     FitWithinErrors(),
     NewtonOnRadii(),
@@ -611,5 +442,3 @@ STRATEGIES = (
     BestFitting(),
     VertexReflections(),
 )
-
-DECISIONS = Neighbors(), FitWithinDigits(), AskedFor(), SmootherWithinErrors()  # after the choice

@@ -1,4 +1,4 @@
-"""Work of a computation, counted in sparse factorizations, and budgets of it."""
+"""Computational work, counted in sparse factorizations, and budgets that limit it."""
 
 from dataclasses import dataclass, field
 

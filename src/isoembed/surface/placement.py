@@ -1,4 +1,4 @@
-"""Standard position: where a surface is put, and which of its mirror images it is."""
+"""Standard position and orientation of surfaces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The vertices' shares of the area of a surface: circumcentric, as of the Gaussian curvature.
+"""Vertex areas of a surface: circumcentric dual cells, as for the Gaussian curvature.
 
 The integral of H around a vertex is that over its Voronoi cell to leading order, however irregular the
 triangles around are.  Shares of a third of each triangle leave H at a vertex with five neighbors among others

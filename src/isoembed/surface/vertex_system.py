@@ -1,4 +1,4 @@
-"""Matrices J^T J + S + w P over the vertices: Hessians of stretching energies with penalties.
+"""Sparse matrices J^T J + S + w P over the vertices: Hessians of stretching energies with penalties.
 
 J is the rigidity matrix (`isoembed.surface.rigidity`).
 """

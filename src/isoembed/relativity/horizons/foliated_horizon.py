@@ -1,4 +1,4 @@
-"""Horizon to which a foliation by surfaces of constant expansion leads, and what that says of larger ones."""
+"""Horizon found by a foliation with surfaces of constant expansion, and the evidence on larger horizons."""
 
 from __future__ import annotations
 

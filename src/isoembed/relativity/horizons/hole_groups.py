@@ -1,4 +1,4 @@
-"""Groups of black holes of a slice, and spheres around them at which searches for common horizons begin."""
+"""Groups of black holes in a slice, and the initial spheres of searches for common horizons around them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Digest of the values of horizons and slices in memory at fixed points, whatever code computes them."""
+"""Content digest of horizons and slices in memory, from their values at sample points."""
 
 from __future__ import annotations
 

@@ -1,0 +1,144 @@
+"""Decisions of the default method: the choice among the candidates, and what changes it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from isoembed.aim.acceptance import is_accepted
+from isoembed.aim.choice import asked_for, smoothest, with_neighbors
+from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron
+from isoembed.aim.pipeline import Decision, Pipeline, State
+from isoembed.aim.problem import Problem
+from isoembed.embedding.embedding import Embedding
+from isoembed.embedding.fitted import FittedSurface
+
+if TYPE_CHECKING:
+    from isoembed.aim.best_fit import BestFit
+    from isoembed.embedding.measured import MeasuredSurface
+    from isoembed.metric.polyhedral import PolyhedralMetric
+
+FEW = 150  # vertices of the largest surface whose neighbors are searched for
+
+
+def choose(state: State, pipeline: Pipeline) -> Embedding:
+    """The smoothest candidate with the lengths; if there is none, the best fit, or a diagnosis."""
+    problem, fit, method = pipeline.problem, state.fit, pipeline.method
+    found = smoothest(state.candidates, problem.is_convex, state.searched)
+    if found.converged or (is_accepted(found) and fit is None):
+        return found
+    from isoembed.aim.diagnosis import diagnosis
+
+    fitted = None if fit is None else fitted_surface(fit, problem)
+    if method.best_fit and fitted is not None:
+        return fitted
+    return found._with_message(diagnosis(found, fitted, method.effort))
+
+
+class Neighbors(Decision):
+    """Search for other realizations near one that was found at once.
+
+    A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors apart,
+    and the search would cost more than all else.
+    """
+
+    key = "neighbors"
+
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
+        is_small = answer.triangulation.n_vertices <= FEW
+        return (
+            answer.converged
+            and answer.uniqueness is None
+            and is_small
+            and bool(answer.surface.concave_edges.any())
+        )
+
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
+        return with_neighbors(answer, pipeline.log)
+
+
+class FitWithinDigits(Decision):
+    """Smooth surface that agrees with rounded lengths, instead of a rough one or of none."""
+
+    key = "fit within digits"
+
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
+        doubtful = answer.surface.rough_edges.any() if answer.converged else not pipeline.method.best_fit
+        return bool(doubtful) and pipeline.problem.metric.rounding is not None
+
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
+        from isoembed.aim.measured_lengths import fit_within_digits
+
+        start = state.start
+        if start is None:
+            start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
+        return fit_within_digits(answer, start, pipeline.log)
+
+
+class AskedFor(Decision):
+    """The realization that the caller asked for, among those that were found."""
+
+    key = "asked for"
+
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
+        return pipeline.method.which is not None and answer.converged
+
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
+        which = pipeline.method.which
+        return answer if which is None else asked_for(answer, which, pipeline.log)
+
+
+class SmootherWithinErrors(Decision):
+    """Smooth fit to lengths with errors, with the vertices of the exact surface if that is better.
+
+    That is where it is smoother, or where the errors are too small for a fit.  A rougher one would follow
+    blunders.
+    """
+
+    key = "smoother within errors"
+
+    def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
+        return state.measured is not None
+
+    def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
+        assert state.measured is not None
+        found, exact = measured_candidate(state.measured, pipeline), answer
+        if not exact.converged:
+            return found
+        smoother = exact.surface.fine_roughness < found.surface.fine_roughness
+        if smoother or (not found.converged and has_small_errors(pipeline.metric)):
+            found = replace(found, vertices=exact.vertices, weight=0.0, scatter=0.0, message="")
+        elif not found.converged:
+            found = found._with_others([exact])
+        return found
+
+
+def fitted_surface(fit: BestFit, problem: Problem) -> FittedSurface:
+    """The surface of a best fit."""
+    return FittedSurface(
+        problem.metric,
+        fit.vertices,
+        noise=fit.noise,
+        weight=fit.weight,
+        method=problem.name,
+        tolerance=problem.tolerance,
+    )
+
+
+def has_small_errors(metric: PolyhedralMetric) -> bool:
+    """Whether the errors of the lengths are so small that a surface with exactly these is sought as well."""
+    from isoembed.aim.measured_lengths import SMALL
+
+    return bool(np.max(np.asarray(metric.length_errors)) < SMALL * metric.mean_length)
+
+
+def measured_candidate(fit: BestFit, pipeline: Pipeline) -> MeasuredSurface:
+    """The smooth surface within the errors of the lengths."""
+    from isoembed.aim.measured_lengths import measured_surface
+
+    return measured_surface(pipeline.metric, fit, pipeline.problem.name, pipeline.problem.tolerance)
+
+
+DECISIONS = Neighbors(), FitWithinDigits(), AskedFor(), SmootherWithinErrors()  # after the choice
