@@ -53,20 +53,28 @@ def test_the_recipe_asks_for_what_the_package_asks_for():
     assert floors(listed) == floors(PROJECT["dependencies"])
     context = dict(re.findall(r'^  (\w+): "(.*)"$', recipe, re.MULTILINE))
     assert f">={context['python_min']}" == PROJECT["requires-python"]
-    assert context["version"] == isoembed.__version__
+    assert context["version"] == released()[0][0]
     for name, target in PROJECT["scripts"].items():
         assert f"- {name} = {target}\n" in recipe
 
 
-def test_one_version_and_one_date():
-    released = re.findall(r"^## \[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)$", text("CHANGELOG.md"), re.MULTILINE)
+def released():
+    """Versions and dates in the changelog, the last first."""
+    return re.findall(r"^## \[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)$", text("CHANGELOG.md"), re.MULTILINE)
+
+
+def test_one_version_and_one_date_are_the_last_release():
     citation = dict(re.findall(r"^(version|date-released): (\S+)$", text("CITATION.cff"), re.MULTILINE))
-    assert released[0] == (isoembed.__version__, citation["date-released"])
-    assert citation["version"] == isoembed.__version__
-    assert f"version = {{{isoembed.__version__}}}" in text("docs/citing.md")
-    assert [Version(version) for version, _ in released] == sorted(
-        (Version(version) for version, _ in released), reverse=True
-    )
+    assert released()[0] == (citation["version"], citation["date-released"])
+    assert f"version = {{{citation['version']}}}" in text("docs/citing.md")
+    versions = [Version(version) for version, _ in released()]
+    assert versions == sorted(versions, reverse=True)
+
+
+def test_the_version_is_a_release_or_in_development_after_it():
+    last, version = Version(released()[0][0]), Version(isoembed.__version__)
+    unreleased = re.search(r"^## \[Unreleased\]\n+###", text("CHANGELOG.md"), re.MULTILINE)
+    assert version.is_devrelease and version > last if unreleased else version == last
 
 
 def test_the_pythons_that_are_told_are_tested_by_workflows():
