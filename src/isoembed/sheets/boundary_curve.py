@@ -167,6 +167,7 @@ def through_curve(
         x = best
     else:
         x = released(np.where(inside[:, None], start, boundary))
+    unreflected = x
     for _ in range(ROUNDS):
         if is_realized(x):
             break
@@ -182,7 +183,10 @@ def through_curve(
         if not squares(best) < BETTER * squares(x):
             break
         x = best
-    return _smoother(t, x) if is_realized(x) else x
+    if is_realized(x):
+        return _smoother(t, x)
+    # Reflections are dents where they fit the errors of measured lengths.
+    return min(unreflected, x, key=lambda y: fine_roughness(t, y))
 
 
 def _smoother(t: Triangulation, x: Floats) -> Floats:
