@@ -29,9 +29,7 @@ from isoembed.space import Space
 from isoembed.space.models import to_model
 
 LONGEST = 10.0  # radii of curvature: for longer edges the series of chords is long
-NEARBY = (
-    2e-5  # size of the neighborhood with known derivatives, in least m, least 2 - m and radii of curvature
-)
+NEARBY = 2e-5  # size of the neighborhood with known derivatives, in least m or 2 - m and radii of curvature
 
 
 class NotProven(ArithmeticError):  # noqa: N818 - says what happened
@@ -138,9 +136,7 @@ class LengthEquations:
         chords = self.space.chords(self.vertices[a], self.vertices[b])
         steepest = np.maximum(chords, goals) if self.space.curvature > 0 else np.minimum(chords, goals)
         squares = 1 - self.space.curvature * steepest**2 / 4  # of the cosine, by which arcs grow faster
-        cosines = np.sqrt(
-            np.where(squares > 1e-6, squares, 0.0)
-        )  # chords of nearly half a circle tell nothing
+        cosines = np.sqrt(np.where(squares > 1e-6, squares, 0.0))  # of nearly half a circle, nothing is known
         with np.errstate(divide="ignore"):
             shares = GUARD**2 * self.divisors / (m[a] * m[b] * (chords + goals) * cosines)
         return 2 * residuals * shares + self._off[a] + self._off[b]
