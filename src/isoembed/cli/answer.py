@@ -145,17 +145,19 @@ def _end(
         if embedding.length_errors is not None:
             known = {name: shown for name, shown in INTEGRALS.items() if report()[name] is not None}
             integrals = ", ".join(f"{shown} {measure(report(), name)}" for name, shown in known.items())
-        lines = found, _proof(embedding), integrals
+        lines = found, _proof(embedding, report if options.report else None), integrals
         print_aside("\n".join(line for line in lines if line))
     print_written(options, *files)
 
 
-def _proof(embedding: isoembed.Embedding) -> str:
-    """Whether the surface is certified, where it has exact lengths and that is not much beside finding it."""
+def _proof(embedding: isoembed.Embedding, report: Callable[[], Mapping[str, Any]] | None) -> str:
+    """Whether the surface is certified, where it has exact lengths: by the report, or if it is cheap."""
     if not embedding.converged or embedding.metric.length_errors is not None:
         return ""
+    if report is not None:
+        return str(report()["certificate"]["reason"])
     if embedding.triangulation.n_vertices > CERTIFIED:
-        return f"not certified: of more than {CERTIFIED:,} vertices, 'isoembed certify' does it"
+        return f"no certificate was sought, for more than {CERTIFIED:,} vertices: 'isoembed certify' does it"
     from isoembed.embedding.certify import certify
 
     return certify(embedding).reason
