@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.evidence import Evidence
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.vertex_links import NO_LINK, link_gaps, without_link
 from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Listener, Log
@@ -172,5 +174,11 @@ def solve(
         )
     embedding = found._in_unit_of(metric)
     if not embedding.is_answer:
+        if isinstance(metric, PolyhedralMetric) and method.keeps_triangles and metric.length_errors is None:
+            gaps = link_gaps(metric)
+            v = int(np.argmax(gaps))
+            if gaps[v] > 0:
+                said = f"{without_link(metric, v)}. {embedding.message[0].upper()}{embedding.message[1:]}"
+                raise NotEmbedded(said, embedding, Evidence("proved", NO_LINK))
         raise NotEmbedded(embedding.message, embedding)
     return embedding._noting_rounded_lengths()
