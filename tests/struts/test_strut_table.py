@@ -137,7 +137,7 @@ def test_angles_between_struts_in_space():
 
 
 def test_nothing_is_left_of_a_bar_that_is_full():
-    vertices, faces = zoo.cube()
+    vertices, _ = zoo.cube()
     cuts = strut_table(solid(vertices * [0.1, 0.2, 0.7]), stock=1.0).cuts
     assert min(bar.rest for bar in cuts.bars) == 0
     assert ", 0 left" in str(cuts)

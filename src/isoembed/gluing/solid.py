@@ -68,7 +68,7 @@ def embed_net(
             return found
         raise InvalidMetric(
             f"more than a full turn of paper, {360 - np.degrees(net.deficits[v]):.6g} degrees, meets at "
-            f"{_places(net, v)} (vertex {v}): are the right sides glued? If they are, the solid is not convex, "
+            f"{_places(net, v)} (vertex {v}): are the right sides glued? If so, the solid is not convex, "
             'and the net does not say how it is folded: what is missing is "folds" (.json), for each polygon '
             "a list of [corner, corner, degrees], edges_foldAngle (.fold) or data-angle (.svg), as 'isoembed "
             "unfold' writes them"
