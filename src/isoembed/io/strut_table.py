@@ -293,7 +293,7 @@ def _triangles(edges: Indices, struts: Sequence[_Row]) -> Indices:
 def _check_triangles(faces: Indices, edges: Indices, lengths: Sequence[float], hubs: Sequence[str]) -> None:
     """Refuse exact lengths that break a triangle inequality, by the names of the hubs."""
     long = {frozenset(ends): length for ends, length in zip(edges.tolist(), lengths, strict=True)}
-    for face in faces.tolist():
+    for face in np.sort(faces, axis=1).tolist():
         sides = sorted((long[frozenset(pair)], pair) for pair in combinations(face, 2))
         (one, _), (other, _), (longest, _) = sides
         if longest >= one + other:
