@@ -22,8 +22,8 @@ from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Listener, Log
 
 TOLERANCE = 1e-10
-ONLY_EUCLIDEAN = "surfaces with boundary or handles are embedded in R^3 only, with flat triangles"
 """Largest residual that counts as converged, unless another is given."""
+ONLY_EUCLIDEAN = "surfaces with boundary or handles are embedded in R^3 only, with flat triangles"
 
 
 class Method(ABC):
@@ -163,6 +163,15 @@ def solve(
     if not isinstance(found, Embedding):
         kind = type(found).__name__
         raise InvalidParameter(f"the method {method.name!r} returned {kind}, which is no Embedding")
+    if method.keeps_triangles and not np.array_equal(found.metric.lengths, unit.lengths):
+        raise InvalidParameter(
+            f"the method {method.name!r} returned an Embedding of another metric than it was given"
+        )
+    if found.tolerance != tolerance:
+        raise InvalidParameter(
+            f"the method {method.name!r} returned an Embedding with the tolerance {found.tolerance:g}, not "
+            f"the {tolerance:g} that it was given"
+        )
     embedding = found._in_unit_of(metric)
     if not embedding.is_answer:
         if isinstance(metric, PolyhedralMetric) and method.keeps_triangles and metric.length_errors is None:

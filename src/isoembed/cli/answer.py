@@ -57,7 +57,8 @@ def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs
     """
     for name, endings in PICTURES.items():
         if options.output and ending(options.output) in endings:
-            raise UsageError(f"--output is for surfaces: did you mean --{name} {options.output}?")
+            net = "; a paper net is of 'isoembed unfold'" * (ending(options.output) in (".svg", ".pdf"))
+            raise UsageError(f"--output is for surfaces: did you mean --{name} {options.output}?{net}")
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, report=REPORT_ENDINGS, **PICTURES, **beside)
     check_pictures(options)
     if options.keep and not outputs.keys() - {"report", *beside}:
@@ -147,17 +148,20 @@ def _end(
             known = {name: shown for name, shown in INTEGRALS.items() if report()[name] is not None}
             integrals = ", ".join(f"{shown} {measure(report(), name)}" for name, shown in known.items())
         energy = bending(embedding._reported["sheet"]) if isinstance(embedding, SheetEmbedding) else ""
-        lines = found, energy, _proof(embedding), integrals
+        proof = _proof(embedding, report if options.report else None)
+        lines = found, energy, proof, integrals
         print_aside("\n".join(line for line in lines if line))
     print_written(options, *files)
 
 
-def _proof(embedding: isoembed.Embedding) -> str:
-    """Whether the surface is certified, where it has exact lengths and that is not much beside finding it."""
+def _proof(embedding: isoembed.Embedding, report: Callable[[], Mapping[str, Any]] | None) -> str:
+    """Whether the surface is certified, where it has exact lengths: by the report, or if it is cheap."""
     if not embedding.converged or embedding.metric.length_errors is not None:
         return ""
+    if report is not None:
+        return str(report()["certificate"]["reason"])
     if embedding.triangulation.n_vertices > CERTIFIED:
-        return f"not certified: of more than {CERTIFIED:,} vertices, 'isoembed certify' does it"
+        return f"no certificate was sought, for more than {CERTIFIED:,} vertices: 'isoembed certify' does it"
     from isoembed.embedding.certify import certify
 
     return certify(embedding).reason
