@@ -178,7 +178,7 @@ def solve(
             gaps = link_gaps(metric)
             v = int(np.argmax(gaps))
             if gaps[v] > 0:
-                said = f"{without_link(metric, v)}. {embedding.message[0].upper()}{embedding.message[1:]}"
+                said = f"{without_link(metric, v)}. {embedding.message[:1].upper()}{embedding.message[1:]}"
                 raise NotEmbedded(said, embedding, Evidence("proved", NO_LINK))
         raise NotEmbedded(embedding.message, embedding)
     return embedding._noting_rounded_lengths()
