@@ -124,5 +124,5 @@ def test_a_failure_carries_it():
     assert attempt.message.startswith("no surface with these lengths was found: the nearest misses edge")
     assert f"edge {e} {metric.edges[e].tolist()} by {attempt.residual:.1e}" in attempt.message
     assert ". ." not in attempt.message
-    assert attempt.message.endswith("a longer search may find it: method=Aim(effort=10)")
+    assert attempt.message.endswith("a longer search may find it: method=Aim(effort=20)")
     assert "best fit" in [stage.name for stage in attempt.stages]

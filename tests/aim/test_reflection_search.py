@@ -87,7 +87,7 @@ def test_a_bumpy_body_that_only_a_longer_search_finds():
     bumps = sum(np.cos(x @ (3 * rng.normal(size=3)) + rng.uniform(0, 6.3)) for _ in range(6))
     vertices = x * (1 + rng.uniform(0.03, 0.08) * bumps)[:, None]
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    with pytest.raises(NotEmbedded, match=r"Aim\(effort=10\)"):
+    with pytest.raises(NotEmbedded, match=r"Aim\(effort=20\)"):
         isoembed.embed(metric)
     found = isoembed.embed(metric, method=Aim(effort=10))
     assert found.residual < 1e-11

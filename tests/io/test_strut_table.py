@@ -203,6 +203,11 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
             FileError,
             "line 2: the length '1,250' may be 1250 or 1.250",
         ),
+        (
+            "from;to;length\n0;1;1,250\n1;2;1,881\n2;0;965\n",
+            FileError,
+            "line 4: the length '965' has no decimal comma, as most lengths have",
+        ),
         ("from,to,length,error\n0,1,1,\n0,2,1,.1\n1,2,1,.1\n", FileError, "line 2: the length error is ''"),
         ("type,length,color\n2\n,2\n\nfrom,to,type\n0,1\n", FileError, "its type '' has none"),
         ("from,length,to\n0,1\n", FileError, "line 2: a strut is from '0' to ''"),

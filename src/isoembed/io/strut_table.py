@@ -82,7 +82,7 @@ def read(file: InputFile) -> Tables:
         first = next((line for line in file.text.splitlines() if line.strip()), "")
         raise FileError(
             f"{file} is not a strut table: it has no rows below a line with 'from', 'to', and 'type' or "
-            f"'length'; its first line is {_short(first)}"
+            f"'length', a row for each edge; its first line is {_short(first)}"
         )
     measured = []
     for row in struts:
@@ -204,12 +204,17 @@ def _with_points(written: Sequence[tuple[str, str]]) -> list[str]:
     A comma before three digits could also separate thousands, where other lengths have none.
     """
     commas = [COMMA.fullmatch(text) for text, _ in written]
-    for (text, where), comma in zip(written, commas, strict=True):
-        if comma and len(comma[1]) == 3 and not all(commas):
-            raise FileError(
-                f"{where}: the length {_short(text)} may be {text.replace(',', '')} or "
-                f"{text.replace(',', '.')}, as other lengths have no comma"
-            )
+    doubtful = [k for k, comma in enumerate(commas) if comma and len(comma[1]) == 3]
+    without = [k for k, comma in enumerate(commas) if not comma]
+    if doubtful and without and len(without) < len(doubtful):
+        text, where = written[without[0]]
+        raise FileError(f"{where}: the length {_short(text)} has no decimal comma, as most lengths have")
+    if doubtful and without:
+        text, where = written[doubtful[0]]
+        raise FileError(
+            f"{where}: the length {_short(text)} may be {text.replace(',', '')} or "
+            f"{text.replace(',', '.')}, as other lengths have no comma"
+        )
     return [
         text.replace(",", ".") if comma else text for (text, _), comma in zip(written, commas, strict=True)
     ]
