@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -193,7 +194,7 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
         surface = embed_surface(data, space=reference(options), vertices=number, best_fit=options.best_fit)
     except NotEmbedded as error:
         print_error(str(error))
-        for option in _instead(options, error.embedding):
+        for option in _instead(options, data, error.embedding):
             print_error(option, "try")
         band = _write_band(outputs, data, error.embedding.space) if options.band else []
         report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
@@ -225,13 +226,15 @@ def _pictures(options: argparse.Namespace, mesh: dict[str, Any]) -> dict[str, Ca
     return picture_writers(options, surface, given=from_file(curvatures))
 
 
-def _instead(options: argparse.Namespace, attempt: SmoothEmbedding) -> Iterator[str]:
+def _instead(options: argparse.Namespace, data: SurfaceData, attempt: SmoothEmbedding) -> Iterator[str]:
     """Options to try where there is no embedding in Euclidean space."""
     if attempt.hindrance and attempt.space.is_euclidean:
         yield "--space hyperbolic, which embeds the whole surface"
         about_z = attempt.coordinates is None and attempt.harmonics.order < attempt.harmonics.degree
         if about_z and not options.band:
-            yield "--band FILE, which writes the band that embeds"
+            with suppress(InvalidMetric):
+                if AxisymmetricEmbedding.of(data.metric, space=attempt.space).bands:
+                    yield "--band FILE, which writes the band that embeds"
 
 
 def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:

@@ -68,7 +68,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="FILE",
         help="horizons: h.t*.ah*.gp of AHFinderDirect or BHaHAHA, SpECTRE's *.vol or *_Ylm.dat, GRChombo's "
-        "coords_AH*.dat, other HDF5, .npz, VTK, or a metric on a grid; several are taken as a sequence, and "
+        "coords_AH*.dat, other HDF5, .npz, VTK, or a metric on a grid (.csv, too); several are taken as a sequence, and "
         "each is embedded from the one before",
     )
     parser.add_argument(
