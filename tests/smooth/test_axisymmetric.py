@@ -327,8 +327,8 @@ def test_rounded_components_are_no_cone():
     r = 1.0 + np.sqrt(0.19)
     sigma = (r**2 + 0.81 * np.cos(theta) ** 2)[:, None] + 0.0 * phi
     tables = sigma, 0.0 * sigma, (2.0 * r * np.sin(theta)[:, None]) ** 2 / sigma
-    q = ([[float(f"{x:.8e}") for x in row] for row in table] for table in tables)
-    found = AxisymmetricEmbedding.of(GridMetric(theta, phi, *q))
+    rounded = (np.vectorize(lambda x: float(f"{x:.8e}"))(table) for table in (theta, phi, *tables))
+    found = AxisymmetricEmbedding.of(GridMetric(*rounded))
     exact = AxisymmetricEmbedding.from_components(
         lambda t: r**2 + 0.81 * np.cos(t) ** 2,
         lambda t: (2.0 * r * np.sin(t)) ** 2 / (r**2 + 0.81 * np.cos(t) ** 2),

@@ -79,10 +79,14 @@ def test_tables_that_are_no_grid(tmp_path):
     ):
         read_metric_or_grid(tmp_path / "q.csv")
     write_table(tmp_path / "q.txt", ["th", "ph", "qtt", "qpp"], rows)
-    with pytest.raises(FileError, match="no names theta, phi, q_tt, q_tp and q_pp above its columns, but th,"):
+    with pytest.raises(
+        FileError, match="no names theta, phi, q_tt, q_tp and q_pp above its columns, but th,"
+    ):
         read_metric_or_grid(tmp_path / "q.txt")
     write_table(tmp_path / "q.csv", ["Theta", "Phi", "g_thth", "g_phph"], rows)
-    with pytest.raises(FileError, match="no names theta, phi, .* above its columns, but Theta, Phi, g_thth,"):
+    with pytest.raises(
+        FileError, match=r"no names theta, phi, .* above its columns, but Theta, Phi, g_thth,"
+    ):
         read_metric_or_grid(tmp_path / "q.csv")
     write_table(tmp_path / "q.txt", ["theta", "q_tt", "q_pp"], rows[:, [0, 2, 3]])
     with pytest.raises(FileError, match="no column phi and 720 rows"):

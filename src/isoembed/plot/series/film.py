@@ -47,7 +47,8 @@ def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -
 
     Each horizon is where its center is in the slice, and turned as it lies there (`PlacedHorizons`); a common
     horizon is seen through while it holds others.  Colors show the mean curvature in one scale.  The picture
-    follows the horizons, in one scale unless they come much nearer, and a bar shows a length.  Below are the time, masses and spins, and what is lost.
+    follows the horizons, in one scale unless they come much nearer, and a bar shows a length.  Below are the
+    time, masses and spins, and what is lost.
 
     Parameters
     ----------

@@ -83,7 +83,9 @@ class Circumferences:
             return cls(equatorial, longest, polar, (polar.value, polar.value))
         bounds, fewer = atlas.meridian_bounds(n), atlas.meridian_bounds(int(n / GROWTH))
         low, high = bounds + (-1.0, 1.0) * (np.abs(bounds - fewer) + errors[1])
-        return cls(equatorial, longest, polar, (float(min(low, polar.value)), float(max(high, polar.value))))
+        return cls(
+            equatorial, longest, polar, (float(np.clip(low, 0.0, polar.value)), float(max(high, polar.value)))
+        )
 
     @property
     def report(self) -> dict[str, Any]:

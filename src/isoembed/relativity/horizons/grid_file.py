@@ -195,8 +195,8 @@ def _table_on_grid(file: InputFile) -> Tables:
     if len(cells) != len(theta) * len(phi) or len(np.unique(cells)) != len(cells):
         without = "" if "phi" in names else "no column phi and "
         raise FileError(
-            f"{file} has {without}{len(cells)} rows, which are not one for each pair of its {len(theta)} angles "
-            f"theta and {len(phi)} angles phi"
+            f"{file} has {without}{len(cells)} rows, which are not one for each pair of its {len(theta)} "
+            f"angles theta and {len(phi)} angles phi"
         )
     order = np.argsort(cells)
     arrays = {name: values[order].reshape(len(theta), len(phi)) for name, values in columns.items()}

@@ -57,9 +57,9 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
     path : path
         By its content and ending: a shape file of AHFinderDirect or BHaHAHA; coordinates of GRChombo;
         surface data or harmonic coefficients of SpECTRE (see `read_spectre`); a metric on a grid, in arrays
-        or a table (see `read_grid_data`); ``.npz``, ``.h5`` or ``.hdf5`` with ``points`` (V, 3) or ``x``, ``y``, ``z``, and
-        maybe ``faces`` (F, 3), ``center`` (3,) and ``time``; polygons in a legacy VTK file as
-        QuasiLocalMeasures writes them; or a closed mesh, whose equal vertices are merged; or a
+        or a table (see `read_grid_data`); ``.npz``, ``.h5`` or ``.hdf5`` with ``points`` (V, 3) or ``x``,
+        ``y``, ``z``, and maybe ``faces`` (F, 3), ``center`` (3,) and ``time``; polygons in a legacy VTK file
+        as QuasiLocalMeasures writes them; or a closed mesh, whose equal vertices are merged; or a
         `HorizonFormat` of another package.  It may be compressed (``.gz``).
 
     Returns
