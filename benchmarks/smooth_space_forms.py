@@ -83,7 +83,7 @@ def meshes(sizes):
         begin = time.process_time()
         surface = embed(mesh.metric)
         seconds = time.process_time() - begin
-        smooth = SmoothIntegrals(surface.triangulation, surface.vertices, "geodesic", space)
+        smooth = SmoothIntegrals.of(surface.surface, "geodesic")
         values = np.array([mass(surface), smooth.integrated_mean_curvature.value / (4.0 * np.pi)])
         rows.append((vertices, np.abs(values - MASSES[0.95]), seconds, surface.residual))
     header("vertices", "bare", "order", "corrected", "order", "residual", "seconds")

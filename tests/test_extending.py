@@ -122,6 +122,33 @@ def test_what_a_method_returns_is_checked(metric):
         isoembed.embed(metric, method=Points())
 
 
+@pytest.mark.parametrize(
+    ("size", "looser", "named"),
+    [(1.0, 1e12, r"the tolerance 100, not the 1e-10"), (100.0, 1.0, "of another metric")],
+)
+def test_a_method_embeds_the_metric_and_to_the_tolerance_it_is_given(metric, size, looser, named):
+    class Other(isoembed.Method):
+        name = "other"
+
+        def run(self, metric, tolerance, log):
+            points = np.random.default_rng(0).standard_normal((metric.triangulation.n_vertices, 3))
+            return isoembed.Embedding(
+                metric.scaled(size), points, method="other", tolerance=looser * tolerance
+            )
+
+    with pytest.raises(InvalidParameter, match=f"the method 'other' returned an Embedding .*{named}"):
+        isoembed.embed(metric, method=Other())
+
+
+def test_a_method_has_a_name(metric):
+    class Nameless(isoembed.Method):
+        def run(self, metric, tolerance, log):
+            raise AssertionError
+
+    with pytest.raises(InvalidParameter, match="the class Nameless has no name"):
+        isoembed.embed(metric, method=Nameless())
+
+
 def test_it_goes_on_from_a_checkpoint(shells, metric):
     def stop(snapshot):
         if snapshot.iteration == 2:

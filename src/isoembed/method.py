@@ -8,19 +8,22 @@ import numbers
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Self
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.evidence import Evidence
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.vertex_links import NO_LINK, link_gaps, without_link
 from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.fingerprint import Fingerprint
 from isoembed.progress.stages import Listener, Log
 
 TOLERANCE = 1e-10
-ONLY_EUCLIDEAN = "surfaces with boundary or handles are embedded in R^3 only, with flat triangles"
 """Largest residual that counts as converged, unless another is given."""
+ONLY_EUCLIDEAN = "surfaces with boundary or handles are embedded in R^3 only, with flat triangles"
 
 
 class Method(ABC):
@@ -160,7 +163,22 @@ def solve(
     if not isinstance(found, Embedding):
         kind = type(found).__name__
         raise InvalidParameter(f"the method {method.name!r} returned {kind}, which is no Embedding")
+    if method.keeps_triangles and not np.array_equal(found.metric.lengths, unit.lengths):
+        raise InvalidParameter(
+            f"the method {method.name!r} returned an Embedding of another metric than it was given"
+        )
+    if found.tolerance != tolerance:
+        raise InvalidParameter(
+            f"the method {method.name!r} returned an Embedding with the tolerance {found.tolerance:g}, not "
+            f"the {tolerance:g} that it was given"
+        )
     embedding = found._in_unit_of(metric)
     if not embedding.is_answer:
+        if isinstance(metric, PolyhedralMetric) and method.keeps_triangles and metric.length_errors is None:
+            gaps = link_gaps(metric)
+            v = int(np.argmax(gaps))
+            if gaps[v] > 0:
+                said = f"{without_link(metric, v)}. {embedding.message[:1].upper()}{embedding.message[1:]}"
+                raise NotEmbedded(said, embedding, Evidence("proved", NO_LINK))
         raise NotEmbedded(embedding.message, embedding)
     return embedding._noting_rounded_lengths()

@@ -40,6 +40,8 @@ def as_method(method: str | Method) -> Method:
         raise InvalidParameter(f"the method is the class {method.__name__}: make one, {method.__name__}()")
     if not isinstance(method, Method):
         raise InvalidParameter(f"the method is a {type(method).__name__}: derive it from isoembed.Method")
+    if not isinstance(getattr(method, "name", None), str):
+        raise InvalidParameter(f"the class {type(method).__name__} has no name: define name = '...' in it")
     return method
 
 

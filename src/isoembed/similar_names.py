@@ -10,8 +10,8 @@ def did_you_mean(name: str, known: Iterable[str], least: float = 0.6) -> str:
     """A question to end a sentence with, or nothing if no known name is similar: 1 is equal."""
     from difflib import get_close_matches  # only on the way to an error
 
-    words = {each.lstrip("-"): each for each in known}  # dashes would make all options similar
-    given = name.lstrip("-")
+    words = {each.lstrip("-").lower(): each for each in known}  # dashes would make all options similar
+    given = name.lstrip("-").lower()
     near = get_close_matches(given, list(words), n=1, cutoff=least)
     if not near and least < BEGINNING and len(given) >= FEWEST:  # the beginning of a longer one
         begins = {word[: len(given) + 1]: word for word in words}

@@ -4,9 +4,9 @@ An algorithm's thresholds are the fields of one frozen dataclass, made with `thr
 ``docs/thresholds.md`` are made from them.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import field, fields
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Any
 
 
@@ -33,5 +33,9 @@ def rows(thresholds: Any) -> Iterator[tuple[str, Any, str, str]]:
 
 def rounded_up(value: float, digits: int = 2) -> str:
     """Text of a positive number rounded up to some significant digits, so that a user can pass it back."""
-    last = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
-    return f"{math.ceil(value / last) * last:.{digits - 1}e}"
+    return f"{float(Context(digits, ROUND_CEILING).create_decimal(value)):.{digits - 1}e}"
+
+
+def rounded_down(value: float, digits: int = 2) -> str:
+    """Text of a positive number rounded down to some significant digits."""
+    return f"{float(Context(digits, ROUND_FLOOR).create_decimal(value)):.{digits - 1}e}"

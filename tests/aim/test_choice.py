@@ -85,6 +85,7 @@ def test_no_convex_one_is_a_proof_or_the_end_of_a_search():
     with pytest.raises(NotEmbedded, match="no convex surface has these lengths: the deficit of") as refused:
         isoembed.embed(PolyhedralMetric.from_mesh(x, faces), method=Aim(which="convex"))
     assert refused.value.evidence.kind == "proved"
+    assert not refused.value.embedding.converged  # there is a surface, which was not searched for
 
 
 @pytest.mark.parametrize(

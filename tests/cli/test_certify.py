@@ -60,3 +60,16 @@ def test_files_that_do_not_go_together(call, files):
     write_metric("curved.npz", PolyhedralMetric.from_mesh(*zoo.icosahedron(), curvature=-0.1))
     status, _, err = call("certify", "s.ply", "curved.npz")
     assert status == 2 and "the triangles of curved.npz have the curvature -0.1" in err
+
+
+def test_lengths_take_the_curvature_of_the_surface_where_they_say_none(call, files):
+    vertices, faces = zoo.icosahedron()
+    flat = PolyhedralMetric.from_mesh(vertices, faces)
+    write_metric("flat.npz", flat)
+    for k in ("-0.1", "-0.2"):
+        assert call("embed", "flat.npz", "--space", f"hyperbolic={k}", "-o", f"h{k}.ply")[0] == 0
+    assert call("certify", "h-0.1.ply", "flat.npz")[0] == 0
+    write_metric("curved.npz", PolyhedralMetric(faces, flat.lengths, flat.edges, curvature=-0.1))
+    assert call("certify", "h-0.1.ply", "curved.npz")[0] == 0
+    status, _, err = call("certify", "h-0.2.ply", "curved.npz")
+    assert status == 2 and "curved.npz is in hyperbolic space of curvature -0.1, not in that of cur" in err

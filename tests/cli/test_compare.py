@@ -70,7 +70,10 @@ def test_what_is_not_proven(call, files, realizations):
     assert found["error"]["volume"] is None and found["difference"]["volume"] > 0
     status, out, _ = call("compare", "a.ply", "c.npz")  # of surfaces with other lengths none can be made
     assert status == 0
-    assert "differences of OTHER from SURFACE; of numbers, OTHER - SURFACE\n" in out
+    assert (
+        "differences of OTHER from SURFACE, in the unit of the lengths; of numbers, OTHER - SURFACE\n" in out
+    )
+    assert call("compare", "a.ply", "a.ply", "c.npz")[1].splitlines()[0].endswith("both are equally smooth")
 
 
 def test_files_that_do_not_go_together(call, files):

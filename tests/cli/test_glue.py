@@ -237,7 +237,7 @@ def test_a_net_with_too_much_angle_is_refused(run):
     document = {"dform": {"outlines": [arrow, [[x, -y] for x, y in arrow]]}}
     status, _, err = run("glue", typed(document))
     assert status == 2
-    assert "vertex 2 has total angle" in err
+    assert "540 degrees, meets at [1, 0] (vertex 2): are the right sides glued?" in err
 
 
 @pytest.mark.parametrize(

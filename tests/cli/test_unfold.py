@@ -3,6 +3,7 @@
 import json
 import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -49,7 +50,8 @@ def test_pages(kind, magic, call, tmp_path):
     status, out, err = call("unfold", "cube.off", "-o", f"net.{kind}", "--paper", "letter", "--scale", "40")
     assert (status, err) == (0, "")
     assert out.startswith(
-        f"1 sheet, 7 pairs of sides, 5 folds; 40 mm a unit; 1 page of letter\nnet.{kind} written, "
+        "1 sheet, 7 pairs of sides, 5 folds; solid 40 x 40 x 40 mm, 40 mm a unit; 1 page of letter\n"
+        f"net.{kind} written, "
     )
     assert (tmp_path / f"net.{kind}").read_bytes().startswith(magic)
 
@@ -82,6 +84,17 @@ def test_lengths_as_people_type_them(typed, plain, call):
         assert one.read() == other.read()
 
 
+@pytest.mark.parametrize(("axis", "longest"), [("x", 60), ("y", 90), ("z", 180)])
+def test_the_extent_of_an_axis(axis, longest, call):
+    write("box.off", zoo.cube()[0] * [3, 2, 1], zoo.cube()[1])
+    status, said, _ = call("unfold", "box.off", "-o", "a.svg", "--size", f"{axis}=6cm")
+    assert status == 0 and f"; solid {longest} x {2 * longest / 3:g} x {longest / 3:g} mm, " in said
+    assert call("unfold", "box.off", "-o", "b.svg", "--size", str(longest))[0] == 0
+    assert Path("a.svg").read_text() == Path("b.svg").read_text()
+    status, said, err = call("unfold", "box.off", "-o", "a.svg", "--scale", "0.001")
+    assert status == 0 and "note: the solid is 0.003 x 0.002 x 0.001 mm large: is the scale right?" in err
+
+
 def test_dxf_without_ezdxf(call, monkeypatch):
     write("cube.off", *zoo.cube())
     monkeypatch.setitem(sys.modules, "ezdxf", None)
@@ -92,13 +105,22 @@ def test_dxf_without_ezdxf(call, monkeypatch):
 def test_few_pages(call):
     write("solid.obj", *zoo.random_hull(30, 1))
     for objective, pages in (
-        ("sheets", "150 mm a unit; cut into 8 islands that fit on pages; 7 pages of A4"),
-        ("pages", "150 mm a unit; 6 pages of A4"),
+        ("sheets", "7 pages of A4"),
+        ("pages", "6 pages of A4"),
     ):
         status, out, _ = call(
             "unfold", "solid.obj", "-o", "a.svg", "--scale", "150", "--objective", objective
         )
-        assert status == 0 and out.partition("\n")[0].endswith(f"; {pages}")
+        said = out.partition("\n")[0]
+        assert status == 0 and said.endswith(f"; solid 279 x 233 x 167 mm, 150 mm a unit; {pages}")
+        printed = Path("a.svg").read_text()
+        pairs, folds = re.search(r"(\d+) pairs of sides, (\d+) folds", said).groups()
+        numbers = printed.partition('id="numbers"')[2].partition("</g>")[0]
+        assert max(int(n) for n in re.findall(r">(\d+)</text>", numbers)) == int(pairs)
+        assert printed.count("data-angle") == int(folds)
+        assert said.startswith(f"1 sheet cut into 8 islands that fit on pages, {pairs}") == (
+            objective == "sheets"
+        )
 
 
 def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
@@ -155,6 +177,9 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
             ["cube.ply", "-o", "a.svg", "--size", "2ft"],
             "argument --size: '2ft' is not a length, as 15, 15mm,",
         ),
+        (["cube.ply", "-o", "a.svg", "--size", "20", "cm"], "unrecognized arguments: cm; did you mean 20cm?"),
+        (["cube.ply", "-o", "a.svg", "--height", "20cm"], "--height; did you mean '--size'?"),
+        (["cube.ply", "-o", "a.svg", "--size", "h=3"], "'h=3' is not of x, y or z, as z=200 is"),
         (["cube.ply", "-o", "a.svg", "--size", "1,500"], "'1,500' is not a length, as 15, 15mm, 1.5cm and"),
         (["cube.ply", "-o", "a.svg", "--cut", "0-0"], ": --cut 0-0 is not an edge between two faces"),
         (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0, not a positive finite number"),
@@ -184,6 +209,7 @@ def test_an_open_box_and_a_torus(call):
     for name, sides in (("box", 4), ("torus", 49)):
         status, said, _ = call("unfold", f"{name}.off", "-o", f"{name}.svg")
         assert (status, said.split(",")[:2]) == (0, ["1 sheet", f" {sides} pairs of sides"])
+        assert ("; open: 1 boundary of 4 edges; " in said) == (name == "box")
         assert call("glue", f"{name}.svg", "-o", f"{name}.ply")[0] == 0
 
 

@@ -121,6 +121,10 @@ def test_what_is_refused(pair):
     other = isoembed.Embedding(
         isoembed.PolyhedralMetric.from_mesh(x, faces), x, method="given", tolerance=1e-10
     )
+    with pytest.raises(
+        InvalidParameter, match=r"a ndarray, not an embedding: embedding\.distance\(vertices\)"
+    ):
+        isoembed.compare(pair[0], pair[0].vertices)
     with pytest.raises(InvalidParameter, match="the same triangles"):
         isoembed.compare(pair[0], other)
     x, faces = triangulate(Ellipsoid((3.0, 2.0, 1.0)), 60)

@@ -95,7 +95,7 @@ def test_the_precision_of_the_solid_stays_with_its_net(ending, tmp_path):
 def test_without_folds_a_net_that_is_not_convex_is_refused(tmp_path):
     points, faces, _ = SOLIDS["U prism"]
     unfolding = isoembed.unfold(given(points, faces))
-    with pytest.raises(InvalidMetric, match=r"has total angle .* what is missing is \"folds\""):
+    with pytest.raises(InvalidMetric, match=r"450 degrees, meets at .* what is missing is \"folds\""):
         embed_net(unfolding.net)
 
 

@@ -323,6 +323,41 @@ def test_sides_of_different_lengths_with_one_number_are_named(tmp_path):
         read(tmp_path, svg(longer))
 
 
+def tetrahedron(x, texts):
+    """A triangle with the folds of a tetrahedron, one end of which is at x instead of 35."""
+    places = ((47, 36), (24, 80), (34, 98), (85, 98), (71, 36), (95, 80))
+    numbers = "".join(
+        f'<text x="{u}" y="{v}" font-size="4">{text}</text>'
+        for (u, v), text in zip(places, texts, strict=False)
+    )
+    return svg(f"""<polygon points="10,100 110,100 60,13.397460" fill="none" stroke="red"/>
+        <path d="M60 100 L{x} 56.698730 L85 56.698730 Z" fill="none" stroke="blue"/>{numbers}""")
+
+
+def test_a_fold_that_ends_beside_the_outline(tmp_path):
+    """It is named with a tolerance that helps: 2.2 times the gap, 0.3 sin 60 degrees."""
+    remedy = r"; a line ends at \[35.3, -56.6987\], 0.26 mm from another: tolerance=(\S+) joins them$"
+    with pytest.raises(InvalidParameter, match=remedy), pytest.warns(MeshNote, match="1 at 1 side"):
+        read(tmp_path, tetrahedron(35.3, "112233"))
+    with pytest.warns(MeshNote, match="the sheets are corrected"):
+        net = read(tmp_path, tetrahedron(35.3, "112233"), tolerance=0.58)
+    assert volume(net) == pytest.approx(50**3 / 72**0.5, rel=0.02)
+
+
+def test_sides_with_wrong_numbers(tmp_path):
+    """The corners where more than a full turn meets are named by their places."""
+    net = read(tmp_path, tetrahedron(35, "122313"))
+    places = r"540 degrees, meets at \[35, -56.6987\], \[60, -100\], \[85, -56.6987\] \(vertex"
+    with pytest.raises(InvalidMetric, match=places):
+        isoembed.embed(net)
+
+
+def test_sides_without_a_number_are_said(tmp_path):
+    with pytest.warns(MeshNote, match="2 sides that no number pairs are glued by their lengths"):
+        net = read(tmp_path, tetrahedron(35, "1122"))
+    assert volume(net) == pytest.approx(50**3 / 72**0.5, rel=1e-5)
+
+
 # Paths
 
 

@@ -100,8 +100,8 @@ def test_names_and_numbers_from_one(tmp_path):
     hubs = ["P0", "P2", "P10", "P11", "Q1", "q"]
     for names, note in (
         (range(6), None),
-        (range(1, 7), "hub 1 is vertex 0, hub 2 is vertex 1, hub 3 is vertex 2, ..., hub 6 is vertex 5"),
-        (hubs, "hub P0 is vertex 0, hub P2 is vertex 1, hub P10 is vertex 2, ..., hub q is vertex 5"),
+        (range(1, 7), ", ".join(f"hub {k + 1} is vertex {k}" for k in range(6))),
+        (hubs, ", ".join(f"hub {hub} is vertex {k}" for k, hub in enumerate(hubs))),
     ):
         lines = [f"{names[b]},{names[a]},{length}\n" for (a, b), length in given.items()]
         path = written(tmp_path, "from,to,length\n" + "".join(lines[::-1]))
@@ -203,6 +203,11 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
             FileError,
             "line 2: the length '1,250' may be 1250 or 1.250",
         ),
+        (
+            "from;to;length\n0;1;1,250\n1;2;1,881\n2;0;965\n",
+            FileError,
+            "line 4: the length '965' has no decimal comma, as most lengths have",
+        ),
         ("from,to,length,error\n0,1,1,\n0,2,1,.1\n1,2,1,.1\n", FileError, "line 2: the length error is ''"),
         ("type,length,color\n2\n,2\n\nfrom,to,type\n0,1\n", FileError, "its type '' has none"),
         ("from,length,to\n0,1\n", FileError, "line 2: a strut is from '0' to ''"),
@@ -211,6 +216,11 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
         ("from,to,length\n0,1,1\n1,0,1\n", FileError, "line 3: the hubs 1 and 0 are joined in line 2, too"),
         ("from,to,length\n0,1,1\n1,2,1\n", InvalidMetric, "between the hubs 0 and 1 is in no triangle"),
         ("from,to,length\n1,2,1\n\n2,3,1\n", InvalidMetric, "between the hubs 1 and 2 is in no triangle"),
+        (
+            "from,to,length\nb,a,60\ntop,a,162\ntop,b,70\nc,a,90\nc,b,90\nc,top,90\n",
+            InvalidMetric,
+            "the hubs a, b, top breaks the triangle inequality: a to top is 162, b to top is 70, a to b is",
+        ),
         ("from,to,length\nb,a,1\na,c,1\n", InvalidMetric, "between the hubs b and a is in no triangle"),
         (
             "from;to;long\n0;1;2\n",

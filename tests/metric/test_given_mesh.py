@@ -51,7 +51,7 @@ def test_a_polygon_covered_twice():
 def test_polygons_that_are_not_planar_are_said():
     lifted = CUBE + np.outer(CUBE.all(axis=1), [0.1, 0.1, 0.1])
     metric, (note,) = messages(PolyhedralMetric.from_mesh, lifted, SQUARES)
-    assert note.startswith("3 faces are not planar, and taken as the triangles")
+    assert note.startswith("3 faces are not planar, and replaced by triangles")
     assert re.search(r"the first is face 1, with corners 0\.0[34] of its size off a plane$", note)
     assert deficits(metric).sum() == pytest.approx(4 * np.pi)
 

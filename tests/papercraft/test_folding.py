@@ -68,7 +68,7 @@ def test_the_page_has_the_film_and_the_net(body, tmp_path):
     [data] = re.findall(r'href="data:application/json;base64,([^"]+)"', text)
     told = json.loads(base64.b64decode(data))
     surface = embed_given(body)
-    assert told["net"] == {"pairs_of_sides": len(net.sides), "folds": len(net.folds[0])}
+    assert told["net"] == {"sheets": 1, "pairs_of_sides": len(net.sides), "folds": len(net.folds[0])}
     assert told["solid"]["vertices"] - told["solid"]["edges"] + told["solid"]["faces"] == 2
     assert told["solid"]["vertices"] == len(body[0])
     assert told["solid"]["area"] == pytest.approx(surface.area, rel=1e-12)

@@ -4,16 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import solids
 import zoo
 from isoembed import Embedding, InvalidParameter, PolyhedralMetric
+from isoembed.errors import MeshNote
 from isoembed.gallery import BentTube, triangulate
 from isoembed.gluing import unfold
 from isoembed.papercraft.convex import overlaps
 from isoembed.papercraft.drawing import drawn
 from isoembed.papercraft.numbers import face_numbers
-from isoembed.papercraft.views import SAMPLES, _visible, views
+from isoembed.papercraft.views import SAMPLES, TOWARD, _visible, views
 
 LOW, HIGH = np.array([10.0, 20.0]), np.array([200.0, 280.0])
 
@@ -37,10 +39,8 @@ def test_each_face_has_its_number_on_the_net_and_on_the_solid(name):
     net = net_of(vertices, solids.triangles(solids.polygons(vertices)))
     plain, drawing = drawn(net), drawn(net, numbers=True)
     assert drawing.pages == plain.pages + 1
-    edge = -plain.pages * plain.height
     count = sum(map(len, net.numbers))
-    assert numbers_in(one for one in drawing.notes if one.y > edge) == list(range(count))
-    assert numbers_in(one for one in drawing.notes if one.y < edge) == list(range(count))
+    assert numbers_in(drawing.notes) == numbers_in(drawing.captions) == list(range(count))
     assert [cut.tolist() for cut in drawing.cuts] == [cut.tolist() for cut in plain.cuts]
 
 
@@ -48,11 +48,12 @@ def test_the_drawing_is_no_net():
     """On its page there are no ruler, no legend and no scale, as it is not to scale."""
     net = net_of(*zoo.icosahedron())
     plain, drawing = drawn(net), drawn(net, numbers=True)
-    words = [one.text for one in drawing.notes if one.y < -plain.height and not one.text.startswith("F")]
+    words = [one.text for one in drawing.captions if not one.text.startswith("F")]
     assert words == ["the solid, with the numbers of its faces; not to scale, not to be cut"]
     assert drawing.legend and all(ends[:, 1].min() > -plain.height for _, ends in drawing.legend)
-    on_page = [ends for ends in drawing.ruler if ends[:, 1].min() < -plain.height]
-    assert len(on_page) == len(seen(net)[0])  # the visible edges
+    assert all(ends[:, 1].max() < -plain.height for ends in drawing.pictured)
+    assert len(drawing.pictured) == len(seen(net)[0])  # the visible edges
+    assert len(drawing.ruler) == len(plain.ruler)
     assert "page" not in drawing.notes[0].text  # of one page of the net
 
 
@@ -103,6 +104,23 @@ def test_an_edge_is_hidden_where_a_triangle_is_before_it():
     width = 2 / 3  # of the triangle there, on each side of the middle
     assert left == pytest.approx(np.array([[-3, 0], [-width, 0]]), abs=6 / SAMPLES)
     assert right == pytest.approx(np.array([[width, 0], [3, 0]]), abs=6 / SAMPLES)
+
+
+def test_no_face_is_seen_from_its_edge():
+    """An octahedron two of whose faces are along one of the lines of sight."""
+    turn, _ = Rotation.align_vectors([np.cross(TOWARD, [0.0, 0.0, 1.0])], [np.ones(3)])
+    vertices = turn.apply(solids.uniform("octahedron"))
+    _, labels = seen(net_of(vertices, solids.triangles(solids.polygons(vertices))))
+    assert numbers_in(labels) == list(range(8))
+    assert min(one.size for one in labels) > 2
+
+
+def test_numbers_that_nobody_can_read_are_counted_and_left_out():
+    net = net_of(*zoo.random_hull(40, 2))
+    with pytest.warns(MeshNote, match=r"faces without a number, of 76: (\d+) on the net, too small for one"):
+        drawing = drawn(net, scale=12.0, numbers=True)
+    sizes = [one.size for one in drawing.notes if one.text.startswith("F")]
+    assert 0 < len(sizes) < 76 and min(sizes) >= 1
 
 
 def test_most_faces_of_a_dented_surface_are_seen_from_one_side_or_the_other():

@@ -222,9 +222,7 @@ def test_plot_into_axes_of_ones_own(peanut):
     assert peanut.plot(ax=right, color="gaussian-curvature", caption="a peanut") is whole
     assert not left.collections and right.collections
     assert right.get_title() == "a peanut"
-    assert [axes.get_ylabel() for axes in whole.axes[2:]] == [
-        r"Gaussian curvature  $K = \varepsilon_a / A^*_a$"
-    ]
+    assert [axes.get_ylabel() for axes in whole.axes[2:]] == ["Gaussian curvature  $K$ = deficit / dual area"]
     part = Figure().subfigures(1, 2)[0]
     assert peanut.plot(ax=part.subplots()) is part.figure
 

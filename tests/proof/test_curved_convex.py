@@ -142,6 +142,7 @@ def test_curvature_to_zero():
     assert off[0] / off[1] == pytest.approx(10, rel=1e-2)
     assert off[2] == pytest.approx(0, abs=1e-12)
     assert found.smallest_dihedral == pytest.approx(flat.smallest_dihedral, rel=1e-9)
+    assert found.isolation == pytest.approx(flat.isolation / 3, rel=1e-6)
 
 
 def test_edges_that_are_too_long():

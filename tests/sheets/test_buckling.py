@@ -1,5 +1,7 @@
 """Several starts of sheets with K < 0: buckling modes, which of them bend least, and others beside it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,11 +68,18 @@ def test_several_starts_lead_to_less_bending_than_scaling_alone():
 def test_another_surface_is_kept_beside_the_one_that_bends_less():
     found = embed(hyperbolic(discs.irregular(60), 1.5).scaled(3.0), boundary="free")
     [other] = found.others
-    more = other.second_form_energy / found.second_form_energy
-    assert 1.01 < more < 1.2
-    assert f"whose int k1^2 + k2^2 dA is {more:.4g} times that of this one" in found.message
+    energies = other.second_form_energy, found.second_form_energy
+    assert 1.01 < energies[0] / energies[1] < 1.2
+    assert "whose int k1^2 + k2^2 dA is {:.6g} instead of {:.6g}".format(*energies) in found.message
+    assert other.imbalance < 1e-6 and "stalled" not in found.message
     assert np.abs(lengths_of(other) - found.metric.lengths).max() < 1e-12
-    assert isoembed.report(found)["other_realizations"][0]["distance"] == pytest.approx(found.distance(other))
+    [entry] = isoembed.report(found)["other_realizations"]
+    assert entry["distance"] == pytest.approx(found.distance(other))
+    assert (
+        entry["sheet"]["second_form_energy"] == energies[0] and entry["sheet"]["imbalance"] == other.imbalance
+    )
+    stalled = replace(found, others=(replace(other, imbalance=2e-4),))
+    assert "but its search stalled (imbalance 2e-04)" in stalled._sentence()
 
 
 def lengths_of(surface):

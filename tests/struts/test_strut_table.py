@@ -120,6 +120,29 @@ def test_the_angles_of_a_hub_go_with_its_struts():
             np.testing.assert_allclose(apart, real, atol=1e-9)
 
 
+def test_angles_between_struts_in_space():
+    """At the corner of a cube they are right, and at hubs of triangles those of the triangles."""
+    assert strut_table(solid(solids.uniform("cube"))).hubs[0].strut_angles == pytest.approx((90.0,) * 3)
+    for vertices, faces in (zoo.random_hull(20, 3), dome(3, -0.21)):
+        table = strut_table(surface(vertices, faces))
+        for v in np.flatnonzero(table.hub_types >= 0).tolist():
+            around = faces[(faces == v).any(axis=1)]
+            legs = vertices[[face[face != v] for face in around]] - vertices[v]
+            legs /= np.linalg.norm(legs, axis=2, keepdims=True)
+            angles = np.degrees(np.arccos((legs[:, 0] * legs[:, 1]).sum(axis=1)))
+            hub = table.hubs[table.hub_types[v]]
+            np.testing.assert_allclose(sorted(hub.strut_angles), sorted(angles), atol=0.3)
+            if hub.count == 1:
+                np.testing.assert_allclose(sorted(hub.strut_angles), sorted(angles), atol=1e-6)
+
+
+def test_nothing_is_left_of_a_bar_that_is_full():
+    vertices, _ = zoo.cube()
+    cuts = strut_table(solid(vertices * [0.1, 0.2, 0.7]), stock=1.0).cuts
+    assert min(bar.rest for bar in cuts.bars) == 0
+    assert ", 0 left" in str(cuts)
+
+
 def test_a_mirrored_frame_has_the_same_types():
     vertices, faces = zoo.random_hull(20, 3)
     one, other = surface(vertices, faces), surface(vertices * [1, 1, -1], faces[:, ::-1])

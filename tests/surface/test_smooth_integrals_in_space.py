@@ -13,6 +13,7 @@ from isoembed.smooth.two_metric import AngleMetric
 from isoembed.space import Space
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smooth_integrals import SmoothIntegrals
+from isoembed.surface.surface import Surface
 
 CURVATURES = (-0.5, 0.3)
 
@@ -73,7 +74,7 @@ def test_geodesics_to_fourth_order(k):
         for _ in range(5):
             x = x - LengthSystem(t, space=space).step(x, lengths, length_residuals(t, x, lengths, space))
         assert np.abs(length_residuals(t, x, lengths, space)).max() < 1e-12
-        found = SmoothIntegrals(t, x, "geodesic", space)
+        found = SmoothIntegrals.of(Surface(t, x, space), "geodesic")
         imc, area = found.integrated_mean_curvature, found.area
         assert abs(imc.value - surface.integrated_mean_curvature) < imc.error
         assert abs(area.value - surface.area) < area.error

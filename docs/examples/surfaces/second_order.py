@@ -14,7 +14,7 @@ from isoembed.surface.smooth_integrals import SmoothIntegrals
 body, counts, errors = Ellipsoid((2, 1.5, 1)), np.array([100, 200, 400, 800]), []
 for count in counts:
     surface = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(*triangulate(body, count)))
-    corrected = SmoothIntegrals(surface.triangulation, surface.vertices, "chord").integrated_mean_curvature
+    corrected = SmoothIntegrals.of(surface.surface, "chord").integrated_mean_curvature
     values = np.array([surface.integrated_mean_curvature, corrected.value])
     errors.append(abs(values / body.integrated_mean_curvature - 1))
 slopes = np.polyfit(np.log(counts), np.log(errors), 1)[0]

@@ -16,7 +16,7 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
 from isoembed.metric.convexity import deficit_rounding
-from isoembed.metric.curvature import deficits as vertex_deficits
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import aligned
 from isoembed.surface.placement import standard_position
@@ -112,7 +112,7 @@ def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
     elif which == "convex":
         convex = [surface for surface in found if not surface.surface.concave_edges.any()]
         if not convex:
-            raise _no_convex(embedding)
+            raise no_convex(embedding)
         best = convex[0]
     else:
         target = _target(embedding, np.array(which))
@@ -168,11 +168,17 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
     return found if found.converged else None
 
 
-def _no_convex(embedding: Embedding) -> NotEmbedded:
-    metric = embedding.metric
-    deficits = vertex_deficits(metric)
-    v = int(np.argmin(deficits))
-    if deficits[v] < -deficit_rounding(metric)[v]:
+def not_convex(metric: PolyhedralMetric) -> bool:
+    """Whether the lowest deficit is proven to be negative."""
+    v = int(np.argmin(metric.deficits))
+    return bool(metric.deficits[v] < -deficit_rounding(metric)[v])
+
+
+def no_convex(embedding: Embedding) -> NotEmbedded:
+    """The error that none is convex: of all surfaces with these lengths, or of those that were found."""
+    if not_convex(embedding.metric):
+        deficits = embedding.metric.deficits
+        v = int(np.argmin(deficits))
         return NotEmbedded(
             f"no convex surface has these lengths: the deficit of vertex {v} is {deficits[v]:.2g}, which is "
             "negative",

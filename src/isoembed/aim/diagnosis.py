@@ -10,6 +10,7 @@ from isoembed.embedding.fitted import FittedSurface
 from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.vertex_links import link_gaps
 from isoembed.progress.stages import Log
 from isoembed.thresholds import rounded_up
 
@@ -109,7 +110,7 @@ def _errors(fit: FittedSurface | None) -> str:
 
 def _longer_search(metric: PolyhedralMetric, effort: float) -> list[str]:
     """Advice for exact lengths: a longer search, if there is one."""
-    if not (metric.space.is_euclidean and negative_deficits(metric).any()):
+    if not (metric.space.is_euclidean and negative_deficits(metric).any()) or link_gaps(metric).max() > 0:
         return []
     more = f"{20 * max(effort, 1.0):g}"  # of 18 rocks of 120 and 200 vertices it finds all, 10 two thirds
     return [

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.aim.acceptance import REALIZED, is_accepted, is_exact, is_near
-from isoembed.aim.choice import smoothest
+from isoembed.aim.choice import no_convex, not_convex, smoothest
 from isoembed.aim.convexification import NEAR_MARGIN
 from isoembed.aim.decisions import fitted_surface, has_small_errors, measured_candidate
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron, polished_polyhedron
@@ -34,6 +34,21 @@ if TYPE_CHECKING:
 RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
 LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
 FIT = 36  # factorizations of the best fit, as a rule
+
+
+class NoConvexSurface(Strategy):
+    """Refusal of a convex surface, where one is asked for and exact lengths have a negative deficit."""
+
+    key = "no convex surface"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        metric = pipeline.metric
+        is_exact = metric.length_errors is None and metric.rounding is None
+        return pipeline.method.which == "convex" and is_exact and not_convex(metric)
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        start = nearest_polyhedron(fresh(pipeline.problem), pipeline)
+        raise no_convex(pipeline.problem.surface(start))
 
 
 class FitWithinErrors(Strategy):
@@ -429,6 +444,7 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
 
 
 STRATEGIES = (
+    NoConvexSurface(),
     FitWithinErrors(),
     NewtonOnRadii(),
     NearestPolytope(),

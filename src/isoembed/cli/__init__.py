@@ -32,11 +32,14 @@ from isoembed.cli.screen import (
 from isoembed.cli.signals import Interruption, handled
 from isoembed.cli.status import OK, WRONG
 from isoembed.similar_names import did_you_mean
-from isoembed.typed_numbers import number
+from isoembed.typed_numbers import MILLIMETERS, number
 
 # Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
-OTHER_NAMES = {"--image": "--picture", "--plot": "--picture", "--page": "--html", "--report": "--json"}
+OTHER_NAMES = {
+    **{"--image": "--picture", "--plot": "--picture", "--page": "--html", "--report": "--json"},
+    **dict.fromkeys(("--height", "--width", "--length"), "--size"),
+}
 """Options by the names that other programs have for them."""
 
 
@@ -71,9 +74,15 @@ class Parser(argparse.ArgumentParser):
                 known = self._option_string_actions
                 question = did_you_mean(usual if usual in known else name, known)
                 self.error(f"unrecognized arguments: {name}{question}")
+            if word in MILLIMETERS and word in self.words[1:]:
+                self.error(f"unrecognized arguments: {word}; did you mean {self._before(word)}{word}?")
             if question := self._without_option(word):
                 self.error(f"unrecognized arguments: {word}{question}")
         return found, rest
+
+    def _before(self, word: str) -> str:
+        """The word before another one on the command line."""
+        return self.words[self.words.index(word) - 1]
 
     def _without_option(self, word: str) -> str:
         """A question for the name of a file that stands where -o is missing before it."""

@@ -15,13 +15,14 @@ from isoembed.cli.outputs import Outputs, print_written, written
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.cli.summary import measure, summary
+from isoembed.cli.summary import bending, measure, summary
 from isoembed.cli.waiting import held
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer, ending
 from isoembed.progress import bar
 from isoembed.progress.stages import Listener, Progress
+from isoembed.sheets.surface import SheetEmbedding
 
 INTEGRALS = {"area": "area", "volume": "volume", "integrated_mean_curvature": "int H dA"}
 CERTIFIED = 10_000  # vertices: of more, a certificate takes as long as the surface
@@ -56,7 +57,8 @@ def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs
     """
     for name, endings in PICTURES.items():
         if options.output and ending(options.output) in endings:
-            raise UsageError(f"--output is for surfaces: did you mean --{name} {options.output}?")
+            net = "; a paper net is of 'isoembed unfold'" * (ending(options.output) in (".svg", ".pdf"))
+            raise UsageError(f"--output is for surfaces: did you mean --{name} {options.output}?{net}")
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, report=REPORT_ENDINGS, **PICTURES, **beside)
     check_pictures(options)
     if options.keep and not outputs.keys() - {"report", *beside}:
@@ -145,17 +147,21 @@ def _end(
         if embedding.length_errors is not None:
             known = {name: shown for name, shown in INTEGRALS.items() if report()[name] is not None}
             integrals = ", ".join(f"{shown} {measure(report(), name)}" for name, shown in known.items())
-        lines = found, _proof(embedding), integrals
+        energy = bending(embedding._reported["sheet"]) if isinstance(embedding, SheetEmbedding) else ""
+        proof = _proof(embedding, report if options.report else None)
+        lines = found, energy, proof, integrals
         print_aside("\n".join(line for line in lines if line))
     print_written(options, *files)
 
 
-def _proof(embedding: isoembed.Embedding) -> str:
-    """Whether the surface is certified, where it has exact lengths and that is not much beside finding it."""
+def _proof(embedding: isoembed.Embedding, report: Callable[[], Mapping[str, Any]] | None) -> str:
+    """Whether the surface is certified, where it has exact lengths: by the report, or if it is cheap."""
     if not embedding.converged or embedding.metric.length_errors is not None:
         return ""
+    if report is not None:
+        return str(report()["certificate"]["reason"])
     if embedding.triangulation.n_vertices > CERTIFIED:
-        return f"not certified: of more than {CERTIFIED:,} vertices, 'isoembed certify' does it"
+        return f"no certificate was sought, for more than {CERTIFIED:,} vertices: 'isoembed certify' does it"
     from isoembed.embedding.certify import certify
 
     return certify(embedding).reason

@@ -8,10 +8,10 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.cli.numbers import read_numbers
 from isoembed.cli.options import add_json_option, add_merge_option, add_quiet_option
-from isoembed.cli.same_triangles import check_same_triangles
+from isoembed.cli.same_triangles import metric_of
 from isoembed.cli.screen import UsageError, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.io import MESH_ENDINGS, read_metric, read_surface
+from isoembed.io import MESH_ENDINGS, read_surface
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.boundary_heights import certify as certify_heights
@@ -49,8 +49,7 @@ def run(options: argparse.Namespace) -> int:
     surface = read_surface(options.surface, merge=options.merge)
     metric = surface.metric
     if options.metric:
-        metric = read_metric(options.metric, merge=options.merge, any_surface=True)
-        check_same_triangles(metric, surface.metric, options.metric, options.surface, "a certificate is for")
+        metric = metric_of(surface, options.surface, options.metric, options.merge, "a certificate is for")
     found = _certificate(metric, surface.vertices, options.boundary)
     if options.json:
         print_json(found.as_json())

@@ -8,7 +8,7 @@ import numpy as np
 
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
-from isoembed.cli.same_triangles import check_same_triangles
+from isoembed.cli.same_triangles import check_same_triangles, metric_of
 from isoembed.cli.screen import print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.embedding.comparison import Comparison, compare, stated
@@ -16,7 +16,6 @@ from isoembed.embedding.embedding import Embedding
 from isoembed.io import (
     MESH_ENDINGS,
     SURFACE_ENDINGS,
-    read_metric,
     read_surface,
     write_atomically,
 )
@@ -30,6 +29,7 @@ from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.changes import root_mean_square
 
 NEEDED = "surfaces are compared on"
+HEADING = "differences of OTHER from SURFACE, in the unit of the lengths; of numbers, OTHER - SURFACE"
 SHOWN = {
     "vertices": "vertices",
     "normals": "normals",
@@ -76,8 +76,8 @@ def run(options: argparse.Namespace) -> int:
     first, second = (read_surface(path, merge=options.merge) for path in (options.surface, options.other))
     named, metric = options.surface, first.metric
     if options.metric:
-        named, metric = options.metric, read_metric(options.metric, merge=options.merge, any_surface=True)
-        check_same_triangles(metric, first.metric, named, options.surface, NEEDED)
+        named = options.metric
+        metric = metric_of(first, options.surface, named, options.merge, NEEDED)
     check_same_triangles(metric, second.metric, named, options.other, NEEDED)
     one, other = (_with_lengths(metric, each) for each in (first, second))
     found = compare(one, other)
@@ -112,7 +112,7 @@ def _writer(path: Path, surface: Embedding, found: Comparison) -> Writer:
 
 def _summary(first: Embedding, found: Comparison) -> str:
     apart, error = found.difference, found.error
-    lines = [found.reason, "", "differences of OTHER from SURFACE; of numbers, OTHER - SURFACE"]
+    lines = [found.reason, "", HEADING]
     for name, unit, place in (
         ("vertices", "", "vertex"),
         ("normals", " radians", "face"),
@@ -133,7 +133,7 @@ def _summary(first: Embedding, found: Comparison) -> str:
         share = f", {abs(change / whole):.1e} of {whole:.9g}" if whole and np.isfinite(whole) else ""
         lines.append(f"{SHOWN[name]:12}{known}{share}")
     rough = " and ".join(f"{each:.4g}" for each in found.fine_roughness)
-    lines.append(f"{'roughness':12}{rough}")
+    lines.append(f"{'roughness':12}{rough} (fine_roughness)")
     if found.certified:
         lines.append("what follows +- is proven, for the exact surfaces")
     return "\n".join(lines)

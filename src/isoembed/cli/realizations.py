@@ -9,12 +9,12 @@ from isoembed.aim.acceptance import SAME
 from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import print_written
-from isoembed.cli.same_triangles import check_same_triangles
+from isoembed.cli.same_triangles import metric_of
 from isoembed.cli.screen import UsageError, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.embedding.certify import certify
 from isoembed.embedding.embedding import Embedding
-from isoembed.io import MESH_ENDINGS, read_metric, read_surface, write_atomically
+from isoembed.io import MESH_ENDINGS, read_surface, write_atomically
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.io.surface import surface_writer
 
@@ -57,7 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=8,
         metavar="N",
         help="number of realizations to search from, alternating between breadth-first and smoothest-first "
-        "order (default %(default)s)",
+        "order; the time is in proportion (default %(default)s)",
     )
     add_output_option(
         parser, "for the surfaces: realization-1.ply, the smoothest, and so on", metavar="FOLDER"
@@ -71,9 +71,8 @@ def run(options: argparse.Namespace) -> int:
     """Search for realizations; return the exit status."""
     if options.output and options.output.exists() and not options.output.is_dir():
         raise UsageError(f"the output {options.output} is not a folder")
-    metric = read_metric(options.metric, merge=options.merge)
-    given = read_surface(options.surface, merge=options.merge)
-    check_same_triangles(metric, given.metric, options.metric, options.surface, "realizations are on")
+    given, why = read_surface(options.surface, merge=options.merge), "realizations are on"
+    metric = metric_of(given, options.surface, options.metric, options.merge, why, any_surface=False)
     about = Embedding(metric, given.vertices, method=given.method, tolerance=given.tolerance)
     found = realizations(about, distance=options.distance, motions=options.motions, surfaces=options.surfaces)
     files = _write(options, found) if options.output else []

@@ -1,4 +1,4 @@
-"""Check that two files have the same triangulation."""
+"""Metric of a file on the triangles of a surface: read, and checked."""
 
 from pathlib import Path
 
@@ -6,7 +6,34 @@ import numpy as np
 
 from isoembed.arrays import Indices
 from isoembed.cli.screen import UsageError
+from isoembed.embedding.embedding import Embedding
+from isoembed.io import read_metric
 from isoembed.metric.polyhedral import PolyhedralMetric
+
+
+def metric_of(
+    surface: Embedding, named: Path, path: Path, merge: float | None, why: str, *, any_surface: bool = True
+) -> PolyhedralMetric:
+    """Metric in a file of the triangles of a surface, read from another, with the curvature of its space.
+
+    Parameters
+    ----------
+    surface : Embedding
+    named, path : Path
+        The files of the surface and of the metric.
+    merge : float, optional
+    why : str
+        What needs the same triangles.
+    any_surface : bool
+
+    Raises
+    ------
+    FileError, InvalidMetric, UsageError
+    """
+    space = None if surface.space.is_euclidean else surface.space
+    metric = read_metric(path, merge=merge, space=space, any_surface=any_surface)
+    check_same_triangles(metric, surface.metric, path, named, why)
+    return metric
 
 
 def check_same_triangles(

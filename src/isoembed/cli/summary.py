@@ -62,8 +62,14 @@ def _sheet(sheet: Mapping[str, Any] | None) -> list[str]:
     sizes = [f"of {size} edges" for size in sheet["boundaries"]]
     return [
         f"sheet       boundary {sheet['condition']}, {' and '.join(sizes) or 'none'}, "
-        f"genus {sheet['genus']}, int k1^2 + k2^2 dA {_short(sheet['second_form_energy'])}"
+        f"genus {sheet['genus']}, {bending(sheet)}"
     ]
+
+
+def bending(sheet: Mapping[str, Any]) -> str:
+    """The energy of a surface with boundary, or of higher genus, and how far it is from a minimum."""
+    left = "" if sheet["imbalance"] is None else f", imbalance {sheet['imbalance']:.0e}"
+    return f"int k1^2 + k2^2 dA {sheet['second_form_energy']:.6g}{left}"
 
 
 def _space(space: Mapping[str, Any]) -> list[str]:

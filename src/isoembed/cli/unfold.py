@@ -5,6 +5,8 @@ import re
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
+
 from isoembed.cli.material import add_material_options, given_fields, material_of, on_paper
 from isoembed.cli.options import add_merge_option, add_output_option, add_quiet_option
 from isoembed.cli.outputs import check_answer, written
@@ -23,6 +25,8 @@ from isoembed.typed_numbers import millimeters, number
 
 DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # some hours of folding
+LEAST = 5.0  # mm, of a solid that somebody folds
+TINY = 1e-9  # of the longest extent: what is flat has no height
 EXAMPLES = (
     "isoembed unfold surface.stl -o net.pdf --size 400 --paper A3 --numbers",
     "isoembed unfold surface.ply -o net.dxf --kerf 0.15 --bends perforate",
@@ -66,9 +70,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--size",
         dest="solid_size",
-        type=on_paper,
-        metavar="MM",
-        help="instead of --scale: millimeters of the longest side of the solid",
+        type=_size,
+        metavar="MM|z=MM",
+        help="instead of --scale: millimeters of the longest extent of the solid in x, y or z; z=200, or "
+        "z=20cm, of that in z",
     )
     parser.add_argument(
         "--numbers",
@@ -108,6 +113,11 @@ def run(options: argparse.Namespace) -> int:
     if (material := material_of(options)) is not None:
         drawing["material"] = material
     surface = read_surface(options.file, merge=options.merge)
+    extents = np.ptp(surface.vertices, axis=0)
+    if "size" in drawing:
+        axis, drawing["size"] = drawing["size"]
+        if axis:  # the library takes the longest extent
+            drawing["size"] *= extents.max() / max(extents["xyz".index(axis)], TINY * extents.max())
     chosen = {"cut": options.cut_edges, "keep": options.keep_edges}
     if options.objective == "pages":
         sized = {name: value for name, value in drawing.items() if name in ("paper", "scale", "size")}
@@ -119,15 +129,25 @@ def run(options: argparse.Namespace) -> int:
         print_error(
             f"{folds:,} folds: simplify the mesh first, to as many faces as you are ready to fold", "note"
         )
-    said = str(unfolding)
+    boundaries = surface.triangulation.boundaries
+    rims = f"{len(boundaries)} boundar{'y' if len(boundaries) == 1 else 'ies'}"
+    is_open = f"; open: {rims} of {sum(map(len, boundaries))} edges" if boundaries else ""
     if ending(output) in NET_ENDINGS:
         writer = net_writer(output, unfolding)
+        said = f"{unfolding}{is_open}"
     else:
         pages = drawn(unfolding, **drawing)
         writer = drawing_writer(output, unfolding, pages)
-        said += f"; {pages.scale:.4g} mm a unit"
-        if len(pages.cuts) > len(unfolding.sheets):
-            said += f"; cut into {len(pages.cuts)} islands that fit on pages"
+        said = str(pages.net)
+        if len(pages.net.sheets) > len(unfolding.sheets):
+            uncut, _, _ = str(unfolding).partition(",")
+            said = (
+                f"{uncut} cut into {len(pages.net.sheets)} islands that fit on pages,{said.partition(',')[2]}"
+            )
+        sizes = " x ".join(f"{float(f'{size:.3g}'):g}" for size in pages.scale * extents)
+        said += f"{is_open}; solid {sizes} mm, {pages.scale:.4g} mm a unit"
+        if pages.scale * extents.max() < LEAST and not options.quiet:
+            print_error(f"the solid is {sizes} mm large: is the scale right?", "note")
         paper, net_pages = Paper.of(options.paper or "A4"), pages.pages - bool(options.numbers)
         if paper.is_roll:
             said += f"; {pages.height:.0f} mm of a roll of {paper.width:g} mm"
@@ -145,6 +165,13 @@ def _edge(text: str) -> tuple[int, int]:
     if found is None:
         raise argparse.ArgumentTypeError(f"{text!r} is not two numbers of vertices, as 3-17 is")
     return int(found[1]), int(found[2])
+
+
+def _size(text: str) -> tuple[str, float]:
+    axis, _, length = text.rpartition("=")
+    if axis not in ("", "x", "y", "z"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not of x, y or z, as z=200 is")
+    return axis, on_paper(length)
 
 
 def _scale(text: str) -> float:

@@ -110,8 +110,12 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     InvalidParameter
         One is not an embedding, the triangles are others, or space is curved.
     """
-    for each in (first, second):
-        checked_embedding(each)
+    if not isinstance(second, Embedding):
+        raise InvalidParameter(
+            f"the second surface is a {type(second).__name__}, not an embedding: "
+            "embedding.distance(vertices) compares with vertices alone"
+        )
+    checked_embedding(first)
     for each in (first, second):
         if not each.space.is_euclidean:
             raise InvalidParameter(f"comparisons need surfaces in R^3, not in {each.space!r}")
@@ -172,7 +176,7 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
         isolation=isolation,
         fine_roughness=rough,
         reason=_sentence(obstacle, same, f"{stated(distance, uncertain)} mean edge lengths apart", bounds)
-        + ("" if same else f"; the {('first', 'second')[rough[1] < rough[0]]} is the smoother"),
+        + ("" if same else _smoother(*rough)),
     )
 
 
@@ -230,6 +234,12 @@ def _same(first: Embedding, distance: float, error: float, isolation: float) -> 
     squares = np.bincount(first.metric.edges.ravel(), np.repeat(lengths**-2.0, 2))
     factor = GUARD * float(np.sqrt(squares.sum() / squares.min()))
     return True if factor * (distance + error) < isolation else None
+
+
+def _smoother(first: float, second: float) -> str:
+    if abs(first - second) <= 1e-6 * max(first, second):  # what rounding makes of equal surfaces is less
+        return "; both are equally smooth"
+    return f"; the {'second' if second < first else 'first'} is the smoother"
 
 
 def _sentence(obstacle: str, same: bool | None, apart: str, bounds: list[float]) -> str:

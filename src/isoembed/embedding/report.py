@@ -75,12 +75,17 @@ def report(embedding: Embedding) -> dict[str, Any]:
             "smallest_singular_value": Sensitivity(embedding).smallest_singular_value if is_small else None,
         },
         "other_realizations": [
-            {
-                "distance": embedding.distance(other),
-                "roughness": other.surface.roughness,
-                "fine_roughness": other.surface.fine_roughness,
-                "mirrored": mirrored_dents(embedding.metric, surface.mean_curvature, other.mean_curvature),
-            }
+            _merged(
+                {
+                    "distance": embedding.distance(other),
+                    "roughness": other.surface.roughness,
+                    "fine_roughness": other.surface.fine_roughness,
+                    "mirrored": mirrored_dents(
+                        embedding.metric, surface.mean_curvature, other.mean_curvature
+                    ),
+                },
+                other._reported,
+            )
             for other in embedding.others
         ],
         "uniqueness": embedding.uniqueness and embedding.uniqueness.report,

@@ -17,7 +17,7 @@ LAYERS = {
     **dict.fromkeys(("mountain", "valley", "fold", "folds", "crease", "creases", "score", "bend"), FOLD),
     **dict.fromkeys(("seam", "stitch"), SEAM),
     **dict.fromkeys(("glue", "tab", "tabs"), GLUE),
-    **dict.fromkeys(("engrave", "notes", "legend"), READ),
+    **dict.fromkeys(("engrave", "notes", "legend", "solid"), READ),
 }
 """Purpose of the lines of a layer or group, by its name in lower case."""
 NUMBERS = "numbers"

@@ -19,6 +19,9 @@ from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
 
+MOST_SAID = 5
+"""Places in a message."""
+
 
 def embed_net(
     net: Net,
@@ -64,14 +67,22 @@ def embed_net(
         if found is not None:
             return found
         raise InvalidMetric(
-            f"vertex {v} has total angle {2 * np.pi - net.deficits[v]:.10g} > 2 pi, so the solid is not "
-            'convex, and the net does not say how it is folded: what is missing is "folds" (.json), for each '
-            "polygon a list of [corner, corner, degrees], or edges_foldAngle (.fold), as 'isoembed unfold' "
-            "writes them"
+            f"more than a full turn of paper, {360 - np.degrees(net.deficits[v]):.6g} degrees, meets at "
+            f"{_places(net, v)} (vertex {v}): are the right sides glued? If so, the solid is not convex, "
+            'and the net does not say how it is folded: what is missing is "folds" (.json), for each polygon '
+            "a list of [corner, corner, degrees], edges_foldAngle (.fold) or data-angle (.svg), as 'isoembed "
+            "unfold' writes them"
         )
     return folded or solve(
         net.simplicial(), as_method("aim"), tolerance=tolerance, progress=progress, resume=resume
     )
+
+
+def _places(net: Net, v: int) -> str:
+    """The points of the sheets that become a vertex, each by the first polygon that has it."""
+    points = np.concatenate(net.polygons)[np.concatenate(net.outlines) == v]
+    places = list(dict.fromkeys(f"[{', '.join(f'{x:.6g}' for x in point)}]" for point in points))
+    return ", ".join(places[:MOST_SAID]) + f" and {len(places) - MOST_SAID} more" * (len(places) > MOST_SAID)
 
 
 def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -> Embedding | None:

@@ -20,6 +20,7 @@ from isoembed.gluing.offset import offset
 from isoembed.gluing.polygon import side_lengths
 from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
+from isoembed.thresholds import rounded_up
 
 SNAP = 1e-6  # of the drawing: ends as near are one where they do not meet to the digits
 UNITS = 4.0  # of the last digit, by which rounded points and lengths between them may differ
@@ -28,6 +29,8 @@ ALONG = 30.0  # heights: what is written along a side and across another as near
 SAME_PERIMETER = 1e-3  # curves of a D-form: they are sampled
 COARSE = 1e-3  # of a length: above, digits may be too few to tell sides apart
 MOST_SAID = 3  # numbers
+GAP = 0.01  # of the drawing, between lines that may be meant to meet
+MOST_POINTS = 2000  # of a drawing that is searched for gaps
 MOST_SIDES = 40  # of a sheet whose gluings are searched
 
 Pair = tuple[Side, Side]
@@ -58,6 +61,43 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
     InvalidMetric, InvalidParameter
         Lines do not make sheets, a side has no mate, or as `isoembed.glue`.
     """
+    try:
+        return _drawn_net(drawing, name, tolerance)
+    except (InvalidMetric, InvalidParameter) as error:
+        if remedy := _joining(drawing, name, tolerance):
+            raise type(error)(f"{error}; {remedy}") from None
+        raise
+
+
+def _joining(drawing: Lines, name: str, tolerance: float | None) -> str:
+    """The end of a message: the line that ends nearest to another, if a tolerance that joins them helps."""
+    lines = [line.points for line in drawing.lines if line.purpose in ("", CUT, FOLD)]
+    if not lines or sum(map(len, lines)) > MOST_POINTS:
+        return ""
+    ends = np.concatenate([np.stack([points[:-1], points[1:]], axis=1) for points in lines])
+    points = np.unique(ends.reshape(-1, 2), axis=0)
+    step = ends[:, 1] - ends[:, 0]
+    away = points[:, None] - ends[:, 0]
+    part = np.clip((away * step).sum(axis=2) / np.maximum((step * step).sum(axis=1), 1e-300), 0.0, 1.0)
+    apart = np.hypot(*np.moveaxis(away - part[..., None] * step, 2, 0))
+    size = float(np.ptp(points, axis=0).max())
+    apart[apart <= max(SNAP * size, tolerance or 0.0)] = np.inf
+    p = int(np.argmin(nearest := apart.min(axis=1)))
+    gap, (x, y) = float(nearest[p]), points[p].tolist()
+    for share in (1.1, 2.2) if gap <= GAP * size else ():  # that of points, and of lengths between them
+        word = f"{float(rounded_up(share * gap)):g}"
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MeshNote)
+            try:
+                _drawn_net(drawing, name, float(word))
+            except (InvalidMetric, InvalidParameter):
+                continue
+        return f"a line ends at [{x:.6g}, {y:.6g}], {gap:.2g} mm from another: tolerance={word} joins them"
+    return ""
+
+
+def _drawn_net(drawing: Lines, name: str, tolerance: float | None) -> Net:
+    """See `drawn_net`, which says more where this fails."""
     lines = [line for line in drawing.lines if line.purpose != READ]
     glued = [line.points[:-1] for line in lines if line.purpose == GLUE and line.is_closed]
     lines = [line for line in lines if line.purpose != GLUE]
@@ -216,7 +256,10 @@ def _mates(
         match(lambda side: tuple(sorted(names[v] for v in _corners(sheets, side))))
     by_length = bool(left)
     if left:
+        before = len(left)
         match(_by_length(sheets, left, tolerance).get)
+        if numbered and len(left) < before:
+            warn_of_mesh(f"{before - len(left)} sides that no number pairs are glued by their lengths")
     if left:
         pairs += _searched(sheets, pairs, left, tolerance)
     return pairs, by_length

@@ -36,12 +36,15 @@ def _read_plain(data: bytes) -> Tables | None:
     text = plain(data)
     if text is None:
         return None
-    return triangles(*scan_obj(text))
+    tables = triangles(*scan_obj(text))
+    beyond = tables is not None and tables["faces"].max(initial=-1) >= len(tables["vertices"])
+    return None if beyond else tables  # the other reader names the line
 
 
 def _read_any(file: InputFile, content: str) -> Tables:
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
+    places = []
     for number, line in enumerate(CONTINUED.sub(" ", content).splitlines(), start=1):
         word, *entries = line.split("#")[0].split() or [""]
         try:
@@ -50,8 +53,14 @@ def _read_any(file: InputFile, content: str) -> Tables:
                 vertices.append([x, y, z])
             elif word == "f":
                 faces.append([_vertex(entry, len(vertices)) for entry in entries])
+                places.append(number)
         except ValueError:
             raise FileError(f"{file}, line {number}: cannot understand {line.strip()[:60]!r}") from None
+    for face, number in zip(faces, places, strict=True):
+        if (last := max(face, default=-1)) >= (count := len(vertices)):
+            raise FileError(
+                f"{file}, line {number}: a face has vertex {last + 1}, but there are only {count} v lines"
+            )
     return {"vertices": np.array(vertices, dtype=np.float64).reshape(-1, 3), "faces": faces}
 
 

@@ -35,6 +35,8 @@ FEWEST = 30
 surface could average."""
 LONGEST_QUOTE = 40
 """Characters of a file's text in a message."""
+MOST_NAMED = 12
+"""Hubs that a note names one by one."""
 DECIMALS = re.compile(r"[+-]?\d*(?:\.(\d*))?")
 
 
@@ -80,7 +82,7 @@ def read(file: InputFile) -> Tables:
         first = next((line for line in file.text.splitlines() if line.strip()), "")
         raise FileError(
             f"{file} is not a strut table: it has no rows below a line with 'from', 'to', and 'type' or "
-            f"'length'; its first line is {_short(first)}"
+            f"'length', a row for each edge; its first line is {_short(first)}"
         )
     measured = []
     for row in struts:
@@ -104,8 +106,11 @@ def read(file: InputFile) -> Tables:
     ]
     edges = _edges(struts, file)
     tables = {"faces": _triangles(edges, struts), "edges": edges, "lengths": np.array(lengths)}
-    _say_which_hub_is_which(_hubs(struts))
+    hubs, error = _hubs(struts), _error(texts, tables["lengths"])
     written = {row.line: _error_written(row) for row in measured}
+    if not error and not any(written.values()):
+        _check_triangles(tables["faces"], edges, lengths, hubs)
+    _say_which_hub_is_which(hubs)
     if any(written.values()):
         tables["length_errors"] = np.array(
             [
@@ -117,7 +122,6 @@ def read(file: InputFile) -> Tables:
             ]
         )
         return tables
-    error = _error(texts, tables["lengths"])
     return {**tables, "length_errors": np.array(error)} if error else tables
 
 
@@ -200,12 +204,17 @@ def _with_points(written: Sequence[tuple[str, str]]) -> list[str]:
     A comma before three digits could also separate thousands, where other lengths have none.
     """
     commas = [COMMA.fullmatch(text) for text, _ in written]
-    for (text, where), comma in zip(written, commas, strict=True):
-        if comma and len(comma[1]) == 3 and not all(commas):
-            raise FileError(
-                f"{where}: the length {_short(text)} may be {text.replace(',', '')} or "
-                f"{text.replace(',', '.')}, as other lengths have no comma"
-            )
+    doubtful = [k for k, comma in enumerate(commas) if comma and len(comma[1]) == 3]
+    without = [k for k, comma in enumerate(commas) if not comma]
+    if doubtful and without and len(without) < len(doubtful):
+        text, where = written[without[0]]
+        raise FileError(f"{where}: the length {_short(text)} has no decimal comma, as most lengths have")
+    if doubtful and without:
+        text, where = written[doubtful[0]]
+        raise FileError(
+            f"{where}: the length {_short(text)} may be {text.replace(',', '')} or "
+            f"{text.replace(',', '.')}, as other lengths have no comma"
+        )
     return [
         text.replace(",", ".") if comma else text for (text, _), comma in zip(written, commas, strict=True)
     ]
@@ -230,9 +239,10 @@ def _say_which_hub_is_which(hubs: Sequence[str]) -> None:
     """Warn where the names of the hubs are not the numbers of their vertices."""
     if hubs == [str(k) for k in range(len(hubs))]:
         return
-    some = sorted({*range(min(3, len(hubs))), len(hubs) - 1})
+    few = len(hubs) <= MOST_NAMED
+    some = range(len(hubs)) if few else [0, 1, 2, len(hubs) - 1]
     named = [f"hub {hubs[k][:LONGEST_QUOTE]} is vertex {k}" for k in some]
-    if len(hubs) > 4:
+    if not few:
         named.insert(3, "...")
     warn_of_mesh(f"hubs are numbered from 0 in the order of their names: {', '.join(named)}")
 
@@ -283,6 +293,21 @@ def _triangles(edges: Indices, struts: Sequence[_Row]) -> Indices:
         if count > 2:
             raise InvalidMetric(f"{strut} is in {count} triangles: give the faces, in .json")
     return np.array(_turned_alike(found, at))
+
+
+def _check_triangles(faces: Indices, edges: Indices, lengths: Sequence[float], hubs: Sequence[str]) -> None:
+    """Refuse exact lengths that break a triangle inequality, by the names of the hubs."""
+    long = {frozenset(ends): length for ends, length in zip(edges.tolist(), lengths, strict=True)}
+    for face in np.sort(faces, axis=1).tolist():
+        sides = sorted((long[frozenset(pair)], pair) for pair in combinations(face, 2))
+        (one, _), (other, _), (longest, _) = sides
+        if longest >= one + other:
+            names = [hub[:LONGEST_QUOTE] for hub in hubs]
+            said = [f"{names[a]} to {names[b]} is {length:.9g}" for length, (a, b) in reversed(sides)]
+            raise InvalidMetric(
+                f"the triangle of the hubs {', '.join(names[v] for v in face)} breaks the triangle "
+                f"inequality: {', '.join(said)}"
+            )
 
 
 def _by_sides(triangles: Iterable[tuple[int, int, int]]) -> dict[tuple[int, int], list[int]]:

@@ -266,8 +266,8 @@ def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> Indi
     if warped.any():
         f = int(np.argmax(warped))
         warn_of_mesh(
-            f"{_count(warped.sum(), 'face is', 'faces are')} not planar, and taken as the triangles into "
-            f"which they are cut; the first is face {f}, with corners {warps[f]:.1g} of its size off a plane"
+            f"{_count(warped.sum(), 'face is', 'faces are')} not planar, and replaced by triangles; "
+            f"the first is face {f}, with corners {warps[f]:.1g} of its size off a plane"
         )
     return triangles
 

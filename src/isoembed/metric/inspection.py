@@ -17,6 +17,7 @@ from isoembed.metric.curvature import (
     gaussian_curvature,
 )
 from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
+from isoembed.metric.vertex_links import link_gaps, without_link
 from isoembed.strict_json import plain
 
 NEEDLE = 5.0  # degrees: a triangle with a smaller angle is a needle
@@ -205,7 +206,7 @@ def _warnings(
     needle = least < np.radians(NEEDLE)
     beyond = (least < np.radians(NARROW)) | (largest > np.radians(WIDE))
     # less bending than the square root of rounding
-    inside = ~t.boundary_vertices
+    inside, gaps = ~t.boundary_vertices, link_gaps(metric)
     found = (
         (
             *("negative_deficits", (epsilon < -ANGLE_ROUNDING) & inside, -epsilon, "negative deficits"),
@@ -227,7 +228,11 @@ def _warnings(
             ),
         ),
         (
-            *("degree_three", (t.degrees == 3) & inside, epsilon, "vertices of degree 3"),
+            *("impossible_angles", gaps > 0, gaps, "vertices whose angles no surface has"),
+            lambda v: without_link(metric, v),
+        ),
+        (
+            *("degree_three", (t.degrees == 3) & inside & (gaps <= 0), epsilon, "vertices of degree 3"),
             lambda v: (
                 f"vertex {v} has only 3 edges: it can be mirrored in the plane of its neighbors without "
                 "changing a length, so every realization has a second one beside it"

@@ -141,7 +141,8 @@ class PolyhedralMetric(TriangleMetric):
             Of the space that the vertices are in, and so of the triangles; lengths are its distances.
         model : {"ambient", "conformal", "projective"}
             Which coordinates they are in hyperbolic and in spherical space: those of the hyperboloid or
-            sphere, of Poincare's ball or stereographic projection, of Klein's ball or gnomonic projection.
+            sphere, of Poincare's ball, whose radius is 2 / sqrt(-k), or stereographic projection, of Klein's
+            ball, of radius 1 / sqrt(-k), or gnomonic projection.
 
         Raises
         ------

@@ -42,18 +42,22 @@ def _touched(points: Floats) -> list[tuple[int, int]]:
 
 
 def overlaps(piece: Floats, others: Floats) -> bool:
-    """Whether a convex polygon, (k, 2), meets any of others, (n, m, 2), which may be segments, with m = 2.
+    """Whether a convex polygon, (k, 2), meets any of others, (n, m, 2), which may be segments, with m = 2."""
+    return bool(overlapping(piece[None], others)[0])
+
+
+def overlapping(pieces: Floats, others: Floats) -> Mask:
+    """Mask of the convex polygons, (p, k, 2), that meet any of others, as of `overlaps`.
 
     Two that are apart are so across a line along a side of one of them.
     """
-    pieces = piece[None]
-    apart = _apart(pieces, pieces, others) | _apart(others, pieces, others)
-    return not apart.all()
+    one, other = pieces[:, None], others[None]
+    return np.asarray(~(_apart(one, one, other) | _apart(other, one, other)).all(axis=1))
 
 
 def _apart(sides: Floats, one: Floats, other: Floats) -> Mask:
-    """Whether a line along one of these sides is between the two; each (n, corners, 2) or one for all."""
-    x, y = np.moveaxis(sides - np.roll(sides, 1, axis=1), 2, 0)[..., None]
-    across, beyond = (y * p[:, None, :, 0] - x * p[:, None, :, 1] for p in (one, other))
-    before = across.max(axis=2) < beyond.min(axis=2)
-    return (before | (beyond.max(axis=2) < across.min(axis=2))).any(axis=1)
+    """Whether a line along one of these sides is between the two; each (p or 1, n or 1, corners, 2)."""
+    x, y = np.moveaxis(sides - np.roll(sides, 1, axis=2), 3, 0)[..., None]
+    across, beyond = (y * p[:, :, None, :, 0] - x * p[:, :, None, :, 1] for p in (one, other))
+    before = across.max(axis=3) < beyond.min(axis=3)
+    return (before | (beyond.max(axis=3) < across.min(axis=3))).any(axis=2)

@@ -1,4 +1,4 @@
-"""Drawing of a paper net in layers: cut, mountain, valley, seam, glue, engrave."""
+"""Drawing of a paper net in layers: cut, mountain, valley, seam, glue, engrave, solid."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.arrays import Floats
-from isoembed.errors import InvalidParameter
+from isoembed.errors import InvalidParameter, warn_of_mesh
 from isoembed.gluing.offset import offset
 from isoembed.papercraft.foot import LEGEND, foot, foot_of_drawing
 from isoembed.papercraft.labels import Label, labels
@@ -62,7 +62,7 @@ class Drawing:
     """Lines and numbers on pages below one another, in mm from the upper left corner, y upward.
 
     No line is there twice.  Files have them in layers: ``cut``, ``mountain``, ``valley``, ``seam``, ``glue``,
-    and ``engrave`` for what is only read: labels, ruler, legend, notes.
+    ``engrave`` for what is only read: labels, ruler, legend, notes, and ``solid`` for its drawing.
 
     Attributes
     ----------
@@ -89,7 +89,13 @@ class Drawing:
         At the foot of each page of the net, samples of the kinds of lines: ``"cut"``, ``"mountain"``,
         ``"valley"``.
     notes : list of Label
-        At the foot of each page: a line, and what belongs to ruler and legend.
+        At the foot of each page: a line, and what belongs to ruler and legend; and numbers of faces.
+    pictured : list of ndarray, shape (2, 2)
+        On the last page, if the net has numbers, the visible edges of the solid.
+    captions : list of Label
+        There, the numbers of its faces, and a line at the foot.
+    net : Unfolding
+        What is on the pages: with its islands, and with the gaps of a thick sheet.
     kerf : float
         By half of it the cuts are offset, mm.
     error : float
@@ -111,6 +117,9 @@ class Drawing:
     ruler: list[Floats]
     legend: list[tuple[str, Floats]]
     notes: list[Label]
+    pictured: list[Floats]
+    captions: list[Label]
+    net: Unfolding
     kerf: float
     error: float
     any_surface: bool
@@ -210,17 +219,20 @@ def drawn(
     has_valleys = any(fold.kind == "valley" for fold in creases)
     kinds = [kind for kind in LEGEND if kind != "valley" or has_valleys]
     ruler, legend, notes = foot(layout, kinds)
+    pictured: list[Floats] = []
+    captions: list[Label] = []
     if numbers and vertices is not None:
         faces = [outline[face] for p, outline in enumerate(outlines) for face in unfolding.faces[p]]
-        notes += face_numbers(faces, np.concatenate(unfolding.numbers).tolist(), written)
+        numbered = face_numbers(faces, np.concatenate(unfolding.numbers).tolist(), written)
+        notes += [one for one in numbered if one is not None]
         layout = replace(layout, pages=layout.pages + 1)
         low = -layout.pages * layout.height + FOOT + MARGIN
         high = (1 - layout.pages) * layout.height - MARGIN
         pictured, seen = views(
             unfolding, vertices, np.array([MARGIN, low]), np.array([layout.width - MARGIN, high])
         )
-        ruler += pictured
-        notes += [*seen, foot_of_drawing(layout)]
+        captions = [*seen, foot_of_drawing(layout)]
+        _say_which_have_none(len(faces), numbered.count(None), len(faces) - len({one.text for one in seen}))
     radius = (material.hole - material.kerf) / 2
     precision = unfolding.precision
     return Drawing(
@@ -237,10 +249,21 @@ def drawn(
         ruler,
         legend,
         notes,
+        pictured,
+        captions,
+        layout.unfolding,
         material.kerf,
         0.0 if precision is None else layout.scale * precision.vertex_error,
         unfolding.any_surface,
     )
+
+
+def _say_which_have_none(faces: int, small: int, unseen: int) -> None:
+    """Warn of faces without a number."""
+    where = [f"{small} on the net, too small for one"] * bool(small)
+    where += [f"{unseen} in the drawing of the solid, hidden or too small there"] * bool(unseen)
+    if where:
+        warn_of_mesh(f"faces without a number, of {faces}: {'; '.join(where)}")
 
 
 def _beyond(material: Material) -> float:

@@ -12,8 +12,11 @@ from isoembed.io.dxf_lines import ANY_SURFACE, APPLICATION, PROPERTIES, ezdxf_fo
 from isoembed.papercraft.drawing import DECIMALS, Drawing
 from isoembed.papercraft.labels import HEIGHT, Label
 
-COLORS = {"cut": 1, "mountain": 5, "valley": 3, "seam": 6, "glue": 8, "engrave": 7, "numbers": 7}
-"""Colors of the layers in AutoCAD's index: red, blue, green, magenta, gray, and black or white."""
+COLORS = {
+    **{"cut": 1, "mountain": 5, "valley": 3, "seam": 6, "glue": 8, "engrave": 7, "numbers": 7},
+    "solid": 9,
+}
+"""Colors of the layers in AutoCAD's index: red, blue, green, magenta, gray, black or white, light gray."""
 MILLIMETERS = 4  # of $INSUNITS
 
 
@@ -53,6 +56,10 @@ def write_dxf(path: Path, drawing: Drawing) -> None:
             text(label, "engrave")
         for label in drawing.labels:
             text(label, "numbers")
+        for ends in drawing.pictured:
+            line(ends, "solid")
+        for label in drawing.captions:
+            text(label, "solid")
         for fold in drawing.folds:
             for piece in fold.pieces:
                 entity = line(piece, fold.kind)

@@ -109,13 +109,13 @@ def folding_page_writer(
         title=title or Path(path).stem,
         frames=frames,
         caption=str(unfolding),
-        tables=_counted(unfolding, volume(triangles, solid.vertices)),
+        tables=_counted(unfolding, pages.net, volume(triangles, solid.vertices)),
         beside=f'<p><img width="100%" alt="The net" src="data:image/svg+xml;base64,{picture}"></p>\n',
     )
 
 
-def _counted(unfolding: Unfolding, enclosed: float) -> dict[str, dict[str, float]]:
-    """Counts and measures of the solid and of its net of one sheet, by table."""
+def _counted(unfolding: Unfolding, printed: Unfolding, enclosed: float) -> dict[str, dict[str, float]]:
+    """Counts and measures of the solid, of its net of one sheet, and of that on the pages, by table."""
     ((sheet,), (folds,), (faces,)) = unfolding.sheets, unfolding.folds, unfolding.faces
     x, y = (sheet - sheet[0]).T
     solid: dict[str, float] = {
@@ -126,4 +126,5 @@ def _counted(unfolding: Unfolding, enclosed: float) -> dict[str, dict[str, float
     }
     if not unfolding.any_surface:
         solid["volume"] = enclosed
-    return {"solid": solid, "net": {"pairs_of_sides": len(unfolding.sides), "folds": len(folds)}}
+    net = {"pairs_of_sides": len(printed.sides), "folds": sum(map(len, printed.folds))}
+    return {"solid": solid, "net": {"sheets": len(printed.sheets), **net}}

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from itertools import chain
 
 import numpy as np
 
-from isoembed.arrays import Floats
-from isoembed.papercraft.convex import Pieces, overlaps
-from isoembed.papercraft.labels import HEIGHT, LEAST, SHRINK, WIDTH, Label
+from isoembed.arrays import Floats, Mask
+from isoembed.papercraft.convex import Pieces, overlapping
+from isoembed.papercraft.labels import HEIGHT, SHRINK, WIDTH, Label
 
-SIZE = 6.0  # mm
+SIZE, LEAST = 6.0, 1.0  # mm; nobody reads smaller ones
 STEPS = 12  # of the grid of places in each direction, within a face
 PLACES = 8  # that are tried, those far from the sides
 
 
 def face_numbers(
-    faces: Sequence[Floats], numbers: Sequence[int], labels: Iterable[Label] = ()
-) -> list[Label]:
+    faces: Sequence[Floats],
+    numbers: Sequence[int],
+    labels: Iterable[Label] = (),
+    *,
+    lines: Iterable[Floats] | None = None,
+    is_seen: Callable[[int, Floats], Mask] | None = None,
+) -> list[Label | None]:
     """The number of each face, F0, F1, ..., as large as it can be without meeting a line or a label.
+
+    A face without room for a legible one has none.
 
     Parameters
     ----------
@@ -28,33 +36,39 @@ def face_numbers(
     numbers : sequence of int
     labels : iterable of Label
         Those that are there.
+    lines : iterable of ndarray, shape (2, 2), optional
+        By default the sides of all faces.
+    is_seen : callable, optional
+        Which points, (n, 2), of the k-th face are seen, in a drawing in space.
     """
     rims = (np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces)
-    lines, taken = Pieces(2, chain.from_iterable(rims)), Pieces(4, (one.box for one in labels))
+    drawn, taken = Pieces(2, lines or chain.from_iterable(rims)), Pieces(4, (one.box for one in labels))
     found = []
-    for face, number in zip(faces, numbers, strict=True):
-        one = _inside(f"F{number}", face, (lines, taken))
-        taken.add(one.box)
+    for k, (face, number) in enumerate(zip(faces, numbers, strict=True)):
+        one = _inside(f"F{number}", *_middles(face, is_seen and partial(is_seen, k)), (drawn, taken))
+        if one is not None:
+            taken.add(one.box)
         found.append(one)
     return found
 
 
-def _inside(text: str, face: Floats, obstacles: Sequence[Pieces]) -> Label:
-    places, room = _middles(face)
-    close = [some.near(face) for some in obstacles]
+def _inside(text: str, places: Floats, room: float, obstacles: Sequence[Pieces]) -> Label | None:
     # In a circle of this radius around the best place no side is nearer.
     size = min(SIZE, 2 * room / (SHRINK * np.hypot(WIDTH * len(text), HEIGHT)))
+    around = np.concatenate([Label(text, x, y, 0.0, max(size, 0.0)).box for x, y in places.tolist()])
+    close = [some.near(around) for some in obstacles]
     while size >= LEAST:
-        for x, y in places:
-            one = Label(text, x, y, 0.0, size)
-            if not any(overlaps(one.box, some) for some in close):
-                return one
+        some = [Label(text, x, y, 0.0, size) for x, y in places.tolist()]
+        boxes = np.array([one.box for one in some])
+        is_free = ~np.any([overlapping(boxes, others) for others in close], axis=0)
+        if is_free.any():
+            return some[int(np.argmax(is_free))]
         size *= SHRINK
-    return Label(text, *places[0], 0.0, LEAST)
+    return None
 
 
-def _middles(face: Floats) -> tuple[list[tuple[float, float]], float]:
-    """Places inside a face that are far from its sides, and how far the first one is."""
+def _middles(face: Floats, is_seen: Callable[[Floats], Mask] | None) -> tuple[Floats, float]:
+    """Places inside a face, (p, 2), that are far from its sides, and how far the first one is."""
     low, high = face.min(axis=0), face.max(axis=0)
     steps = (np.arange(STEPS) + 0.5) / STEPS
     grid = low + (high - low) * np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
@@ -66,5 +80,8 @@ def _middles(face: Floats) -> tuple[list[tuple[float, float]], float]:
     crossed = (to[:, :, 1] < 0) != (to[:, :, 1] < side[:, 1])
     right = (side[:, 0] * to[:, :, 1] - side[:, 1] * to[:, :, 0]) * np.sign(side[:, 1]) > 0
     apart[(crossed & right).sum(axis=1) % 2 == 0] *= -1.0
+    if is_seen is not None:
+        inside = np.flatnonzero(apart > 0)
+        apart[inside[~is_seen(points[inside])]] = -np.inf
     best = np.argsort(-apart, kind="stable")[:PLACES]
-    return [(float(x), float(y)) for x, y in points[best]], max(float(apart[best[0]]), 0.0)
+    return points[best], max(float(apart[best[0]]), 0.0)

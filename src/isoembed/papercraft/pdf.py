@@ -30,7 +30,7 @@ def write_pdf(path: Path, drawing: Drawing) -> None:
         kinds[kind].append(sample)
     lines = (
         *((some, WIDTHS[kind], DASHES[kind]) for kind, some in kinds.items()),
-        (drawing.underlines + drawing.ruler, 0.2, "solid"),
+        (drawing.underlines + drawing.ruler + drawing.pictured, 0.2, "solid"),
         ([np.vstack([seam, seam[:1]]) for seam in drawing.seams], 0.2, "dotted"),
     )
     with PdfPages(path, metadata={"CreationDate": None}) as file:
@@ -46,7 +46,7 @@ def write_pdf(path: Path, drawing: Drawing) -> None:
                     LineCollection(some, linewidths=width / POINT, linestyles=[style], colors="black"),
                     autolim=False,
                 )
-            for one in (*drawing.labels, *drawing.notes):
+            for one in (*drawing.labels, *drawing.notes, *drawing.captions):
                 if bottom < one.y < top:
                     axes.text(
                         one.x, one.y, one.text, size=one.size / POINT, rotation=one.angle,

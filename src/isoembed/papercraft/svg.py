@@ -17,6 +17,7 @@ COLORS = {
     "engrave": "#000000",
 }
 """Machines that cut tell what to do by the color of a line."""
+FONT = 'font-family="Helvetica, Arial, sans-serif" text-anchor="middle"'
 INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
 WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2, "seam": 0.2, "engrave": 0.2}  # mm
 DASHES = {"mountain": "2 1.2", "valley": "3 1 0.5 1", "seam": "1 1"}  # mm
@@ -36,7 +37,17 @@ def svg(drawing: Drawing) -> str:
                 *_group("numbers", map(_text, drawing.labels)),
                 *_group("notes", map(_text, drawing.notes)),
             ],
-            f'{_stroke("engrave")} font-family="Helvetica, Arial, sans-serif" text-anchor="middle"',
+            f"{_stroke('engrave')} {FONT}",
+        ),
+        *(
+            [
+                _layer(
+                    "solid",
+                    [*map(_path, drawing.pictured), *map(_text, drawing.captions)],
+                    f"{_stroke('engrave')} {FONT}",
+                )
+            ]
+            * bool(drawing.pictured)
         ),
         *(
             _layer(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +16,12 @@ from isoembed.papercraft.numbers import face_numbers
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-TOWARD = np.array([0.48, -0.72, 0.5])  # the first view is seen from there, the second from the opposite side
+TOWARD = np.array([0.48, -0.72, 0.5])  # one of those from which the solid may be seen
+TURNS, RISES = 24, (0.3, 0.5, 0.7)  # of the others: directions around the vertical, heights
+EDGE_ON = 1e-3  # cosine below which all faces are as badly seen
 SAMPLES = 24  # of an edge, to see where it is hidden
 CLOSE = 1e-6  # of the size of the solid; nothing hides what is as near
 CHUNK = 1 << 22
-LEGIBLE = 1.0  # mm, of a number
 
 
 def views(
@@ -26,7 +29,8 @@ def views(
 ) -> tuple[list[Floats], list[Label]]:
     """Visible edges and face numbers of the solid, seen from two opposite sides, one above the other.
 
-    Of a surface with boundary the inside is seen, too.
+    The sides are those from which the faces are least foreshortened, in the geometric mean.  Of a surface
+    with boundary the inside is seen, too.
 
     Parameters
     ----------
@@ -47,7 +51,8 @@ def views(
         for number, face in zip(numbers.tolist(), some, strict=True)
     ]
     triangles = np.concatenate([_triangles(points, corners) for _, points, corners in faces])
-    cameras = [_camera(side * TOWARD) for side in (1, -1)]
+    toward = _toward(vertices[triangles])
+    cameras = [_camera(side * toward) for side in (1, -1)]
     flat = [vertices @ camera for camera in cameras]
     half = np.array([high[0] - low[0], 0.48 * (high[1] - low[1])])
     scale = min(float((half / np.ptp(seen[:, :2], axis=0)).min()) for seen in flat)
@@ -73,18 +78,37 @@ def views(
             for pair in zip(face.tolist(), np.roll(face, 1).tolist(), strict=True)
         }
         ends = np.array(sorted(edges), dtype=np.int64).reshape(-1, 2)
-        lines += _visible(seen[ends], before, CLOSE * scale)
-        numbers = face_numbers([seen[face, :2] for _, face in front], [number for number, _ in front])
-        places = np.array(
-            [[one.x, one.y, _depth(seen[face], one)] for one, (_, face) in zip(numbers, front, strict=True)]
+        visible = _visible(seen[ends], before, CLOSE * scale)
+        lines += visible
+        numbers = face_numbers(
+            [seen[face, :2] for _, face in front],
+            [number for number, _ in front],
+            lines=visible,
+            is_seen=partial(_is_seen, [seen[face] for _, face in front], before, CLOSE * scale),
         )
-        hidden = _hidden(places, before, CLOSE * scale)
-        labels += [
-            one
-            for one, behind in zip(numbers, hidden.tolist(), strict=True)
-            if one.size >= LEGIBLE and not behind
-        ]
+        labels += [one for one in numbers if one is not None]
     return lines, labels
+
+
+def _is_seen(faces: Sequence[Floats], triangles: Floats, close: float, k: int, points: Floats) -> Mask:
+    """Mask of the points, (n, 2), of the k-th face that are in front of all triangles."""
+    low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
+    reach = (triangles[:, :, :2].max(axis=1) > low) & (triangles[:, :, :2].min(axis=1) < high)
+    near = triangles[reach.all(axis=1)]
+    return ~_hidden(np.column_stack([points, _depths(faces[k], points)]), near, close)
+
+
+def _toward(triangles: Floats) -> Floats:
+    """The direction in which triangles, (n, 3, 3), are least foreshortened."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    sizes = np.linalg.norm(normals, axis=1)
+    normals = normals[sizes > 0] / sizes[sizes > 0, None]
+    turns, rises = (some.ravel() for some in np.meshgrid(2 * np.pi * np.arange(TURNS) / TURNS, RISES))
+    level = np.sqrt(1 - rises**2)
+    ways = np.vstack([TOWARD, np.column_stack([level * np.sin(turns), -level * np.cos(turns), rises])])
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    seen = np.log(np.maximum(np.abs(normals @ ways.T), EDGE_ON)).sum(axis=0)
+    return np.asarray(ways[int(np.argmax(seen.round(9)))])
 
 
 def _camera(toward: Floats) -> Floats:
@@ -106,12 +130,12 @@ def _area(points: Floats) -> float:
     return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2)
 
 
-def _depth(face: Floats, label: Label) -> float:
-    """Height of the plane of a face, toward the viewer, at the middle of a label."""
+def _depths(face: Floats, points: Floats) -> Floats:
+    """Heights of the plane of a face, toward the viewer, at some points, (n, 2)."""
     plane = np.linalg.lstsq(
         np.column_stack([face[:, :2] - face[0, :2], np.ones(len(face))]), face[:, 2], rcond=None
     )[0]
-    return float(plane @ [label.x - face[0, 0], label.y - face[0, 1], 1.0])
+    return np.asarray((points - face[0, :2]) @ plane[:2] + plane[2])
 
 
 def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:

@@ -89,8 +89,8 @@ def mean_curvature(embedding: Embedding) -> Quantity:
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
     """K, the deficit over the circumcentric dual area and that of the triangles; unknown on a boundary."""
-    own = "k + " if embedding.metric.curvature else ""
-    label = rf"Gaussian curvature  $K = {own}\varepsilon_a / A^*_a$"
+    own = "$k$ + " if embedding.metric.curvature else ""
+    label = f"Gaussian curvature  $K$ = {own}deficit / dual area"
     return Quantity(GAUSSIAN_CURVATURE, label, embedding.gaussian_curvature)
 
 

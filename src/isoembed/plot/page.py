@@ -69,7 +69,7 @@ TITLES = {
     **{"stereographic": "stereographic", "gnomonic": "gnomonic", "sphere": "sphere, x y z"},
 }
 """Names of the models of a space on the page."""
-TEX = {"$": "", r"\varepsilon_a": "ε", "A^*_a": "A*", "k_1": "k₁", "k_2": "k₂", "  ": " "}
+TEX = {"$": "", "k_1": "k₁", "k_2": "k₂", "  ": " "}
 
 
 def page_writer(

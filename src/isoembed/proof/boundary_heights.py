@@ -30,6 +30,7 @@ from isoembed.proof.nearby_hulls import prove_nearby_hulls
 from isoembed.proof.nearby_realization import FARTHEST, NearbyRealization
 from isoembed.proof.rounding import GUARD, U
 from isoembed.surface.intersection import self_intersections
+from isoembed.thresholds import rounded_down, rounded_up
 
 
 @dataclass(frozen=True)
@@ -120,11 +121,10 @@ def certify(metric: PolyhedralMetric, vertices: Floats, heights: Floats) -> CapC
     except NotProven as obstacle:
         return CapCertificate(False, f"not certified, because {obstacle}", **found)
     where = "at these heights" if np.ptp(heights) else "in a plane"
-    # Two digits may be 5 % off, and what is printed is to be proven, too.
     reason = (
         f"certified: a surface with these lengths and its boundary {where} is within "
-        f"{1.05 * found['radius']:.1e} mean edge lengths of the vertices, and any other at least "
-        f"{0.95 * found['isolation']:.1e} from it; {added}"
+        f"{rounded_up(found['radius'])} mean edge lengths of the vertices, and any other at least "
+        f"{rounded_down(found['isolation'])} from it; {added}"
     )
     return CapCertificate(True, reason, **found)
 
@@ -157,7 +157,7 @@ def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str
             found["convex"] = found["embedded"] = True
             return (
                 "it is the convex cap, whose exterior dihedral angles are at least "
-                f"{0.95 * found['smallest_dihedral']:.1e}"
+                f"{rounded_down(found['smallest_dihedral'])}"
             )
         except NotProven as obstacle:
             convex = f"it is not proven to be convex, because {obstacle}; "

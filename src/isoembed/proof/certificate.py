@@ -17,6 +17,7 @@ from isoembed.proof.nearby_realization import NearbyRealization
 from isoembed.proof.rounding import GUARD
 from isoembed.reprs import short_repr
 from isoembed.surface.intersection import self_intersections
+from isoembed.thresholds import rounded_down, rounded_up
 
 
 @short_repr
@@ -125,15 +126,14 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
     except NotProven as obstacle:
         return Certificate(False, f"not certified, because {obstacle}", **found)
     faces = f"faces {crossing} may cross" if crossing else "its faces do not cross"
-    # Two digits may be 5 % off, and what is printed is to be proven, too.
     others = (
         f"in a family with {motions} parameter{'' if motions == 1 else 's'}"
         if motions
-        else f"and any other at least {0.95 * found['isolation']:.1e} from it"
+        else f"and any other at least {rounded_down(found['isolation'])} from it"
     )
     reason = (
-        f"certified: a realization of these lengths is within {1.05 * found['radius']:.1e} mean edge lengths "
-        f"of the vertices, {others}; {faces}"
+        f"certified: a realization of these lengths is within {rounded_up(found['radius'])} mean edge "
+        f"lengths of the vertices, {others}; {faces}"
     )
     return Certificate(True, reason, **found)
 

@@ -38,6 +38,7 @@ from isoembed.proof.length_equations import NotProven
 from isoembed.proof.nearby_hulls import prove_nearby_hulls
 from isoembed.proof.nearby_realization import FARTHEST, NearbyRealization, norm
 from isoembed.proof.rounding import GUARD, U
+from isoembed.thresholds import rounded_down, rounded_up
 
 
 @dataclass(frozen=True)
@@ -95,10 +96,9 @@ def certify(
     except NotProven as obstacle:
         return ConvexCertificate(False, f"not certified, because {obstacle}", **found)
     found["distance"] = distance = float(np.nextafter(distance, np.inf))
-    # Two digits may be 5 % off, and what is printed is to be proven, too.
     reason = (
-        f"certified: the vertices are within {1.05 * distance:.1e} of those of the convex polyhedron of the "
-        f"metric, whose exterior dihedral angles are at least {0.95 * found['smallest_dihedral']:.1e}"
+        f"certified: the vertices are within {rounded_up(distance)} of those of the convex polyhedron of the "
+        f"metric, whose exterior dihedral angles are at least {rounded_down(found['smallest_dihedral'])}"
     )
     return ConvexCertificate(True, reason, **found)
 

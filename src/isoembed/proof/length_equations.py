@@ -29,7 +29,7 @@ from isoembed.space import Space
 from isoembed.space.models import to_model
 
 LONGEST = 10.0  # radii of curvature: for longer edges the series of chords is long
-NEARBY = 1e-6  # size of the neighborhood with known derivatives, in least m and radii of curvature
+NEARBY = 2e-5  # size of the neighborhood with known derivatives, in least m or 2 - m and radii of curvature
 
 
 class NotProven(ArithmeticError):  # noqa: N818 - says what happened
@@ -93,7 +93,8 @@ class LengthEquations:
         """Largest distance of points that count as near."""
         if self.space.is_euclidean:
             return np.inf
-        return NEARBY * float(min(1.0, self.densities.min())) * min(1.0, self.space.radius)
+        m = self.densities
+        return NEARBY * float(min(1.0, m.min(), 2 - m.max())) * self.space.radius
 
     @cached_property
     def _near_densities(self) -> tuple[Floats, Floats]:
@@ -135,7 +136,7 @@ class LengthEquations:
         chords = self.space.chords(self.vertices[a], self.vertices[b])
         steepest = np.maximum(chords, goals) if self.space.curvature > 0 else np.minimum(chords, goals)
         squares = 1 - self.space.curvature * steepest**2 / 4  # of the cosine, by which arcs grow faster
-        cosines = np.sqrt(np.where(squares > NEARBY, squares, 0.0))
+        cosines = np.sqrt(np.where(squares > 1e-6, squares, 0.0))  # of nearly half a circle, nothing is known
         with np.errstate(divide="ignore"):
             shares = GUARD**2 * self.divisors / (m[a] * m[b] * (chords + goals) * cosines)
         return 2 * residuals * shares + self._off[a] + self._off[b]
@@ -232,7 +233,7 @@ class LengthEquations:
         """Lower bound on how far, in the space, a move of this size takes a vertex that stays near."""
         if self.space.curvature <= 0:
             return move  # m is at most 1
-        return move / ((1 + NEARBY) * float(self._near_densities[1].max()))
+        return move / (GUARD * float(self._near_densities[1].max()))
 
     @cached_property
     def _off(self) -> Floats:

@@ -217,7 +217,8 @@ class NearbyRealization:
         least = (self.sigma - GUARD * 8**0.5 * radius) / (2**0.5 * GUARD)
         if self.equations.space.is_euclidean:
             return max(0.0, least)
-        return max(0.0, self.equations.least_distance(min(least / 3, self.equations.room)))
+        room = self.equations.room - GUARD * (self.step + radius)
+        return max(0.0, self.equations.least_distance(min(least / 3, room)))
 
 
 def norm(bounds: Floats) -> float:

@@ -197,11 +197,11 @@ class SheetEmbedding(Embedding):
                 "bending is not at a minimum, and the shape may be wrong: its forces are balanced to "
                 f"{self.imbalance:.0e} only"
             )
-        if self.second_form_energy < TOO_LITTLE * self.least_second_form_energy:
+        if self.second_form_energy < TOO_LITTLE * 2 * self.total_absolute_curvature:
             said.append(
                 "the mesh is too coarse to tell the bending energy: int k1^2 + k2^2 dA is computed as "
                 f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA, which is "
-                f"estimated as {self.least_second_form_energy:.3g}"
+                f"estimated as {2 * self.total_absolute_curvature:.3g}"
             )
         inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
         if rough.sum() > ROUGH * inside.sum():
@@ -213,10 +213,12 @@ class SheetEmbedding(Embedding):
             said.append(self.uniqueness.basis)
         for other in self.others:
             assert isinstance(other, SheetEmbedding)
-            more = other.second_form_energy / self.second_form_energy
+            assert other.imbalance is not None
+            stalled = f", but its search stalled (imbalance {other.imbalance:.0e})"
             said.append(
                 f"another surface was found, whose vertices are up to {self.distance(other):.1g} mean edge "
-                f"lengths away and whose int k1^2 + k2^2 dA is {more:.4g} times that of this one"
+                f"lengths away and whose int k1^2 + k2^2 dA is {other.second_form_energy:.6g} instead of "
+                f"{self.second_form_energy:.6g}{stalled if other.imbalance > BALANCED else ''}"
             )
         return "".join(f"; {each}" for each in said)
 
@@ -230,19 +232,20 @@ class SheetEmbedding(Embedding):
         return self.surface.second_form_energy
 
     @cached_property
-    def least_second_form_energy(self) -> float:
-        """Estimate of the integral of 2 abs(K) dA.
+    def total_absolute_curvature(self) -> float:
+        """Estimate of the integral of abs(K) dA.
 
-        The `second_form_energy` of a smooth surface is not below this integral.  The estimate is from the
-        deficits inside; at the boundary, K is that of the neighbors inside.  It tends to the integral as the
-        triangles shrink, as the energy of a mesh does to its own limit: of a mesh, either may be the smaller.
+        The `second_form_energy` of a smooth surface is at least twice this integral.  The estimate is from
+        the deficits inside; at the boundary, K is that of the neighbors inside.  It tends to the integral as
+        the triangles shrink, as the energy of a mesh does to its own limit: of a mesh, the energy may be less
+        than twice the estimate.
         """
         assert isinstance(self.surface, SheetSurface)
         t, areas = self.triangulation, self.surface._energy.areas
         inside = (~t.boundary_vertices).astype(np.float64)
         curvature = inside * np.abs(deficits(self.metric.normalized)) / areas
         beside = t.adjacency @ curvature / np.maximum(t.adjacency @ inside, 1.0)
-        return 2 * float(areas @ np.where(t.boundary_vertices, beside, curvature))
+        return float(areas @ np.where(t.boundary_vertices, beside, curvature))
 
     @cached_property
     def _certificate(self) -> Certificate:
@@ -277,7 +280,7 @@ class SheetEmbedding(Embedding):
             "boundaries": [len(loop) for loop in t.boundaries],
             "genus": t.genus,
             "second_form_energy": self.second_form_energy,
-            "least_second_form_energy": self.least_second_form_energy,
+            "total_absolute_curvature": self.total_absolute_curvature,
             "imbalance": self.imbalance,
         }
         assert isinstance(self.surface, SheetSurface)

@@ -102,7 +102,8 @@ class CutList:
         bars = []
         for pattern, number in alike.items():
             names = tuple(falling[t][0] for t, n in enumerate(pattern) for _ in range(n))
-            bars.append(Bar(number, names, max(0.0, float(1 - sizes @ pattern)) * stock))
+            rest = float(1 - sizes @ pattern)
+            bars.append(Bar(number, names, rest * stock if rest > ROUNDING else 0.0))
         return cls(stock, tuple(bars))
 
 

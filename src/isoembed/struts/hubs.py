@@ -39,6 +39,17 @@ class HubType:
     bends: tuple[float, ...]
     is_on_boundary: bool
 
+    @property
+    def strut_angles(self) -> tuple[float, ...]:
+        """Between each strut and the next one, in space, degrees: that of the holes in a ball."""
+        leans = np.radians(self.bends)
+        after = np.roll(leans, -1)[: len(self.angles)]
+        leans = leans[: len(self.angles)]
+        cosines = np.sin(leans) * np.sin(after) + np.cos(leans) * np.cos(after) * np.cos(
+            np.radians(self.angles)
+        )
+        return tuple(np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0))).tolist())
+
 
 def hub_angles(
     frame: Frame, edges: Indices, around: Sequence[Indices], center: Floats | None

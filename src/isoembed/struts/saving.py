@@ -43,7 +43,7 @@ def report(table: StrutTable) -> dict[str, Any]:
         "radius": table.radius,
         "hub_radius": table.hub_radius,
         "strut_types": [asdict(one) for one in table.struts],
-        "hub_types": [asdict(one) for one in table.hubs],
+        "hub_types": [{**asdict(one), "strut_angles": one.strut_angles} for one in table.hubs],
         "face_types": [asdict(one) for one in table.faces],
         "cuts": None if table.cuts is None else {**asdict(table.cuts), "waste": table.cuts.waste},
         "struts": [
@@ -71,11 +71,11 @@ def csv_text(table: StrutTable) -> str:
             numbers += [LENGTH.format(one.chord_factor), ANGLE.format(one.central_angle)]
         writer.writerow([one.name, one.count, *numbers])
     writer.writerow([])
-    writer.writerow(["hub", "count", "struts", "angles", "bends", "boundary"])
+    writer.writerow(["hub", "count", "struts", "angles", "bends", "strut angles", "boundary"])
     for hub in table.hubs:
-        angles, bends = (" ".join(map(ANGLE.format, some)) for some in (hub.angles, hub.bends))
+        angles = (" ".join(map(ANGLE.format, some)) for some in (hub.angles, hub.bends, hub.strut_angles))
         on = "yes" if hub.is_on_boundary else "no"
-        writer.writerow([hub.name, hub.count, "-".join(hub.struts), angles, bends, on])
+        writer.writerow([hub.name, hub.count, "-".join(hub.struts), *angles, on])
     writer.writerow([])
     writer.writerow(["face", "count"])
     writer.writerows(["-".join(face.struts), face.count] for face in table.faces)
@@ -117,11 +117,12 @@ def text(table: StrutTable) -> str:
             str(hub.count),
             _steps(hub.angles),
             _steps(hub.bends),
+            _steps(hub.strut_angles),
             "-".join(hub.struts) + " (boundary)" * hub.is_on_boundary,
         ]
         for hub in table.hubs
     ]
-    parts.append(_aligned(["hub", "count", "angles", "bends", "struts"], hubs))
+    parts.append(_aligned(["hub", "count", "angles", "bends", "strut angles", "struts"], hubs))
     faces = [["-".join(face.struts), str(face.count)] for face in table.faces]
     parts.append(_aligned(["face", "count"], faces))
     if table.cuts is not None:

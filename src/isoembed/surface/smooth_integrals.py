@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,7 @@ from isoembed.surface.estimate import Estimate
 from isoembed.surface.rigidity import LengthSystem
 from isoembed.surface.shape_operator import normal_curvatures, second_derivatives
 from isoembed.surface.smoothness import misfits
+from isoembed.surface.surface import Surface
 from isoembed.surface.tangent_frames import sides
 
 Lengths = Literal["geodesic", "chord"]
@@ -52,7 +53,7 @@ class SmoothIntegrals:
         What the distances between the vertices are.  "chord": those between points of the surface, which the
         vertices are.  "geodesic": its geodesics' lengths; the vertices are then near the surface, not on it.
     space : Space
-        In which the vertices are.
+        In which the vertices are; `of` takes it from a surface.
 
     Raises
     ------
@@ -84,6 +85,18 @@ class SmoothIntegrals:
         object.__setattr__(
             self, "vertices", _checked(self.vertices, (self.triangulation.n_vertices, 3), "vertices")
         )
+
+    @classmethod
+    def of(cls, surface: Surface, lengths: Lengths) -> Self:
+        """Integrals over the smooth surface behind a triangulated one, in its space.
+
+        Parameters
+        ----------
+        surface : Surface
+            As `Embedding.surface`.
+        lengths : "geodesic" or "chord"
+        """
+        return cls(surface.triangulation, surface.vertices, lengths, surface.space)
 
     @cached_property
     def integrated_mean_curvature(self) -> Estimate:

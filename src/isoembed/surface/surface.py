@@ -247,7 +247,10 @@ class Surface:
 
     @cached_property
     def bending_energy(self) -> float:
-        """Integral of H^2 + k dA, k the curvature of space: 4 pi for a sphere, more for any other surface."""
+        """Integral of H^2 + k dA, k the curvature of space.
+
+        Of closed surfaces 4 pi for a sphere, more for any other.
+        """
         return curvature.bending_energy(
             self.triangulation, self._normalized, self._vertex_areas, self._space, self.dihedral_angles
         )

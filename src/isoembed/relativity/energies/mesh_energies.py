@@ -152,7 +152,7 @@ def _integrals(
     embedding: Embedding, mean_curvature: ArrayLike | None, momentum: ArrayLike | None, lengths: Lengths
 ) -> tuple[dict[str, Estimate], list[str]]:
     """The integrals by their names in `Integrals`, and what hinders others."""
-    smooth = SmoothIntegrals(embedding.triangulation, embedding.vertices, lengths, embedding.space)
+    smooth = SmoothIntegrals.of(embedding.surface, lengths)
     parts = {"area": smooth.area, "reference": smooth.integrated_mean_curvature.scaled(2.0)}
     if mean_curvature is None:
         return parts, ["k is not given: the irreducible mass is the only energy"]
