@@ -68,7 +68,7 @@ def test_a_vertex_with_three_neighbors_is_on_the_smoother_side(seed):
 
 
 def test_reflections_do_not_fit_errors_of_the_lengths():
-    """With more dents lengths are missed less: 7 edges were rough, and a vertex was 2e-2 edge lengths away."""
+    """With more dents lengths are missed less: 7 edges were rough, and a vertex 2e-2 edge lengths away."""
     x, exact = disc("bumpy", 27)
     noise = np.random.default_rng(1).normal(0, 1e-5 * exact.mean_length, len(exact.lengths))
     metric = exact.with_lengths(exact.lengths + noise)

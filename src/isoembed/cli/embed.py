@@ -224,8 +224,8 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         errors = length_errors(options)
         if errors is not None and errors.any() and options.boundary != "plane":
             raise UsageError(
-                "--length-error is for closed surfaces of genus 0, and with --boundary plane: other conditions "
-                "take exact lengths, or with --tolerance least squares through a curve"
+                "--length-error is for closed surfaces of genus 0, and with --boundary plane: elsewhere "
+                "lengths are exact, or with --tolerance of least squares through a curve"
             )
         return _sheet(options)
     best_fit = ["best_fit=true"] if options.best_fit else []

@@ -65,7 +65,7 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     if sizes[2] > FLAT * sizes[0]:
         yield vertices, STIFFNESSES[0]
     else:  # of a flat curve all is flat, and would stay so
-        upward = np.outer(bump, axes[2] * (1.0 if axes[2, 2] >= 0 else -1.0))  # mirror images have the lengths
+        upward = np.outer(bump, axes[2] if axes[2, 2] >= 0 else -axes[2])  # mirror images have the lengths
         yield vertices + height_with_area(lengths, vertices, upward) * upward, BUMPED
     height = BUMP * float(np.linalg.norm(curve, axis=1).max())
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T

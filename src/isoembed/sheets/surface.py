@@ -90,10 +90,10 @@ class SheetSurface(Surface):
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """Integral of H dA, in the unit of the lengths: the sum of `mean_curvature` times thirds of triangles.
+        """Integral of H dA, in the unit of the lengths: `mean_curvature` times thirds of triangles, summed.
 
-        Its error on a smooth cap is of second order in the mesh size; that of 1/2 sum l theta, which leaves out
-        the boundary, is of first order.
+        Its error on a smooth cap is of second order in the mesh size; that of 1/2 sum l theta, which leaves
+        out the boundary, is of first order.
         """
         return float(self._normalized_mean_curvature @ self._energy.areas) * self.unit
 
@@ -168,8 +168,8 @@ class SheetEmbedding(Embedding):
         rough = int(self.surface.rough_edges.sum())
         if rough and self.residual > MEASURED:
             return (
-                f"; {rough} edge{'s are' if rough > 1 else ' is'} rough: a vertex may be on the wrong side of "
-                "its neighbors"
+                f"; {rough} edge{'s are' if rough > 1 else ' is'} rough: a vertex may be on the wrong side "
+                "of its neighbors"
             )
         assert isinstance(self.surface, SheetSurface)
         if self.surface._above_boundary is not None and not (t.boundary_vertices | (t.degrees == 3)).all():
