@@ -13,6 +13,7 @@ from scipy.integrate import quad
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.gallery import CassiniPeanut, Ergosphere, KerrHorizon
 from isoembed.smooth.axisymmetric import AxisymmetricEmbedding
+from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.two_metric import AngleMetric, from_angles
 from isoembed.space import Hyperbolic
 
@@ -318,6 +319,23 @@ def test_a_turn_about_the_axis_changes_nothing_and_any_other_is_refused():
     sentence = r"not axisymmetric about z: at theta = [\d.]+, q_.* varies with phi by 0\.\d+ of the largest"
     with pytest.raises(InvalidMetric, match=sentence):
         AxisymmetricEmbedding.of(Turned(about_x))
+
+
+def test_rounded_components_are_no_cone():
+    """A table of the horizon of a Kerr hole, spin 0.9, in nine digits."""
+    theta, phi = (np.arange(24) + 0.5) * pi / 24, np.arange(48) * pi / 24
+    r = 1.0 + np.sqrt(0.19)
+    sigma = (r**2 + 0.81 * np.cos(theta) ** 2)[:, None] + 0.0 * phi
+    tables = sigma, 0.0 * sigma, (2.0 * r * np.sin(theta)[:, None]) ** 2 / sigma
+    rounded = (np.vectorize(lambda x: float(f"{x:.8e}"))(table) for table in (theta, phi, *tables))
+    found = AxisymmetricEmbedding.of(GridMetric(*rounded))
+    exact = AxisymmetricEmbedding.from_components(
+        lambda t: r**2 + 0.81 * np.cos(t) ** 2,
+        lambda t: (2.0 * r * np.sin(t)) ** 2 / (r**2 + 0.81 * np.cos(t) ** 2),
+    )
+    assert found.obstruction == pytest.approx(np.array(exact.obstruction), abs=1e-4)
+    assert found.is_obstructed_beyond(found.resolution)
+    assert 1e-8 < found.resolution < 1e-6
 
 
 def wavy(theta, phi):

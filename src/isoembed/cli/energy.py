@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -43,6 +44,7 @@ from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.plot.coloring import from_file
 from isoembed.plot.endings import PAGE_ENDINGS, PICTURE_ENDINGS
+from isoembed.plot.series.stills import measures_caption
 from isoembed.relativity.energies.embedded import conventions, embed_surface, embedded_report
 from isoembed.relativity.energies.mesh_energies import mesh_deviation, mesh_energies
 from isoembed.relativity.energies.report import checked_report, energy_table, mesh_report, unembedded_report
@@ -193,8 +195,9 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
         surface = embed_surface(data, space=reference(options), vertices=number, best_fit=options.best_fit)
     except NotEmbedded as error:
         print_error(str(error))
-        for option in _instead(options, error.embedding):
+        for option in _instead(options, data, error.embedding):
             print_error(option, "try")
+        _print_unwritten(outputs)
         band = _write_band(outputs, data, error.embedding.space) if options.band else []
         report = {**unembedded_report(data, error), "conventions": conventions(error.embedding.space)}
         _show(options, _with_check(data, report))
@@ -205,16 +208,21 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     if options.band:
         why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
         print_error(f"{options.band} is not written: {why}")
+    report = embedded_report(surface, found)
     try:
-        _show(options, _with_check(data, embedded_report(surface, found)))
+        _show(options, _with_check(data, report))
     finally:
         mesh = shown.mesh(number) if outputs else {}
-        files = outputs.write(output=lambda path: mesh_writer(path, **mesh), **_pictures(options, mesh))
+        caption = "" if shown is found else measures_caption(report)
+        pictures = _pictures(options, mesh, caption)
+        files = outputs.write(output=lambda path: mesh_writer(path, **mesh), **pictures)
     _end(options, files)
     return OK
 
 
-def _pictures(options: argparse.Namespace, mesh: dict[str, Any]) -> dict[str, Callable[[Path], Writer]]:
+def _pictures(
+    options: argparse.Namespace, mesh: dict[str, Any], caption: str
+) -> dict[str, Callable[[Path], Writer]]:
     """Makers of the pictures that are asked for, as `isoembed view` makes them of the file of the mesh."""
     if not (options.picture or options.html):
         return {}
@@ -222,16 +230,18 @@ def _pictures(options: argparse.Namespace, mesh: dict[str, Any]) -> dict[str, Ca
         path = Path(folder) / "surface.npz"
         write_atomically({path: mesh_writer(path, **mesh)})
         surface, curvatures = read_with_curvatures(path)
-    return picture_writers(options, surface, given=from_file(curvatures))
+    return picture_writers(options, surface, given=from_file(curvatures), caption=caption)
 
 
-def _instead(options: argparse.Namespace, attempt: SmoothEmbedding) -> Iterator[str]:
+def _instead(options: argparse.Namespace, data: SurfaceData, attempt: SmoothEmbedding) -> Iterator[str]:
     """Options to try where there is no embedding in Euclidean space."""
     if attempt.hindrance and attempt.space.is_euclidean:
         yield "--space hyperbolic, which embeds the whole surface"
         about_z = attempt.coordinates is None and attempt.harmonics.order < attempt.harmonics.degree
         if about_z and not options.band:
-            yield "--band FILE, which writes the band that embeds"
+            with suppress(InvalidMetric):
+                if AxisymmetricEmbedding.of(data.metric, space=attempt.space).bands:
+                    yield "--band FILE, which writes the band that embeds"
 
 
 def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
@@ -323,6 +333,7 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
         if options.json:
             print_json({"status": "not embedded", "name": str(options.input), **failure.report})
         print_error(str(failure))
+        _print_unwritten(outputs)
         return NOT_EMBEDDED
     energies = mesh_energies(embedding, k, p, lengths=lengths)
     try:
@@ -336,6 +347,12 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
         files = outputs.write(output=lambda path: surface_writer(path, embedding), **pictures)
     _end(options, files)
     return OK
+
+
+def _print_unwritten(outputs: Outputs) -> None:
+    """Say which files are not written where there is no surface."""
+    if files := [str(path) for name, path in outputs.items() if name != "band"]:
+        print_error(f"{', '.join(files)} not written: there is no surface")
 
 
 def _show(options: argparse.Namespace, report: dict[str, Any]) -> None:

@@ -68,8 +68,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="FILE",
         help="horizons: h.t*.ah*.gp of AHFinderDirect or BHaHAHA, SpECTRE's *.vol or *_Ylm.dat, GRChombo's "
-        "coords_AH*.dat, other HDF5, .npz, VTK, or a metric on a grid; several are taken as a sequence, and "
-        "each is embedded from the one before",
+        "coords_AH*.dat, other HDF5, .npz, VTK, or a metric on a grid (.csv, too); several are taken as a "
+        "sequence, and each is embedded from the one before",
     )
     parser.add_argument(
         "--find",
@@ -150,7 +150,7 @@ def run(options: argparse.Namespace) -> int:
             print_error(why if refused and called in why else f"{called}: {why}")
             if report.get("hindrance") and not report["space"]["curvature"]:
                 print_error("--space hyperbolic, which embeds the whole surface", "try")
-        elif not options.json:
+        if not refused and not options.json:
             (print_aside if options.output else print_out)(energy_table(report))
     found = {report["status"] for report in reports}
     if found == {REFUSED}:

@@ -107,6 +107,7 @@ def picture_writers(
     embedding: Embedding,
     seen: Film | None = None,
     given: Mapping[str, Quantity] = EMPTY,
+    caption: str = "",
 ) -> dict[str, Callable[[Path], Writer]]:
     """Makers of the pictures that are asked for, by the names of their options."""
     if not any(getattr(options, name) for name in PICTURES):
@@ -118,7 +119,9 @@ def picture_writers(
         return () if seen is None else seen.frames(embedding)
 
     return {
-        "picture": lambda path: picture_writer(path, embedding, color=shown(options, embedding, given)),
+        "picture": lambda path: picture_writer(
+            path, embedding, color=shown(options, embedding, given), caption=caption
+        ),
         "html": lambda path: page_writer(path, embedding, frames=frames(), given=given),
         "animate": lambda path: animation_writer(path, embedding, frames()),
     }

@@ -83,8 +83,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="HORIZONS",
         help="files of horizons, of any time and number: h.t*.ah*.gp of AHFinderDirect or BHaHAHA, SpECTRE's "
-        "*.vol or *_Ylm.dat, GRChombo's coords_AH*.dat, other HDF5 with one or many times, .npz, VTK; or "
-        "folders, or a simulation of the Einstein Toolkit; "
+        "*.vol or *_Ylm.dat, GRChombo's coords_AH*.dat, other HDF5 with one or many times, .npz, VTK, "
+        "tables of metrics (.csv .txt .dat); or folders, or a simulation of the Einstein Toolkit; "
         "without, table and pictures are made again of what is in the --output",
     )
     add_geometry_option(

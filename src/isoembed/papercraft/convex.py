@@ -47,7 +47,7 @@ def overlaps(piece: Floats, others: Floats) -> bool:
 
 
 def overlapping(pieces: Floats, others: Floats) -> Mask:
-    """Which convex polygons, (p, k, 2), meet any of others, as of `overlaps`.
+    """Mask of the convex polygons, (p, k, 2), that meet any of others, as of `overlaps`.
 
     Two that are apart are so across a line along a side of one of them.
     """

@@ -92,6 +92,11 @@ def write_sheets(
     InvalidParameter
         There is no such paper, a face does not fit on it, an allowance or the kerf closes a notch, or of a
         page for the browser the net has several sheets.
+
+    Warns
+    -----
+    MeshNote
+        Faces are too small for a number, or hidden in the drawing of the solid.
     """
     check_output(path, SHEET_ENDINGS)
     drawing = {"paper": paper, "scale": scale, "size": size, "numbers": numbers, "material": material}

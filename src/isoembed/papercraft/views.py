@@ -91,7 +91,7 @@ def views(
 
 
 def _is_seen(faces: Sequence[Floats], triangles: Floats, close: float, k: int, points: Floats) -> Mask:
-    """Which points, (n, 2), of the k-th face are in front of all triangles."""
+    """Mask of the points, (n, 2), of the k-th face that are in front of all triangles."""
     low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
     reach = (triangles[:, :, :2].max(axis=1) > low) & (triangles[:, :, :2].min(axis=1) < high)
     near = triangles[reach.all(axis=1)]

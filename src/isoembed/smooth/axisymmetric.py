@@ -36,6 +36,7 @@ from isoembed.smooth.two_metric import (
     are_definite,
     check_two_metric,
 )
+from isoembed.smooth.uncertain import EXACT
 from isoembed.space import EUCLIDEAN, Space
 
 Interval = tuple[float, float]
@@ -114,10 +115,13 @@ class AxisymmetricEmbedding:
             lambda x: components(x) / scale, np.array([-1.0, 0.0, 1.0]), weighted=False
         )
         Q = Piecewise(P.breaks, sheared.coefficients - P.coefficients)
+        known = 20.0 * float(getattr(metric, "error", EXACT).pointwise)  # lengths are less certain at poles
+        cones = []
         for name, x in (("south", -1.0), ("north", 1.0)):
             t, p, q = (float(f(np.array([x]))[0]) for f in (T, P, Q))
             # A larger difference of q_tt and q_pp at a pole is a cone.
-            allowed = max(1e-7, 10.0 * resolution) * p
+            allowed = max(1e-7, 10.0 * resolution, known) * p
+            cones.append(p - t)
             if abs(t - p) > allowed:
                 raise InvalidMetric(
                     f"the metric is conical at the {name} pole:"
@@ -128,6 +132,12 @@ class AxisymmetricEmbedding:
                     f"the metric is not smooth at the {name} pole:"
                     f" q_tp sin(theta) / q_pp = {q / p:.9g} there, not 0"
                 )
+        if known > 1e-7:  # cones by the errors of the metric are none
+            slope, straight = 0.5 * np.diff(cones), np.zeros_like(T.coefficients)
+            straight[0] = np.mean(cones) + 0.5 * slope * (T.breaks[:-1] + T.breaks[1:])
+            straight[1] = 0.5 * slope * np.diff(T.breaks)
+            T = Piecewise(T.breaks, T.coefficients + straight)
+            resolution = max(resolution, float(np.abs(cones).max()))
         return cls(T, P, Q, float(np.sqrt(scale)), resolution, space)
 
     @classmethod
@@ -181,6 +191,7 @@ class AxisymmetricEmbedding:
         error : float
             Of the lengths of meridians and circles of latitude.
         """
+        error = error + self.resolution
         nodes, weights = np.polynomial.legendre.leggauss(64)
         for start, stop in self.obstruction:
             theta = 0.5 * (start + stop + (stop - start) * nodes)

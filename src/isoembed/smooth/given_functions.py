@@ -15,13 +15,17 @@ from isoembed.errors import InvalidParameter
 def called(what: str, function: Callable[..., Any], *arguments: NDArray[Any]) -> Any:
     """Call a function and return its value.
 
-    Raises `InvalidParameter`: it raises a TypeError, as functions of single numbers do.
+    Raises `InvalidParameter`: it raises an error of types or shapes, as functions of one point do.
     """
     try:
         return function(*arguments)
-    except TypeError as error:
+    except InvalidParameter:
+        raise
+    except (TypeError, ValueError, IndexError) as error:
+        shapes = " and ".join(str(array.shape) for array in arguments)
         raise InvalidParameter(
-            f"{what} raises TypeError: {error}. It is called with arrays: use np.sin instead of math.sin"
+            f"{what} raises {type(error).__name__}: {error}. It is called with arrays, many points at once, "
+            f"here of shape {shapes}: use np.sin instead of math.sin, and x[:, 0] for x of shape (n, 3)"
         ) from error
 
 

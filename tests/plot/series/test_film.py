@@ -55,6 +55,11 @@ def test_the_picture_does_not_jump_where_one_is_lost_for_a_moment():
     assert min(sizes) > 0.99 * max(sizes)
 
 
+def test_horizons_that_grow_are_seen_in_one_scale():
+    results = [embedded("ah1", k, k, half_axes=(r, r, r)) for k, r in enumerate(np.linspace(1.0, 1.5, 9))]
+    assert len({pose.size for pose in _poses(scenes(PlacedHorizons.of(results)))}) == 1
+
+
 def test_one_horizon_is_one_image(tmp_path):
     write_series_film(tmp_path / "one.gif", [embedded("ah1", 0, 0)])
     with Image.open(tmp_path / "one.gif") as file:

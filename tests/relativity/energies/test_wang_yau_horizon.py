@@ -14,6 +14,7 @@ from isoembed.relativity import (
     SurfaceData,
     embed_surface,
     embedded_report,
+    energy_table,
     wang_yau,
 )
 from isoembed.smooth import PulledBack, embed_smooth
@@ -98,8 +99,13 @@ def test_a_horizon_with_negative_curvature_is_not_admissible():
         D[:, 2, 2] = 1.6
         return D
 
-    found = wang_yau(SurfaceData(PulledBack(slope), marginal=True), "optimal")
+    surface = embed_surface(SurfaceData(PulledBack(slope), marginal=True))
+    found = surface.wang_yau
     assert found.admissible < 0.0 and "tau is not admissible: K + det D^2 tau" in found.notes[1]
+    report = embedded_report(surface, found)
+    assert report["wang_yau_admissible"] is False
+    text = energy_table(report)
+    assert "\nE(tau), tau not admissible " in text and "Wang-Yau energy  " not in text
 
 
 @pytest.mark.slow

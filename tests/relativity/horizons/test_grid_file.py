@@ -5,8 +5,9 @@ import pytest
 
 from isoembed.errors import InvalidMetric
 from isoembed.io.files import FileError
-from isoembed.relativity.horizons.grid_file import read_metric_grid, read_metric_or_grid
+from isoembed.relativity.horizons.grid_file import read_grid_data, read_metric_grid, read_metric_or_grid
 from isoembed.relativity.horizons.horizon_file import read_horizon
+from isoembed.relativity.series.shape_files import shape_files_in
 from isoembed.smooth.grid_metric import GridMetric
 from places import SHARED
 from scattered import lattice, write_hdf5
@@ -57,9 +58,17 @@ def nodes(arrays):
 def test_tables_with_a_row_for_each_node(name, head, tmp_path):
     arrays = metric_arrays()
     write_table(tmp_path / name, *nodes(arrays), head)
-    found = read_metric_or_grid(tmp_path / name).metric
-    for each in ("theta", "phi", "q_tt", "q_pp"):
-        np.testing.assert_array_equal(getattr(found, each), arrays[each])
+    for found in (read_metric_or_grid(tmp_path / name).metric, read_horizon(tmp_path / name).metric):
+        for each in ("theta", "phi", "q_tt", "q_pp"):
+            np.testing.assert_array_equal(getattr(found, each), arrays[each])
+    assert shape_files_in(tmp_path) == [tmp_path / name]
+
+
+def test_columns_with_numbers_and_without_phi(tmp_path):
+    arrays = metric_arrays(m=1)
+    columns = np.stack([arrays["theta"], arrays["q_tt"][:, 0], arrays["q_pp"][:, 0]], axis=1)
+    write_table(tmp_path / "q.dat", ["1:theta", "2:q_tt", "3:q_pp"], columns, "# {}")
+    np.testing.assert_array_equal(read_grid_data(tmp_path / "q.dat").metric.q_pp, arrays["q_pp"])
 
 
 def test_tables_that_are_no_grid(tmp_path):
@@ -70,10 +79,17 @@ def test_tables_that_are_no_grid(tmp_path):
     ):
         read_metric_or_grid(tmp_path / "q.csv")
     write_table(tmp_path / "q.txt", ["th", "ph", "qtt", "qpp"], rows)
-    with pytest.raises(FileError, match="no names theta, phi, q_tt, q_tp and q_pp above its columns"):
+    with pytest.raises(
+        FileError, match="no names theta, phi, q_tt, q_tp and q_pp above its columns, but th,"
+    ):
         read_metric_or_grid(tmp_path / "q.txt")
+    write_table(tmp_path / "q.csv", ["Theta", "Phi", "g_thth", "g_phph"], rows)
+    with pytest.raises(
+        FileError, match=r"no names theta, phi, .* above its columns, but Theta, Phi, g_thth,"
+    ):
+        read_metric_or_grid(tmp_path / "q.csv")
     write_table(tmp_path / "q.txt", ["theta", "q_tt", "q_pp"], rows[:, [0, 2, 3]])
-    with pytest.raises(FileError, match="no column phi"):
+    with pytest.raises(FileError, match="no column phi and 720 rows"):
         read_metric_or_grid(tmp_path / "q.txt")
     np.savez(tmp_path / "q.npz", th=rows[:, 0], qtt=rows[:, 2])
     with pytest.raises(FileError, match=r"holds th, qtt: .*on a grid, theta, phi, q_tt, q_tp and q_pp"):

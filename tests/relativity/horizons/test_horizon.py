@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
+from gridded import sampled
 from isoembed.errors import InvalidParameter
 from isoembed.relativity import (
     CoordinateShape,
     IsotropicSchwarzschild,
     KerrNewmanHorizon,
     KerrSchild,
+    StarSurface,
     find_horizon,
     horizon_data,
 )
@@ -32,6 +34,23 @@ POINTS = CoordinateShape.star_shaped(2.0 * np.array([*np.eye(3), *-np.eye(3)]), 
 def test_refusals(found, given, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         horizon_data(found, name="a.npz", **given)
+
+
+def test_a_surface_too_small_for_the_grid_has_a_note():
+    sphere = StarSurface.sphere((0.0, 0.0, 0.0), 0.5)
+    for n, said in ((16, True), (64, False)):
+        data, _ = horizon_data(
+            sphere,
+            sampled(
+                KerrSchild(
+                    1.0,
+                    (0.0, 0.0, 0.0),
+                ),
+                n,
+                1.0,
+            ),
+        )
+        assert any("the grid resolves horizons of at least" in note for note in data.notes) is said
 
 
 def test_what_was_found_goes_with_its_own_slice_and_with_others():

@@ -240,7 +240,8 @@ def test_other_files(tmp_path):
     path = tmp_path / "notes.txt"
     path.write_text("nothing")
     with pytest.raises(
-        FileError, match=r"is neither a file of AHFinderDirect .* SpECTRE \(\*_Ylm\.dat\), nor of a kind"
+        FileError,
+        match=r"is neither a file of AHFinderDirect .* SpECTRE \(\*_Ylm\.dat\), nor a table .* of a kind",
     ):
         read_horizon(path)
     with pytest.raises(FileError, match="there is no file"):

@@ -53,6 +53,7 @@ def test_numbers_are_read_as_they_were(results, tmp_path):
             assert float(row[f"{name}_error"]) == report["errors"][name]
         assert float(row["residual"]) == report["embedding"]["residual"]
         assert float(row["space_curvature"]) == report["space"]["curvature"]
+        assert row["wang_yau_admissible"] == {None: "", True: "1"}[report.get("wang_yau_admissible")]
         assert row["degree"] == str(report["embedding"]["degree"])
 
 

@@ -58,7 +58,7 @@ def test_files(tmp_path, name, attributes, curved):
     [
         (lambda t: t.pop("gyz"), "has no gyz"),
         (lambda t: t.pop("kyz"), "has no kyz"),
-        (lambda t: t.pop("origin"), "has no origin"),
+        (lambda t: (t.pop("origin"), t.pop("spacing")), "has no origin and no spacing"),
         (
             lambda t: t.update(gxz=t["gxz"][:, :, 1:]),
             r"gxz in \S+ has the shape \(8, 9, 9\), gxx \(8, 9, 10\)",

@@ -312,6 +312,14 @@ X = np.array([[3.0, 0, 0], [0, 0, 0]])
             "the function for the metric raises TypeError: .* use np.sin instead of math.sin",
         ),
         (
+            lambda: AnalyticCallable(lambda x: np.eye(3) / np.sqrt(x @ x)).metric(X),
+            r"for the metric raises ValueError: matmul.* many points at once, here of shape \(2, 3\)",
+        ),
+        (
+            lambda: CallableGeometry(lambda x, y, z: np.eye(3), 1.0).metric(X),
+            r"missing 2 required positional .*: use np.sin .*, and x\[:, 0\] for x of shape \(n, 3\)",
+        ),
+        (
             lambda: CallableGeometry(lambda x: 1j * np.ones((len(x), 3, 3)), 1.0).metric(X),
             "the function for the metric has complex values, not real numbers",
         ),

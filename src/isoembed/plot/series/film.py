@@ -39,6 +39,7 @@ LINES = 3  # below, of each column
 STEP = 0.4  # seconds from one image to the next, at most
 REST = 2.0  # seconds that the last image stays
 MARGIN = 1.15  # size of the picture over its contents
+ZOOM = 3.0  # ratio of the largest to the least size of the contents, beyond which the scale changes
 
 
 def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -> None:
@@ -46,7 +47,8 @@ def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -
 
     Each horizon is where its center is in the slice, and turned as it lies there (`PlacedHorizons`); a common
     horizon is seen through while it holds others.  Colors show the mean curvature in one scale.  The picture
-    follows the horizons, and a bar shows a length.  Below are the time, masses and spins, and what is lost.
+    follows the horizons, in one scale unless they come much nearer, and a bar shows a length.  Below are the
+    time, masses and spins, and what is lost.
 
     Parameters
     ----------
@@ -110,6 +112,8 @@ def _poses(shown: Sequence[Scene]) -> list[Pose]:
     centers = _around(0.5 * (lower + higher), calm).mean(axis=-1)
     reaches = (np.maximum(high - centers, centers - low) / (WIDE, 1.0, np.inf)).max(axis=1)
     sizes = _around(_around(reaches, calm).max(axis=-1), calm).mean(axis=-1)
+    if reaches.max() <= ZOOM * reaches.min():  # sizes can be compared throughout
+        sizes[:] = reaches.max()
     return [
         Pose(camera().T @ center, np.eye(3), float(size)) for center, size in zip(centers, sizes, strict=True)
     ]

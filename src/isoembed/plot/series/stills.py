@@ -57,12 +57,18 @@ def horizon_figures(results: Sequence[Result]) -> Iterator[Figure]:
         )
 
 
+def measures_caption(report: Mapping[str, Any]) -> str:
+    """Area and int H dA of the smooth surface of a report, and the space if that is curved: a line each."""
+    lines = [
+        rf"area {report['area']:.8g}     $\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$",
+        said(Space(report.get("space", {}).get("curvature", 0.0))),
+    ]
+    return "\n".join(filter(None, lines))
+
+
 def _caption(report: Mapping[str, Any]) -> str:
-    """The name, the time, what is known of a horizon, and the space if that is curved: a line each."""
+    """The name and the time above what is known of a horizon."""
     name, horizon = Path(report["name"]).name, report["horizon"]
     name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
     times = [f"{key} {horizon[key]:.9g}" for key in ("time", "iteration") if horizon.get(key) is not None]
-    second = [f"area {report['area']:.8g}", rf"$\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$"]
-    space = said(Space(report.get("space", {}).get("curvature", 0.0)))
-    lines = ([escaped(name), *times], second, [space] if space else [])
-    return "\n".join("     ".join(words) for words in lines if words)
+    return f"{'     '.join([escaped(name), *times])}\n{measures_caption(report)}"

@@ -291,6 +291,8 @@ def embedded_report(
         energies["error_estimate"] = max(energies["error_estimate"], energy.error)
         kind = "minimum" if isinstance(wang_yau, WangYau) else "rest_frame"
         more = {"wang_yau": energy.value, kind: wang_yau.report}
+        if isinstance(wang_yau, WangYau):
+            more["wang_yau_admissible"] = wang_yau.admissible > 0.0
     return {
         "status": surface.status,
         "name": data.name,

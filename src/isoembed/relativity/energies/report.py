@@ -37,6 +37,8 @@ def energy_table(report: dict[str, Any]) -> str:
     width = max(map(len, SHOWN.values()))
     lines = [report["name"], *_space_lines(report.get("space")), ""]
     for name, shown in SHOWN.items():
+        if name == "wang_yau" and report.get("wang_yau_admissible") is False:
+            shown = "E(tau), tau not admissible"
         if report.get(name) is not None:
             line = _line(shown, report[name], report["errors"][name], width)
             lines.append(line + _by_lengths(report, name))

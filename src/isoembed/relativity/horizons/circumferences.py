@@ -39,7 +39,8 @@ class Circumferences:
         Of two meridians, from pole to pole and back: lines along the gradient of zeta.  Without symmetry they
         differ, and this is a mean.
     polar_bounds : tuple of float
-        Between these is twice the length of every meridian; both are `polar` where there is a symmetry.
+        Between these, moved apart by their error, is twice the length of every meridian; both are `polar`
+        where there is a symmetry.
     """
 
     equatorial: Estimate
@@ -76,11 +77,15 @@ class Circumferences:
         # 1e-14: rounding in sums over nodes.
         errors = change + (1e-14 + zeta.error + np.array([circle, mean])) * values
         equatorial, polar = (Estimate(*pair) for pair in zip(values, errors, strict=True))
-        longest, (low, high) = atlas.extremes(n)
+        longest = atlas.longest(n)
         longest = Estimate(max(longest.value, equatorial.value), longest.error + equatorial.error)
         if zeta.axisymmetric:
-            low = high = polar.value
-        return cls(equatorial, longest, polar, (min(low, polar.value), max(high, polar.value)))
+            return cls(equatorial, longest, polar, (polar.value, polar.value))
+        bounds, fewer = atlas.meridian_bounds(n), atlas.meridian_bounds(int(n / GROWTH))
+        low, high = bounds + (-1.0, 1.0) * (np.abs(bounds - fewer) + errors[1])
+        return cls(
+            equatorial, longest, polar, (float(np.clip(low, 0.0, polar.value)), float(max(high, polar.value)))
+        )
 
     @property
     def report(self) -> dict[str, Any]:
@@ -145,18 +150,28 @@ class _Atlas:
         P = legendre.legvander((value - south) / half - 1.0, l[-1])
         return float(2.0 * half * np.sum(dA / (slope * (P @ ((l + 0.5) * (dA @ P))))))
 
-    def extremes(self, n: int) -> tuple[Estimate, tuple[float, float]]:
-        """The length of the longest circle of latitude, of n nodes, and bounds of meridians."""
+    def meridian_bounds(self, n: int) -> Floats:
+        """Bounds (2,) of twice the length of meridians, from the extremes of their slopes at n heights."""
+        x, weights = legendre.leggauss(n)
+        theta = 0.5 * np.pi * (1.0 + x)
+        levels, fall = self._on_meridian(theta)
+        _, slope = self.circles(levels, theta, self.around(n))
+        # A Fourier series between the nodes, and a parabola between its values.
+        slope = np.fft.irfft(np.fft.rfft(slope, axis=1), FINER * slope.shape[1], axis=1) * FINER
+        heights, greatest = np.arange(n), list[Floats]()
+        for signed in (slope, -slope):
+            k = signed.argmax(axis=1)
+            before, there, after = (signed[heights, (k + step) % signed.shape[1]] for step in (-1, 0, 1))
+            bend = np.minimum((before - there) + (after - there), -np.finfo(np.float64).tiny)
+            greatest.append(there - (after - before) ** 2 / (8.0 * bend))
+        return np.array([2.0 * np.sum(0.5 * np.pi * weights * fall / np.abs(most)) for most in greatest])
+
+    def longest(self, n: int) -> Estimate:
+        """The length of the longest circle of latitude, of n nodes."""
         m = FEWEST_NODES
         x, weights = legendre.leggauss(m)
         theta = 0.5 * np.pi * (1.0 + x)
-        levels, fall = self._on_meridian(theta)
-        speed, slope = self.circles(levels, theta, self.around(m))
-        # A Fourier series between the nodes, so that extremes are not missed.
-        finer = FINER * slope.shape[1]
-        slope = np.fft.irfft(np.fft.rfft(slope, axis=1), finer, axis=1) * FINER
-        rate = (0.5 * np.pi * weights * fall)[:, None] / slope
-        bounds = 2.0 * float(rate.min(axis=1).sum()), 2.0 * float(rate.max(axis=1).sum())
+        speed, _ = self.circles(self._on_meridian(theta)[0], theta, self.around(m))
         # Their lengths as a polynomial in x tell the place of the longest.
         l = np.arange(m)
         series = (l + 0.5) * (legendre.legvander(x, m - 1).T @ (weights * speed.mean(axis=1)))
@@ -171,9 +186,9 @@ class _Atlas:
         below, there, above = 2.0 * np.pi * speed.mean(axis=1)
         bend = below - 2.0 * there + above
         if bend >= 0.0:  # by rounding, where circles are equally long
-            return Estimate(max(below, there, above), abs(above - below) + bend), bounds
+            return Estimate(max(below, there, above), abs(above - below) + bend)
         shift = (above - below) ** 2 / (8.0 * bend)
-        return Estimate(there - shift, abs(shift)), bounds
+        return Estimate(there - shift, abs(shift))
 
     def _on_meridian(self, theta: Floats) -> tuple[Floats, Floats]:
         """Zeta (n,) at angles from the pole on psi = 0, and how fast it falls with them."""

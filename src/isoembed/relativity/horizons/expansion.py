@@ -154,7 +154,8 @@ def classify_horizon(
     return replace(
         _noted(
             data,
-            f"treated as a horizon that was located inexactly: {expansion}, and {away}; the errors include "
+            f"treated as a horizon that was located inexactly, unless the slice is another one: "
+            f"{expansion}, and {away}; the errors include "
             "the possibility that it is not a horizon; marginal=True or marginal=False decides",
         ),
         doubtful=True,

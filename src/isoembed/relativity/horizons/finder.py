@@ -92,7 +92,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
             return replace(foliated_horizon(geometry, guess), outermost=None)  # larger ones were not sought
         except FAILURES as error:
             why = str(error)
-    raise NoHorizon(f"no horizon was found from the guess: {why}")
+    raise NoHorizon(f"no horizon was found from the guess, which may enclose none: {why}")
 
 
 def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:

@@ -82,7 +82,7 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
     raise NoHorizon(
         f"{verdict}: the outer one has areal radius {outer.areal_radius:.9g} and expansion "
         f"{outer.expansion:.3g}, the inner one {inner.areal_radius:.9g} and {inner.expansion:.3g}; {why}"
-        f"{_too_coarse(geometry, outer.surface)}",
+        f"{_below(coarse_grid(geometry, outer.surface))}",
         evidence=Evidence(kind, "barriers: a surface of negative expansion inside one of positive expansion"),
         barriers=(outer.surface, inner.surface),
     )
@@ -123,15 +123,20 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
     return replace(horizon, outermost=_outermost(foliation))
 
 
-def _too_coarse(geometry: ThreeGeometry, surface: Surface) -> str:
+def coarse_grid(geometry: ThreeGeometry, surface: Surface) -> str:
     """A sentence on the grid of a slice, where a surface is small for it."""
     least = geometry.least_diameter(surface.points(gauss_rule(*NODES)[0]))
     if (diameter := 2.0 * surface.mean_radius) >= least:
         return ""
     return (
-        f".\nThis surface has a diameter of {diameter:.3g} in coordinates, and the grid resolves horizons "
+        f"this surface has a diameter of {diameter:.3g} in coordinates, and the grid resolves horizons "
         f"of at least {least:.3g}: use a finer grid around the hole"
     )
+
+
+def _below(sentence: str) -> str:
+    """A sentence on a line of its own, below another one, if there is one."""
+    return f".\n{sentence[0].upper()}{sentence[1:]}" if sentence else ""
 
 
 def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
@@ -147,11 +152,11 @@ def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
     )
     at = f"at R = {least.areal_radius:.6g} around ({center})"
     # It is 1 in flat space: there is a hole.
-    coarse = _too_coarse(geometry, least.surface) if least.normalized_expansion < 0.5 else ""
+    coarse = coarse_grid(geometry, least.surface) if least.normalized_expansion < 0.5 else ""
     return NoHorizon(
         "no horizon was found: among surfaces of constant expansion c and areal radius R, the least c R / 2 "
         f"is {least.normalized_expansion:.6g}{off}, {at}, and a horizon has 0; the search ended because "
-        f"{foliation.end}{coarse}",
+        f"{foliation.end}{_below(coarse)}",
         least.normalized_expansion,
         evidence,
         error,

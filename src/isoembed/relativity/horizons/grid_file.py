@@ -1,6 +1,7 @@
 """Reader for metrics and data on (theta, phi) grids."""
 
 import os
+import re
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ ARRAY_ENDINGS = (".npz", *HDF5_ENDINGS)
 TEXT_ENDINGS = (".csv", ".txt", ".dat")
 GRID_ENDINGS = (*ARRAY_ENDINGS, *TEXT_ENDINGS)
 ANGLES = ("theta", "phi")
+NUMBERED = re.compile(r"(?<!\S)\d+:(?=[A-Za-z])")  # as in 3:q_tt, the third column
 NEEDED = (*ANGLES, "q_tt", "q_pp")
 
 
@@ -58,7 +60,8 @@ def read_grid_data(path: str | os.PathLike[str]) -> SurfaceData:
         ``.npz``, or ``.h5`` or ``.hdf5`` with everything at the top or in one group.  It holds ``theta``
         (n,), ``phi`` (m,), and ``q_tt``, ``q_tp``, ``q_pp`` (n, m) as `GridMetric` takes them, or with one
         angle phi (n,); ``q_tp`` may be left out where it is 0.  Or a table in ``.csv``, ``.txt`` or ``.dat``,
-        one row for each node, with these names above its columns.  Besides, ``k``, ``p`` (n, m), and ``j_t``
+        one row for each node, with these names above its columns; without phi the metric is symmetric about
+        z.  Besides, ``k``, ``p`` (n, m), and ``j_t``
         and ``j_p``, the components of K(., n) for theta and phi: see `SurfaceData`; and a Gaussian curvature
         to compare with that of the metric, as `CurvatureCheck` knows it.
 
@@ -114,7 +117,7 @@ def read_metric_or_grid(
         return read_metric(path, merge=merge, length_errors=length_errors)
     with opened(path) as file:
         if file.ending in TEXT_ENDINGS:
-            is_grid = file.ending != ".csv" or _is_metric(dict.fromkeys(_columns(file)))
+            is_grid = file.ending != ".csv" or "theta" in " ".join(_columns(file)).lower()
             return read_grid_data(file) if is_grid else read_metric(file, length_errors=length_errors)
         is_grid = file.ending != ".npz" or holds_metric_grid(file) or "theta" in file.arrays[""]
         if is_grid:
@@ -123,7 +126,9 @@ def read_metric_or_grid(
 
 
 def holds_metric_grid(file: InputFile) -> bool:
-    """Whether some of the arrays of a file are components of a metric on a grid."""
+    """Whether some of the arrays or columns of a file are components of a metric on a grid."""
+    if file.ending in TEXT_ENDINGS:
+        return _is_metric(dict.fromkeys(_columns(file)))
     return file.ending in ARRAY_ENDINGS and any(map(_is_metric, file.arrays.values()))
 
 
@@ -161,7 +166,7 @@ def _columns(file: InputFile) -> list[str]:
     """The names above the columns of a table: the last comment before them, or a line of its own."""
     names = list[str]()
     for line in file.text.splitlines():
-        words = line.strip("# \t\ufeff").replace(",", " ").split()
+        words = NUMBERED.sub("", line.strip("# \t\ufeff").replace(",", " ")).split()
         if words and words[0].isidentifier():
             names = words
         if words and not line.lstrip().startswith("#"):
@@ -173,23 +178,25 @@ def _table_on_grid(file: InputFile) -> Tables:
     """The columns of a table with a row for each node, as arrays (n, m)."""
     names = _columns(file)
     if not _is_metric(dict.fromkeys(names)):
+        there = f", but {', '.join(names[:8])}" if names else ""
         raise FileError(
             f"{file} is not a metric on a grid: there are no names theta, phi, q_tt, q_tp and q_pp above its "
-            "columns; arrays of these names, (n,), (m,) and (n, m), may be in .npz or .h5"
+            f"columns{there}; arrays of these names, (n,), (m,) and (n, m), may be in .npz or .h5"
         )
-    if missing := [name for name in NEEDED if name not in names]:
+    if missing := [name for name in NEEDED if name not in names and name != "phi"]:
         raise FileError(f"{file} has no column {missing[0]}")
     numbers = read_text_table(file, named=True).numbers
     if numbers.shape[1] != len(names):
         raise FileError(f"{file} has {numbers.shape[1]} columns, and {len(names)} names above them")
-    columns = dict(zip(names, numbers.T, strict=True))
+    columns = {"phi": np.zeros(len(numbers))} | dict(zip(names, numbers.T, strict=True))
     angles = {name: np.unique(columns.pop(name), return_inverse=True) for name in ANGLES}
     (theta, i), (phi, j) = angles.values()
     cells = i.ravel() * len(phi) + j.ravel()
     if len(cells) != len(theta) * len(phi) or len(np.unique(cells)) != len(cells):
+        without = "" if "phi" in names else "no column phi and "
         raise FileError(
-            f"{file} has {len(cells)} rows, which are not one for each pair of its {len(theta)} angles "
-            f"theta and {len(phi)} angles phi"
+            f"{file} has {without}{len(cells)} rows, which are not one for each pair of its {len(theta)} "
+            f"angles theta and {len(phi)} angles phi"
         )
     order = np.argsort(cells)
     arrays = {name: values[order].reshape(len(theta), len(phi)) for name, values in columns.items()}

@@ -12,6 +12,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.curvature_check import CurvatureCheck
 from isoembed.relativity.horizons.expansion import ExpansionTest, classify_horizon, expansion_test
+from isoembed.relativity.horizons.foliated_horizon import coarse_grid
 from isoembed.relativity.horizons.found_horizon import FoundHorizon
 from isoembed.relativity.spacetimes.checks import written
 from isoembed.relativity.spacetimes.mapped_surface import MappedSurface
@@ -126,6 +127,8 @@ def horizon_data(
     data = surface.data(geometry, axis, name=name)
     test = expansion_test(data)
     data = classify_horizon(data, marginal, test)
+    if coarse := coarse_grid(geometry, surface):
+        data = replace(data, notes=(*data.notes, coarse))
     directions = surface.directions if points and isinstance(surface, MappedSurface) else None
     check = CurvatureCheck.of(data, points, directions)
     return data, HorizonFacts(data.marginal, test, surface, points, curvature_check=check)

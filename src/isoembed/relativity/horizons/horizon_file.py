@@ -56,10 +56,10 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
     ----------
     path : path
         By its content and ending: a shape file of AHFinderDirect or BHaHAHA; coordinates of GRChombo;
-        surface data or harmonic coefficients of SpECTRE (see `read_spectre`); ``.npz``, ``.h5`` or ``.hdf5``
-        with a metric on a grid (see `read_grid_data`), or with ``points`` (V, 3) or ``x``, ``y``, ``z``, and
-        maybe ``faces`` (F, 3), ``center`` (3,) and ``time``; polygons in a legacy VTK file as
-        QuasiLocalMeasures writes them; or a closed mesh, whose equal vertices are merged; or a
+        surface data or harmonic coefficients of SpECTRE (see `read_spectre`); a metric on a grid, in arrays
+        or a table (see `read_grid_data`); ``.npz``, ``.h5`` or ``.hdf5`` with ``points`` (V, 3) or ``x``,
+        ``y``, ``z``, and maybe ``faces`` (F, 3), ``center`` (3,) and ``time``; polygons in a legacy VTK file
+        as QuasiLocalMeasures writes them; or a closed mesh, whose equal vertices are merged; or a
         `HorizonFormat` of another package.  It may be compressed (``.gz``).
 
     Returns
@@ -88,7 +88,8 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
             )
     raise FileError(
         f"{file} is neither a file of AHFinderDirect or BHaHAHA (h.t*.ah*.gp), of GRChombo (coords_AH*.dat) "
-        "or of SpECTRE (*_Ylm.dat), nor of a kind that the endings "
+        "or of SpECTRE (*_Ylm.dat), nor a table of a metric with theta, phi, q_tt, q_tp and q_pp above its "
+        "columns, nor of a kind that the endings "
         f"{' '.join(ARRAY_ENDINGS)} {' '.join(MESH_ENDINGS)} tell"
     )
 

@@ -30,10 +30,13 @@ class HorizonShape:
     ----------
     circumferences : Circumferences
     multipoles : Multipoles
+    axis : three floats
+        A unit vector in the directions of the metric, from the pole where zeta is -1 to that where it is 1.
     """
 
     circumferences: Circumferences
     multipoles: Multipoles
+    axis: tuple[float, float, float]
 
     @classmethod
     def of(cls, data: SurfaceData, spin: Spin | None = None) -> HorizonShape:
@@ -54,12 +57,17 @@ class HorizonShape:
         """
         zeta, known, moved = _coordinate(data, spin), data.lengths_error, data.displacement
         lengths = Uncertainty(known.pointwise + moved, known.mean + moved)
-        return cls(Circumferences.of(data.metric, zeta, lengths), Multipoles.of(data, zeta))
+        x, y, z = zeta.axis.tolist()
+        return cls(Circumferences.of(data.metric, zeta, lengths), Multipoles.of(data, zeta), (x, y, z))
 
     @property
     def report(self) -> dict[str, Any]:
-        """Plain numbers, for JSON: ``circumferences`` and ``multipoles``."""
-        return {"circumferences": self.circumferences.report, "multipoles": self.multipoles.report}
+        """Plain numbers, for JSON: ``circumferences``, ``multipoles`` and their ``shape_axis``."""
+        return {
+            "circumferences": self.circumferences.report,
+            "multipoles": self.multipoles.report,
+            "shape_axis": list(self.axis),
+        }
 
 
 def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
@@ -97,7 +105,7 @@ def shape_lines(report: dict[str, Any]) -> list[str]:
     found, multipoles = report["circumferences"], report["multipoles"]
     low, high = found["polar_bounds"]
     lengths = [_written(name, found[name], found["errors"][name]) for name in ("equatorial", "polar")]
-    if high - low > 2.0 * found["errors"]["polar"]:
+    if high - low > 4.0 * found["errors"]["polar"]:  # the bounds include the error
         lengths.append(f"from {low:.8g} to {high:.8g} without symmetry")
     shown = ("M", "J") if multipoles["M"] else ("I",)
     moments = [
@@ -106,7 +114,10 @@ def shape_lines(report: dict[str, Any]) -> list[str]:
         if multipoles[name]
         for n in ((1, 3) if name == "J" else (2, 4))
     ]
-    return [f"circumferences: {', '.join(lengths)}", f"multipoles: {', '.join(moments)}"]
+    about = ""
+    if axis := report.get("shape_axis"):  # results of older versions have none
+        about = " about ({})".format(", ".join(f"{x + 0.0:.3g}" for x in np.round(axis, 4)))
+    return [f"circumferences{about}: {', '.join(lengths)}", f"multipoles: {', '.join(moments)}"]
 
 
 def _written(name: str, value: float, error: float) -> str:

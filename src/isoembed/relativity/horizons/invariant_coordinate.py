@@ -126,8 +126,8 @@ class InvariantCoordinate:
     def axis(self) -> Floats:
         """The unit vector (3,) along which zeta rises, in the mean over directions."""
         degrees, orders = self.harmonics.labels
-        (x,), (y,), (z,) = (self.coefficients[(degrees == 1) & (orders == m)] for m in (1, -1, 0))
-        axis = np.array([x, y, z]) @ self.frame
+        x, y, z = (self.coefficients[(degrees == 1) & (orders == m)].sum() for m in (1, -1, 0))
+        axis = np.array([x, y, z]) @ self.frame  # of a symmetry, there are no x and y
         return np.asarray(axis / np.linalg.norm(axis))
 
     def reversed(self) -> InvariantCoordinate:

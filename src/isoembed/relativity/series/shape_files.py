@@ -16,7 +16,7 @@ from isoembed.io.hdf5 import HDF5_ENDINGS, groups_in
 from isoembed.io.input_file import InputFile
 from isoembed.io.registry import MESH_ENDINGS
 from isoembed.relativity.horizons.grchombo import GRCHOMBO, NAME, finder_outputs, stats_path
-from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS
+from isoembed.relativity.horizons.grid_file import ARRAY_ENDINGS, METRIC_GRID, TEXT_ENDINGS
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 from isoembed.relativity.horizons.spectre import SPECTRE, spectre_times
 from isoembed.relativity.horizons.time_axis import INSTANT, SHAPES, horizon_times
@@ -80,8 +80,8 @@ def _may_be_shape(path: Path) -> bool:
     ending = input_ending(path)
     if ending == SHAPE:
         return NUMBER.search(path.name) is not None and not path.name.startswith(DIAGNOSTICS)
-    if ending == TEXT:
-        return _is_of(GRCHOMBO, path) or _is_of(SPECTRE, path)
+    if ending in TEXT_ENDINGS:
+        return any(_is_of(known, path) for known in (GRCHOMBO, SPECTRE, METRIC_GRID))
     if ending not in ARRAY_ENDINGS:
         return ending in MESH_ENDINGS
     try:

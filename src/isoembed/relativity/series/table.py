@@ -46,7 +46,12 @@ def _units() -> dict[str, str]:
         units |= {name: unit, f"{name}_error": unit}
         if name == "J":
             units |= {**dict.fromkeys(AXIS, PURE), "axis_error": "radian"}
-    return units | {"space_curvature": "1 / length^2", "residual": PURE, "degree": PURE}
+    return units | {
+        "wang_yau_admissible": PURE,
+        "space_curvature": "1 / length^2",
+        "residual": PURE,
+        "degree": PURE,
+    }
 
 
 UNITS = _units()
@@ -55,7 +60,7 @@ ERRORS = {name: f"{name}_error" for name in ESTIMATES} | dict.fromkeys(AXIS, "ax
 """Columns that hold the errors of other columns."""
 TEXTS = ("status", "reason", "label")
 """Columns of texts, which are the last ones."""
-WHOLE = ("iteration", "degree")
+WHOLE = ("iteration", "wang_yau_admissible", "degree")
 
 
 @dataclass(frozen=True)
@@ -88,6 +93,7 @@ class Row:
         errors, spin = report.get("errors") or {}, report.get("spin")
         for name in ESTIMATES:
             numbers |= {name: report.get(name), f"{name}_error": errors.get(name)}
+        numbers["wang_yau_admissible"] = report.get("wang_yau_admissible")
         if spin:
             numbers |= {"J": spin["J"], "J_error": spin["error"]}
             if spin["axis"]:

@@ -158,9 +158,10 @@ def _open_sets(path: str | os.PathLike[str]) -> Iterator[Mapping[str, Any]]:
 
 def _check(path: str | os.PathLike[str], sets: Mapping[str, Any]) -> None:
     """Refuse a file in which something is missing or does not fit."""
-    for name in (*PLACE, *GAMMA, *(K if any(name in sets for name in K) else ())):
-        if name not in sets:
-            raise FileError(f"{path} has no {name}")
+    needed = (*PLACE, *GAMMA, *(K if any(name in sets for name in K) else ()))
+    if missing := [name for name in needed if name not in sets]:
+        raise FileError(f"{path} has no {' and no '.join(missing)}")
+    for name in needed:
         if sets[name].dtype.kind not in "iuf":
             raise FileError(f"{name} in {path} does not hold real numbers")
         if name[0] in "gk" and sets[name].shape != sets["gxx"].shape:
