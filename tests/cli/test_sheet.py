@@ -141,3 +141,8 @@ def test_a_cap_within_errors(call, cap):
     assert found["measured"]["chi_square"] <= found["measured"]["chi_square_limit"]
     status, _, error = call("embed", "cap.npz", "--method", "sheet", "--length-error", "1e-4")
     assert status == 2 and "--length-error with the method 'sheet' needs --boundary plane" in error
+
+
+def test_errors_of_zero_go_with_any_boundary(call, cap):
+    status, out, _ = call("embed", "cap.npz", "--boundary", "free", "--length-error", "0", "--json")
+    assert status == 0 and "deviation" not in strict(out)

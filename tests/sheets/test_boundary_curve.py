@@ -67,6 +67,42 @@ def test_a_vertex_with_three_neighbors_is_on_the_smoother_side(seed):
     assert f"{apart:.1g} mean edge lengths away" in surface.message
 
 
+def test_reflections_do_not_fit_errors_of_the_lengths():
+    """With more dents lengths are missed less: 7 edges were rough, and a vertex was 2e-2 edge lengths away."""
+    x, exact = disc("bumpy", 27)
+    noise = np.random.default_rng(1).normal(0, 1e-5 * exact.mean_length, len(exact.lengths))
+    metric = exact.with_lengths(exact.lengths + noise)
+    [loop] = metric.triangulation.boundaries
+    for start in (None, x):
+        surface = embed(metric, boundary=x[loop], start=start, tolerance=1e-4)
+        assert not surface.surface.rough_edges.any()
+        assert np.linalg.norm(surface.vertices - x, axis=1).max() < 5e-3 * metric.mean_length
+
+
+def test_rough_surfaces_through_a_curve_say_so():
+    x, exact = disc("bumpy", 27)
+    noise = np.random.default_rng(1).normal(0, 3e-4 * exact.mean_length, len(exact.lengths))
+    metric = exact.with_lengths(exact.lengths + noise)
+    [loop] = metric.triangulation.boundaries
+    surface = embed(metric, boundary=x[loop], start=x, tolerance=1e-2)
+    rough = surface.surface.rough_edges.sum()
+    assert f"; {rough} edges are rough: a vertex may be on the wrong side" in surface.message
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_over_a_plane_curve_the_surface_is_on_the_upper_side_or_that_of_the_start(side):
+    points, faces = discs.hexagonal(3)
+    x = discs.round_cap(points, 1.0) * [1, 1, side]
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    [loop] = metric.triangulation.boundaries
+    surface = embed(metric, boundary=x[loop] + [0, 0, 1])
+    assert surface.residual < 1e-13
+    assert (surface.vertices[:, 2] - surface.vertices[loop[0], 2]).max() > 0.4
+    assert "the mirror image in it has the lengths, too" in surface.message
+    again = embed(metric, boundary=x[loop], start=x)
+    np.testing.assert_allclose(again.vertices, x, atol=1e-12)
+
+
 def test_starts_have_the_boundary_and_differ():
     x, metric = disc("bumpy", 27)
     inside = ~metric.triangulation.boundary_vertices

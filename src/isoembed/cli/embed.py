@@ -187,7 +187,7 @@ def run(options: argparse.Namespace) -> int:
             progress=heard_by(progress, checkpoints.listen),
             resume=kept,
         )
-        if errors is None or method.takes_length_errors:
+        if errors is None or method.takes_length_errors or method.takes_boundary:
             return found
         return found.with_length_errors(errors)
 
@@ -221,8 +221,12 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
             raise UsageError(f"--boundary and --start need the method 'sheet', not {name!r}")
         if options.parameter:
             raise UsageError("the method 'sheet' has no --parameter beside --boundary and --start")
-        if options.length_error is not None and options.boundary != "plane":
-            raise UsageError("--length-error is for closed surfaces of genus 0, and with --boundary plane")
+        errors = length_errors(options)
+        if errors is not None and errors.any() and options.boundary != "plane":
+            raise UsageError(
+                "--length-error is for closed surfaces of genus 0, and with --boundary plane: other conditions "
+                "take exact lengths, or with --tolerance least squares through a curve"
+            )
         return _sheet(options)
     best_fit = ["best_fit=true"] if options.best_fit else []
     effort = [] if options.effort is None else [f"effort={options.effort}"]

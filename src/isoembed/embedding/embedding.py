@@ -345,7 +345,10 @@ class Embedding:
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """Integral of H dA = 1/2 sum l theta, in the unit of the lengths."""
+        """Integral of H dA = 1/2 sum l theta, in the unit of the lengths.
+
+        Of surfaces from ``embed(metric, boundary=...)``, it is that of the fitted `mean_curvature`.
+        """
         return self.surface.integrated_mean_curvature
 
     def save(self, path: str | os.PathLike[str], *, color: str | Quantity | ArrayLike | None = None) -> None:

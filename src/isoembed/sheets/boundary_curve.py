@@ -65,8 +65,8 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     if sizes[2] > FLAT * sizes[0]:
         yield vertices, STIFFNESSES[0]
     else:  # of a flat curve all is flat, and would stay so
-        height = height_with_area(lengths, vertices, np.outer(bump, axes[2]))
-        yield vertices + height * np.outer(bump, axes[2]), BUMPED
+        upward = np.outer(bump, axes[2] * (1.0 if axes[2, 2] >= 0 else -1.0))  # mirror images have the lengths
+        yield vertices + height_with_area(lengths, vertices, upward) * upward, BUMPED
     height = BUMP * float(np.linalg.norm(curve, axis=1).max())
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
     for shape in (bump, bump * away[:, 0], bump * away[:, 1]):
@@ -167,6 +167,7 @@ def through_curve(
         x = best
     else:
         x = released(np.where(inside[:, None], start, boundary))
+    unreflected = x
     for _ in range(ROUNDS):
         if is_realized(x):
             break
@@ -182,7 +183,10 @@ def through_curve(
         if not squares(best) < BETTER * squares(x):
             break
         x = best
-    return _smoother(t, x) if is_realized(x) else x
+    if is_realized(x):
+        return _smoother(t, x)
+    # Reflections are dents where they fit the errors of measured lengths.
+    return min(unreflected, x, key=lambda y: fine_roughness(t, y))
 
 
 def _smoother(t: Triangulation, x: Floats) -> Floats:

@@ -196,7 +196,10 @@ def _over_heights(
             "posed where the curvature is not positive; give positions (B, 3)"
         )
     check_cap(metric)
-    return _raised(metric, heights - heights.mean(), tolerance, log, "heights")
+    found = _raised(metric, heights - heights.mean(), tolerance, log, "heights")
+    if found.converged:
+        return found
+    return found._with_message(f"{found.message}; are the heights in the order of Triangulation.boundaries?")
 
 
 def _raised(

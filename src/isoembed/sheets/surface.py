@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 BALANCED = 1e-6  # imbalance of a minimum
 FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; of one as curved as it is wide it is about 1
 ROUGH = 0.08  # share of the edges: of smooth sheets with K < 0, up to .05 were, of crumpled ones .1 to .25
+MEASURED = 1e-9  # mean edge lengths: through a curve, larger residuals are errors of the lengths
 TOO_LITTLE = 0.95  # share of the least energy of smooth surfaces below which that of a mesh is an error
 
 
@@ -89,7 +90,11 @@ class SheetSurface(Surface):
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """Integral of H dA, in the unit of the lengths."""
+        """Integral of H dA, in the unit of the lengths: the sum of `mean_curvature` times thirds of triangles.
+
+        Its error on a smooth cap is of second order in the mesh size; that of 1/2 sum l theta, which leaves out
+        the boundary, is of first order.
+        """
         return float(self._normalized_mean_curvature @ self._energy.areas) * self.unit
 
 
@@ -156,10 +161,21 @@ class SheetEmbedding(Embedding):
         return self.condition == "plane"
 
     def _sides(self) -> str:
-        """Clause on vertices inside a given curve whose mirror images have the lengths, too."""
+        """Clause on vertices inside a given curve that may be, or may as well be, on the other side."""
         t = self.triangulation
+        if self.condition != "curve" or not self.converged:
+            return ""
+        rough = int(self.surface.rough_edges.sum())
+        if rough and self.residual > MEASURED:
+            return (
+                f"; {rough} edge{'s are' if rough > 1 else ' is'} rough: a vertex may be on the wrong side of "
+                "its neighbors"
+            )
+        assert isinstance(self.surface, SheetSurface)
+        if self.surface._above_boundary is not None and not (t.boundary_vertices | (t.degrees == 3)).all():
+            return "; the boundary is in a horizontal plane: the mirror image in it has the lengths, too"
         chosen = np.flatnonzero(~t.boundary_vertices & (t.degrees == 3))
-        if self.condition != "curve" or not self.converged or not len(chosen):
+        if not len(chosen):
             return ""
         from isoembed.aim.vertex_reflections import reflections  # imports what only searches need
 
