@@ -165,6 +165,8 @@ def test_a_horizon_that_does_not_embed_is_reported(run):
     report = strict(out)
     assert report["status"] == "not embedded" and report["horizon"]["outer"]
     assert report["irreducible_mass"] == pytest.approx(np.sqrt(0.5 * (1.0 + np.sqrt(0.19))), rel=1e-9)
+    status, out, _ = run("kerr-schild", "--spin", 0, 0, 0.9, *FEW)
+    assert status == 3 and "irreducible mass            0.8473163206" in out and "J_3 -0.515" in out
 
 
 GUESS = ["--guess", 0, 0, 0, 0.5]

@@ -373,4 +373,4 @@ class TestAnglesInSinglePrecision:
         phi = exact.phi + 2.5e-6 * (np.arange(46) == 29)
         with pytest.raises(InvalidMetric, match=r"phi\[29\] = 3\.9611\d+ is not 3\.9611\d+: 46") as said:
             GridMetric(exact.theta, phi, exact.q_tt, exact.q_tp, exact.q_pp)
-        assert "in radians" in str(said.value)
+        assert "in radians, in eight digits or more" in str(said.value)

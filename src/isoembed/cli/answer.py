@@ -57,8 +57,8 @@ def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs
     """
     for name, endings in PICTURES.items():
         if options.output and ending(options.output) in endings:
-            net = "; a paper net is of 'isoembed unfold'" * (ending(options.output) in (".svg", ".pdf"))
-            raise UsageError(f"--output is for surfaces: did you mean --{name} {options.output}?{net}")
+            net = ", and a paper net is of 'isoembed unfold'" * (ending(options.output) in (".svg", ".pdf"))
+            raise UsageError(f"--output is for surfaces{net}: did you mean --{name} {options.output}?")
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, report=REPORT_ENDINGS, **PICTURES, **beside)
     check_pictures(options)
     if options.keep and not outputs.keys() - {"report", *beside}:

@@ -170,9 +170,11 @@ def around(phi: ArrayLike) -> int:
     bad = ~(np.abs(phi[:m] - expected) <= UNEVEN * step + _rounding(expected))
     if bad.any():
         j = int(np.argmax(bad))
+        rounded = np.abs(phi[:m] - expected).max() <= 1e-3 * step
+        advice = ", in eight digits or more" if rounded else ""
         raise InvalidMetric(
             f"phi[{j}] = {distinct(phi[j], expected[j])} is not {distinct(expected[j], phi[j])}: "
-            f"{m} uniform angles phi from {phi[0]:.6g} once around are needed, in radians"
+            f"{m} uniform angles phi from {phi[0]:.6g} once around are needed, in radians{advice}"
         )
     return m
 
