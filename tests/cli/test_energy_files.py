@@ -50,12 +50,14 @@ def triangles(tmp_path):
 @pytest.mark.parametrize("space", [[], ["--space", "hyperbolic"]], ids=["flat", "hyperbolic"])
 def test_pictures_show_the_curvature_of_the_smooth_surface(run, space, monkeypatch):
     drawn = []
-    monkeypatch.setattr(plot, "picture_writer", lambda path, surface, color: drawn.append(color) or no_bytes)
+    monkeypatch.setattr(plot, "picture_writer", lambda *_, **given: drawn.append(given) or no_bytes)
     status, out, _ = run(*HORIZON, *space, "--vertices", 60, "--picture", "a.png", "--html", "a.html")
     assert status == 0 and "a.png, a.html written" in out
-    assert "as in the file" in drawn[0].label and "as in the file" in Path("a.html").read_text()
-    assert np.ptp(drawn[0].values) > 0.05
-    assert 0.4 < drawn[0].values.min() < drawn[0].values.max() < 0.6
+    color, caption = drawn[0]["color"], drawn[0]["caption"]
+    assert caption.startswith("area 46.898334 ") and "= 24.300447$" in caption
+    assert "as in the file" in color.label and "as in the file" in Path("a.html").read_text()
+    assert np.ptp(color.values) > 0.05
+    assert 0.4 < color.values.min() < color.values.max() < 0.6
 
 
 def test_a_picture_of_a_surface_of_triangles(run, triangles):
@@ -144,7 +146,9 @@ def test_triangles_that_do_not_embed(run, monkeypatch):
     write_metric("sphere.json", PolyhedralMetric.from_mesh(vertices, faces))
     monkeypatch.setattr(isoembed, "embed", attempt)
     status, _, err = run("sphere.json", "-o", "a.npz")
-    assert (status, err) == (3, "isoembed: error: the path ended\n") and not os.path.exists("a.npz")
+    unwritten = "isoembed: error: a.npz not written: there is no surface\n"
+    assert (status, err) == (3, f"isoembed: error: the path ended\n{unwritten}")
+    assert not os.path.exists("a.npz")
 
 
 @pytest.mark.parametrize("name", ["grid.npz", "grid.h5"])
