@@ -57,6 +57,9 @@ lengths could tell."""
 OUTLIER = 7.0
 """Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
 
+FREE = 20
+"""Degrees of freedom of a fit without a length, below which the scatter may fall by half by chance."""
+
 SMALL = 1e-5
 """Errors, over the mean edge length, so small that the surface with exactly these lengths is sought as well.
 Both are near to the truth where they are on its branch; they may differ in vertices reflected through their
@@ -165,18 +168,23 @@ def _followed(
     known = np.maximum(errors, scatter)
     for _ in range(2):
         last, suspect = _fit_of_smooth_start(metric, known, start, recorder)
-        if wrong and 0 < last.scatter <= fit.scatter / SCATTERED:
+        if wrong and _halves(last, fit):
             return wrong
         if suspect is None:
-            x = last.vertices[metric.edges]
-            suspect = int(np.argmax(np.abs(metric.space.distances(x[:, 0], x[:, 1]) - metric.lengths) / known))
+            a, b = last.vertices[metric.edges.T]
+            suspect = int(np.argmax(np.abs(metric.space.distances(a, b) - metric.lengths) / known))
         if wrong and metric.lengths[suspect] != metric.lengths[wrong[0]]:
             return []
         wrong.append(suspect)
         known = np.maximum(errors, scatter / SCATTERED**2)
         known[wrong] = metric.mean_length
     last = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
-    return wrong if 0 < last.scatter <= fit.scatter / SCATTERED else []
+    return wrong if _halves(last, fit) else []
+
+
+def _halves(without: BestFit, fit: BestFit) -> bool:
+    """Whether a fit without a length has half the scatter of a fit with it, or less, and can tell."""
+    return without.degrees_of_freedom > FREE and 0 < without.scatter <= fit.scatter / SCATTERED
 
 
 def root_mean_square(errors: Floats) -> float:
