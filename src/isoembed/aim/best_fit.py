@@ -37,6 +37,7 @@ MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
 REDUNDANT = 0.1  # share of a wrong length that its residual shows: if less, no other length contradicts it
 DOUBT = 2.0  # errors: a fit that misses the other lengths by more is not a witness against one
 TELLING = 0.1  # degrees of freedom, over the edges, of a fit whose noise is that of the lengths
+FREE = 20.0  # degrees of freedom that tell half the noise from all of it
 CANDIDATES = 4  # lengths with the largest residuals, of which one may stand out
 PERSISTENT = 0.85  # share of what a length is missed by that a third of mu leaves of an error
 COARSE = 1000  # vertices of the largest surface that may be rough as well as noisy
@@ -184,7 +185,8 @@ class Fits:
         if not self._telling:
             return found
         best = min(self._telling, key=lambda one: one.score)
-        is_least = tells or best is not self._telling[-1]  # else smaller mu may be better still
+        # Else smaller mu may be better still.
+        is_least = found.degrees_of_freedom > FREE or best is not self._telling[-1]
         return replace(found, scatter=best.noise if is_least else 0.0)
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:

@@ -32,7 +32,7 @@ from itertools import compress
 import numpy as np
 from scipy.special import chdtri
 
-from isoembed.aim.best_fit import WEIGHT, BestFit, Fits, Outlier
+from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits, Outlier
 from isoembed.aim.smoothing_energy import SmoothingEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
@@ -56,9 +56,6 @@ lengths could tell."""
 
 OUTLIER = 7.0
 """Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
-
-FREE = 20
-"""Degrees of freedom of a fit without a length, below which the scatter may fall by half by chance."""
 
 SMALL = 1e-5
 """Errors, over the mean edge length, so small that the surface with exactly these lengths is sought as well.

@@ -49,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="CONDITION",
         help="of a surface with boundary, what holds it there: free, plane, or the .npy file with heights "
         "(B,) or positions (B, 3) that 'isoembed embed --boundary' took; these have no errors. The lengths "
-        "are those of the surface: deviations of fits to measured lengths are in the report of 'isoembed embed'",
+        "are taken as exact: 'isoembed embed --length-error' reports deviations of fits to measured ones",
     )
     add_output_option(
         parser,

@@ -241,7 +241,8 @@ class MeasuredSurface(Embedding):
         rounding = (rounding_error(self.metric.lengths) or 0.0) * self.metric.mean_length
         if sigma.min() == sigma.max() and (unit := rounded_unit(self.metric.lengths, sigma.max())):
             rounding = unit / math.sqrt(12)  # of few different lengths, too
-        return rounding if np.allclose(sigma, rounding, rtol=0.01, atol=0.0) else None  # typed with two digits
+        typed = np.allclose(sigma, rounding, rtol=0.01, atol=0.0)  # with two digits
+        return rounding if typed else None
 
     def _of_digits(self) -> str:
         """Clause on errors that are those of the last digit of the lengths, as they are assumed to be."""

@@ -132,8 +132,10 @@ def _look_measured(values: Floats, count: int) -> bool:
 
 def common_unit(lengths: Floats, unit: float) -> float:
     """The unit of the last digit that most lengths have, all being multiples of a power of ten, the unit."""
-    whole = _are_multiples(lengths, 10.0 * unit)
-    return 10.0 * unit if whole.mean() > SHARE and len(lengths) >= DESIGNED else unit
+    values = np.unique(lengths)  # many struts of one type tell as much as one
+    whole = _are_multiples(values, 10.0 * unit)
+    most = whole.mean() > SHARE and len(values) >= DESIGNED
+    return 10.0 * unit if most or (whole.all() and len(lengths) >= DESIGNED) else unit
 
 
 def shared_errors(lengths: Floats, errors: Floats) -> Indices:
