@@ -17,7 +17,7 @@ from isoembed import (
     PolyhedralMetric,
     embed,
 )
-from isoembed.gallery import HarmonicSurface, triangulate
+from isoembed.gallery import Ellipsoid, HarmonicSurface, triangulate
 from isoembed.surface.alignment import distance
 from johnson_solids import johnson
 from rocks import ERROR, in_millimeters, rock
@@ -79,6 +79,19 @@ def test_a_blunder_is_named_and_not_followed(edge, off):
     for other in nearest.others:
         assert other.converged
         assert other.surface.fine_roughness > nearest.surface.fine_roughness
+
+
+@pytest.mark.parametrize("off", [0.02, 0.05, 0.1])
+def test_a_large_blunder_is_not_followed(off):
+    """The scatter of the lengths is nearly all of one: a fit that follows them is compatible with all."""
+    x, faces = triangulate(Ellipsoid((6.0, 5.0, 4.5)), 162)
+    exact = PolyhedralMetric.from_mesh(x, faces)
+    lengths = exact.lengths + np.random.default_rng(0).normal(0.0, ERROR / 1000, len(exact.lengths))
+    assert embed(exact.with_lengths(lengths), length_errors=ERROR / 1000).converged
+    lengths[77] += off
+    with pytest.raises(NotEmbedded, match=r"smooth surface: edge 77 .*with which all other") as caught:
+        embed(exact.with_lengths(lengths), length_errors=ERROR / 1000)
+    assert abs(caught.value.embedding.lengths[77] - exact.lengths[77]) < off / 4
 
 
 def test_a_blunder_among_rounded_lengths_is_named():

@@ -42,10 +42,14 @@ def test_lengths_that_are_followed_do_not_test_their_errors():
 
 
 def test_errors_that_are_those_of_the_digits_are_said():
-    sentence = "the errors, 0.29, are those of the last digit: if the lengths were measured with larger ones"
+    sentence = "the errors, 0.29, are those of the last digit"
     for typed in (1 / np.sqrt(12), 0.289, 0.29):
         assert sentence in fitted(noise(0.1), typed).message
     assert "last digit" not in fitted(noise(0.1), 0.5).message
+    few = TRUE.with_lengths(np.full(len(TRUE.lengths), 150.0)).with_length_errors(
+        0.29
+    )  # of one type of strut
+    assert sentence in MeasuredSurface(few, X, method="aim", tolerance=1e-10, weight=1.0).message
     assert "last digit" not in fitted(noise(0.1), 0.29, whole=False).message
 
 

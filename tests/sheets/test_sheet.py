@@ -466,6 +466,17 @@ def test_a_wrong_length_of_a_cap_is_found_from_its_digits():
     assert "so closely that they do not tell" in found.message
 
 
+def test_deviations_of_a_cap_with_too_many_digits_are_of_the_scatter():
+    dome = PolyhedralMetric.from_mesh(4000 * ELLIPTIC, DOME_FACES)
+    noise = np.random.default_rng(0).normal(0, 10, len(dome.lengths))
+    found = embed(
+        dome.with_lengths(np.round(dome.lengths + noise, 1)), boundary="plane", length_errors=0.0289
+    )
+    assert "and the deviations are of; the errors, 0.029, are those of the last digit" in found.message
+    sigma = isoembed.Sensitivity(found).integral_deviation(found.length_errors)
+    assert abs(found.area - embed(dome, boundary="plane").area) < 3 * sigma.area
+
+
 def test_a_cap_of_rounded_lengths_may_have_negative_deficits_within_them():
     points, faces = discs.irregular(60)
     metric = PolyhedralMetric.from_mesh(40000 * discs.round_cap(points, 0.05), faces)

@@ -37,6 +37,7 @@ MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
 REDUNDANT = 0.1  # share of a wrong length that its residual shows: if less, no other length contradicts it
 DOUBT = 2.0  # errors: a fit that misses the other lengths by more is not a witness against one
 TELLING = 0.1  # degrees of freedom, over the edges, of a fit whose noise is that of the lengths
+FREE = 20.0  # degrees of freedom that tell half the noise from all of it
 CANDIDATES = 4  # lengths with the largest residuals, of which one may stand out
 PERSISTENT = 0.85  # share of what a length is missed by that a third of mu leaves of an error
 COARSE = 1000  # vertices of the largest surface that may be rough as well as noisy
@@ -60,7 +61,8 @@ class BestFit:
     score : float
         By cross-validation: the less, the better it predicts lengths.
     scatter : float
-        `noise` of the fit with the least score so far, 0 if this has too few degrees of freedom to tell.
+        `noise` of the fit with the least score so far, of those with degrees of freedom enough to tell; 0 if
+        the score has no minimum there.
     """
 
     vertices: Floats
@@ -156,7 +158,7 @@ class Fits:
     ) -> None:
         self._metric, self._energy, self._recorder = metric, energy, recorder
         self._budget = budget
-        self._best: BestFit | None = None
+        self._telling: list[BestFit] = []
         signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(PROBES, len(metric.lengths)))
         self._probes = signs[:, np.argsort(np.argsort(metric.lengths))]  # whatever the numbers of the edges
 
@@ -177,10 +179,15 @@ class Fits:
             return BestFit(x, weight, np.inf, np.inf)
         noise = float(np.sqrt(r @ r / free)) / unit
         found = BestFit(x, weight, noise, noise / np.sqrt(free))
-        if self._best is None or found.score < self._best.score:
-            self._best = found
-        tells = self._best.degrees_of_freedom > TELLING * len(r)
-        return replace(found, scatter=self._best.noise if tells else 0.0)
+        tells = found.degrees_of_freedom > TELLING * len(r)  # with fewer, the score is not known to a percent
+        if tells:
+            self._telling.append(found)
+        if not self._telling:
+            return found
+        best = min(self._telling, key=lambda one: one.score)
+        # Else smaller mu may be better still.
+        is_least = found.degrees_of_freedom > FREE or best is not self._telling[-1]
+        return replace(found, scatter=best.noise if is_least else 0.0)
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
         """Trace of ``I - H``, which takes errors of the lengths to what the fit leaves of them.

@@ -109,7 +109,9 @@ class SmootherWithinErrors(Decision):
             return found
         smoother = exact.surface.fine_roughness < found.surface.fine_roughness
         if smoother or (not found.converged and has_small_errors(pipeline.metric)):
-            found = replace(found, vertices=exact.vertices, weight=0.0, scatter=0.0, message="")
+            found = replace(
+                found, vertices=exact.vertices, weight=0.0, scatter=0.0, length_errors=None, message=""
+            )
         elif not found.converged:
             found = found._with_others([exact])
         return found

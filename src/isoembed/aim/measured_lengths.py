@@ -32,11 +32,11 @@ from itertools import compress
 import numpy as np
 from scipy.special import chdtri
 
-from isoembed.aim.best_fit import WEIGHT, BestFit, Fits, Outlier
+from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits, Outlier
 from isoembed.aim.smoothing_energy import SmoothingEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.embedding.measured import SIGNIFICANCE, SUSPECTS, MeasuredSurface, outlier_limit
+from isoembed.embedding.measured import SCATTERED, SIGNIFICANCE, SUSPECTS, MeasuredSurface, outlier_limit
 from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -144,19 +144,56 @@ def fit_within_errors(
     known = np.array(errors)
     for _ in range(SUSPECTS):
         fit, suspect = _fit_of_smooth_start(metric, known, start, recorder)
-        if suspect is None:
+        wrong = _followed(metric, known, fit, start, recorder) if suspect is None else [suspect]
+        if not wrong:
             return fit
-        known[suspect] = metric.mean_length
+        known[wrong] = metric.mean_length
     return _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+
+
+def _followed(
+    metric: PolyhedralMetric, errors: Floats, fit: BestFit, start: Floats, recorder: StageRecorder
+) -> list[int]:
+    """The length that makes most of the scatter of a fit: a blunder, which it has followed if it agrees.
+
+    It stands out of fits to errors as large as the scatter, and without it the scatter is half as large or
+    less.  On a doubled cap it is the length of two edges.
+    """
+    scatter, wrong = fit.scatter * metric.mean_length, list[int]()
+    if scatter <= SCATTERED * root_mean_square(errors):
+        return wrong
+    known = np.maximum(errors, scatter)
+    for _ in range(2):
+        last, suspect = _fit_of_smooth_start(metric, known, start, recorder)
+        if wrong and _halves(last, fit):
+            return wrong
+        if suspect is None:
+            a, b = last.vertices[metric.edges.T]
+            suspect = int(np.argmax(np.abs(metric.space.distances(a, b) - metric.lengths) / known))
+        if wrong and metric.lengths[suspect] != metric.lengths[wrong[0]]:
+            return []
+        wrong.append(suspect)
+        known = np.maximum(errors, scatter / SCATTERED**2)
+        known[wrong] = metric.mean_length
+    last = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+    return wrong if _halves(last, fit) else []
+
+
+def _halves(without: BestFit, fit: BestFit) -> bool:
+    """Whether a fit without a length has half the scatter of a fit with it, or less, and can tell."""
+    return without.degrees_of_freedom > FREE and 0 < without.scatter <= fit.scatter / SCATTERED
+
+
+def root_mean_square(errors: Floats) -> float:
+    """Root mean square of errors, by their weights: lengths with large ones have no part in it."""
+    return float(1 / np.sqrt(np.mean(errors**-2.0)))
 
 
 def _fit_of_smooth_start(
     metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder, most: float = OUTLIER
 ) -> tuple[BestFit, int | None]:
     """The fit, and the first length whose studentized residual is more than the most: it ends the search."""
-    rms = float(
-        1 / np.sqrt(np.mean(errors**-2.0))
-    )  # of weights: lengths with large errors have no part in it
+    rms = root_mean_square(errors)
     energy = SmoothingEnergy(metric, start, recorder.work).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the

@@ -48,7 +48,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--boundary",
         metavar="CONDITION",
         help="of a surface with boundary, what holds it there: free, plane, or the .npy file with heights "
-        "(B,) or positions (B, 3) that 'isoembed embed --boundary' took; these have no errors",
+        "(B,) or positions (B, 3) that 'isoembed embed --boundary' took; these have no errors. The lengths "
+        "are taken as exact: 'isoembed embed --length-error' reports deviations of fits to measured ones",
     )
     add_output_option(
         parser,

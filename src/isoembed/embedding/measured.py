@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from scipy.special import chdtri, ndtri
 
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.metric.precision import rounding_error
+from isoembed.mesh.triangulation import frozen
+from isoembed.metric.precision import rounded_unit, rounding_error
 from isoembed.surface.estimate import Estimate
 
 if TYPE_CHECKING:
+    from isoembed.metric.glued import GluedMetric
+    from isoembed.metric.polyhedral import PolyhedralMetric
     from isoembed.proof.certificate import Certificate
 
 SIGNIFICANCE = 1e-3
@@ -42,7 +46,9 @@ class MeasuredSurface(Embedding):
     It has converged if its residuals pass two tests: as a whole, `chi_square` is at most `chi_square_limit`,
     and no single one stands out (Baarda's test).  That says that its lengths agree with those given, not that
     no other surface does.  As the fit follows the errors in part, true lengths fail less often than stated.
-    Deviations include what the quantities change, to first order, if all lengths are met.
+    Deviations include what the quantities change, to first order, if all lengths are met.  If the
+    errors are those of the last digit, which the surface is too close to the lengths to test, and the scatter
+    is more than twice as large, `length_errors` are scaled to it.
 
     Parameters
     ----------
@@ -68,6 +74,14 @@ class MeasuredSurface(Embedding):
         if self.length_errors is None:
             self._set(length_errors=self.metric.length_errors)
         super().__post_init__()
+
+    def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
+        """As of an `Embedding`; deviations are of the scatter where errors of the digits are much less."""
+        found = super()._in_unit_of(given)
+        if not (found._understates and found._rounding):
+            return found
+        larger = found.scatter / found._root_mean_square
+        return found._with(length_errors=frozen(larger * np.asarray(found.metric.length_errors)))
 
     @property
     def _missed(self) -> Floats:
@@ -129,6 +143,21 @@ class MeasuredSurface(Embedding):
         return e if self.weight and off[e] > MARGIN and stands_out else None
 
     @property
+    def _follows(self) -> bool:
+        """Whether the surface follows the lengths so closely that it does not test their errors."""
+        return self.chi_square < FOLLOWED * len(self.residuals)
+
+    @property
+    def _understates(self) -> bool:
+        """Whether the errors are much less than the scatter of the lengths, and nothing tests them."""
+        return self._follows and self.scatter > SCATTERED * self._root_mean_square
+
+    @property
+    def _errors(self) -> str:
+        """The errors of the lengths in their unit, root mean square."""
+        return f"{self._root_mean_square * self.metric.mean_length:.2g}"
+
+    @property
     def _root_mean_square(self) -> float:
         """Root mean square of the errors of the lengths, over the mean edge length."""
         sigma = np.asarray(self.metric.length_errors) / self.metric.mean_length
@@ -170,32 +199,32 @@ class MeasuredSurface(Embedding):
         if self.converged and not self.weight:
             return (
                 "the surface reproduces the given lengths together with their errors, "
-                f"{self._root_mean_square:.2g} of the mean edge length, which it may be bent by: no smoother "
-                f"one was found that agrees with them within these{self._of_digits()}"
+                f"{self._errors}, which it may be bent by: no smoother one was found that agrees with them "
+                f"within these{self._of_digits()}"
             )
         if self.converged:
             return (
-                "the lengths agree with those given within their errors, "
-                f"{self._root_mean_square:.2g} of the mean edge length: {test}{self._doubts()}"
-                f"{self._of_digits()}"
+                f"the lengths agree with those given within their errors, {self._errors}: "
+                f"{test}{self._doubts()}{self._of_digits()}"
             )
         found = "no smooth surface was found whose lengths agree with those given within their errors"
-        remedy = self._advice() or f"the errors may be larger than stated{self._of_digits()}"
+        remedy = (self._advice() or "the errors may be larger than stated") + self._of_digits()
         rougher = "; a surface that has the lengths exactly was found, too, but it is rougher"
         return f"{found}: on the nearest surface {test}; {remedy}{rougher if self.others else ''}"
 
     def _doubts(self) -> str:
         """Clauses on what the tests do not tell: errors that are understated, a length that stands out."""
         said, larger = "", f"{self.scatter * self.metric.mean_length:.2g}"
-        if self.chi_square < FOLLOWED * len(self.residuals):
+        if self._follows:
             said = (
                 "; the surface follows the lengths so closely that they do not tell whether the errors are "
                 "right"
             )
-            if self.scatter > SCATTERED * self._root_mean_square:
+            if self._understates:
                 said += (
                     f": it is rough, or the errors are larger, about {larger} if it is smooth, which "
                     f"length_errors={larger} takes as given"
+                    f"{' and the deviations are of' if self._rounding else ''}"
                 )
         e = self._doubtful
         if e is not None:
@@ -205,11 +234,20 @@ class MeasuredSurface(Embedding):
             )
         return said
 
-    def _of_digits(self) -> str:
-        """Clause on errors that are those of the last digit of the lengths, as they are assumed to be."""
+    @property
+    def _rounding(self) -> float | None:
+        """The error of the last digit of the lengths, if their errors are this; None if not."""
         sigma = np.asarray(self.metric.length_errors)
         rounding = (rounding_error(self.metric.lengths) or 0.0) * self.metric.mean_length
-        if not np.allclose(sigma, rounding, rtol=0.01, atol=0.0):  # typed with two digits
+        if sigma.min() == sigma.max() and (unit := rounded_unit(self.metric.lengths, sigma.max())):
+            rounding = unit / math.sqrt(12)  # of few different lengths, too
+        typed = np.allclose(sigma, rounding, rtol=0.01, atol=0.0)  # with two digits
+        return rounding if typed else None
+
+    def _of_digits(self) -> str:
+        """Clause on errors that are those of the last digit of the lengths, as they are assumed to be."""
+        rounding = self._rounding
+        if rounding is None:
             return ""
         rougher = ", and the surface that has the lengths exactly is rougher" if self.others else ""
         return (

@@ -132,8 +132,10 @@ def _look_measured(values: Floats, count: int) -> bool:
 
 def common_unit(lengths: Floats, unit: float) -> float:
     """The unit of the last digit that most lengths have, all being multiples of a power of ten, the unit."""
-    whole = _are_multiples(lengths, 10.0 * unit)
-    return 10.0 * unit if whole.mean() > SHARE and len(lengths) >= DESIGNED else unit
+    values = np.unique(lengths)  # many struts of one type tell as much as one
+    whole = _are_multiples(values, 10.0 * unit)
+    most = whole.mean() > SHARE and len(values) >= DESIGNED
+    return 10.0 * unit if most or (whole.all() and len(lengths) >= DESIGNED) else unit
 
 
 def shared_errors(lengths: Floats, errors: Floats) -> Indices:
@@ -151,14 +153,21 @@ def shared_errors(lengths: Floats, errors: Floats) -> Indices:
     each = np.arange(len(lengths))
     if not 1e-200 < errors.min() == errors.max():
         return each
-    step = math.sqrt(12) * float(errors[0])
-    unit = 10.0 ** round(math.log10(step))
-    if not 0.99 < step / unit < 1.01 or not _multiples(lengths, unit):  # typed with two digits
+    unit = rounded_unit(lengths, float(errors[0]))
+    if unit is None:
         return each
     values, labels = np.unique(np.rint(lengths / unit), return_inverse=True)
     places = float(values[-1] - values[0]) + 1
     by_chance = places * -math.expm1(-len(lengths) / places)  # different values of so many lengths
     return labels if len(values) == 1 or len(values) < by_chance / 2 else each
+
+
+def rounded_unit(lengths: Floats, error: float) -> float | None:
+    """The power of ten to which lengths were rounded if this is their standard deviation; None if not so."""
+    step = math.sqrt(12) * float(error)
+    unit = 10.0 ** round(math.log10(step))
+    typed = 0.99 < step / unit < 1.01  # with two digits
+    return unit if typed and _multiples(lengths, unit) else None
 
 
 def last_digits(

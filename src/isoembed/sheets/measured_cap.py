@@ -82,8 +82,8 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         v = int(np.argmin(beyond))
         raise InvalidMetric(
             f"the exterior angle of the boundary at vertex {v} is {deficits(metric)[v]:.4g} radians, and "
-            f"errors of the lengths explain {explained[v]:.1g}: of a convex cap none is negative; "
-            f"without errors, {ANY_CURVATURE}"
+            f"errors of the lengths explain {explained[v]:.1g}: of a convex cap none is negative; is a "
+            f"length near it wrong? Without errors, {ANY_CURVATURE}"
         )
     chords = t.boundary_vertices[t.edges].all(axis=1) & ~t.boundary_edges
     if chords.any():
