@@ -76,7 +76,7 @@ class MeasuredSurface(Embedding):
         super().__post_init__()
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
-        """As of an `Embedding`; deviations are of the scatter where errors of the digits are much less."""
+        """Return the same surface in the unit of a metric; see `length_errors` on errors of the last digit."""
         found = super()._in_unit_of(given)
         if not (found._understates and found._rounding):
             return found
