@@ -122,7 +122,7 @@ def test_what_is_refused(pair):
         isoembed.PolyhedralMetric.from_mesh(x, faces), x, method="given", tolerance=1e-10
     )
     with pytest.raises(
-        InvalidParameter, match=r"a ndarray, not an embedding: embedding\.distance\(vertices\)"
+        InvalidParameter, match=r"an array, not an embedding: embedding\.distance\(vertices\)"
     ):
         isoembed.compare(pair[0], pair[0].vertices)
     with pytest.raises(InvalidParameter, match="the same triangles"):

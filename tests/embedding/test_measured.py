@@ -31,14 +31,14 @@ def test_errors_that_are_not_understated_are_not_doubted():
 def test_lengths_that_are_followed_do_not_test_their_errors():
     """Chi-square is then far below the number of edges: of a rough surface, or of errors that are larger."""
     sentence = "so closely that they do not tell whether the errors are right"
-    smooth = "it is rough, or the errors are larger, about 3.1 if it is smooth, which length_errors=3.1 takes"
-    found = fitted(noise(0.1), 1.0, scatter=3.1 / TRUE.mean_length, whole=False)
+    smooth = "it is rough, or the errors are larger, about 1.4 if it is smooth, which length_errors=1.4 takes"
+    found = fitted(noise(0.1), 0.5, scatter=1.4 / TRUE.mean_length, whole=False)
     assert sentence in found.message and smooth in found.message
-    assert found._reported["measured"]["scatter"] == pytest.approx(3.1 / TRUE.mean_length)
-    unknown = fitted(noise(0.1), 1.0, whole=False)
+    assert found._reported["measured"]["scatter"] == pytest.approx(1.4 / TRUE.mean_length)
+    unknown = fitted(noise(0.1), 0.5, whole=False)
     assert sentence in unknown.message and "if it is smooth" not in unknown.message
     assert unknown._reported["measured"]["scatter"] is None
-    assert sentence not in fitted(noise(1.0), 1.0, scatter=3.1 / TRUE.mean_length, whole=False).message
+    assert sentence not in fitted(noise(0.5), 0.5, scatter=1.4 / TRUE.mean_length, whole=False).message
 
 
 def test_errors_that_are_those_of_the_digits_are_said():
@@ -100,3 +100,12 @@ def test_exact_surfaces_of_rounded_lengths_say_how_to_have_error_bars():
     assert "deviation" in isoembed.report(isoembed.embed(metric, length_errors=0.29))
     assert "look rounded" not in isoembed.embed(metric, length_errors=0).message
     assert "look rounded" not in isoembed.embed(TRUE).message
+
+
+def test_the_scatter_of_a_rough_body_is_not_taken_for_errors():
+    x, faces = triangulate(Ellipsoid((150.0, 120.0, 100.0)), 80)
+    rough = PolyhedralMetric.from_mesh(x + 3 * np.random.default_rng(0).standard_normal(x.shape), faces)
+    found = isoembed.embed(rough.with_lengths(np.round(rough.lengths, 3)), length_errors=0.001 / np.sqrt(12))
+    assert found.scatter > 0.005
+    assert "if it is smooth" not in found.message
+    assert found.length_errors == pytest.approx(0.001 / np.sqrt(12))

@@ -143,7 +143,7 @@ def test_lines_are_drawn_after_the_faces_beside_them(cube):
 
 def test_curvature_is_beyond_that_of_space(cube):
     shown = quantity(cube, "Gaussian curvature")
-    assert "K = k + " in shown.label
+    assert "$k$ + deficit / dual area" in shown.label
     assert (shown.values[np.isfinite(shown.values)] > -1).all()
 
 

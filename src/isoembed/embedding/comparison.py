@@ -110,12 +110,13 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     InvalidParameter
         One is not an embedding, the triangles are others, or space is curved.
     """
-    if not isinstance(second, Embedding):
-        raise InvalidParameter(
-            f"the second surface is a {type(second).__name__}, not an embedding: "
-            "embedding.distance(vertices) compares with vertices alone"
-        )
     checked_embedding(first)
+    if isinstance(second, np.ndarray):
+        raise InvalidParameter(
+            "the second surface is an array, not an embedding: embedding.distance(vertices) compares with "
+            "vertices alone"
+        )
+    checked_embedding(second)
     for each in (first, second):
         if not each.space.is_euclidean:
             raise InvalidParameter(f"comparisons need surfaces in R^3, not in {each.space!r}")

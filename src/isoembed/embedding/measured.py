@@ -30,6 +30,8 @@ FOLLOWED = 0.05
 """Chi-square over the number of edges below which the fit follows the lengths: it does not test errors."""
 SCATTERED = 2.0
 """Ratio of the scatter of the lengths to their errors above which a smooth surface has larger ones."""
+MEASURABLE = 0.005
+"""Scatter, in mean edge lengths, above which a body is rough or has a sharp rim: errors are less."""
 MARGIN = 1.1
 """Factor by which a residual that stands out exceeds its limits: of 87 bodies with right lengths none did."""
 
@@ -48,7 +50,7 @@ class MeasuredSurface(Embedding):
     no other surface does.  As the fit follows the errors in part, true lengths fail less often than stated.
     Deviations include what the quantities change, to first order, if all lengths are met.  If the
     errors are those of the last digit, which the surface is too close to the lengths to test, and the scatter
-    is more than twice as large, `length_errors` are scaled to it.
+    is more than twice as large, but less than 1 / 200 of an edge, `length_errors` are scaled to it.
 
     Parameters
     ----------
@@ -76,9 +78,9 @@ class MeasuredSurface(Embedding):
         super().__post_init__()
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
-        """Return the same surface in the unit of a metric; see `length_errors` on errors of the last digit."""
+        """Return the same surface in the unit of a metric, with deviations of the scatter if need be."""
         found = super()._in_unit_of(given)
-        if not (found._understates and found._rounding):
+        if not found._has_scaled_errors:
             return found
         larger = found.scatter / found._root_mean_square
         return found._with(length_errors=frozen(larger * np.asarray(found.metric.length_errors)))
@@ -150,7 +152,13 @@ class MeasuredSurface(Embedding):
     @property
     def _understates(self) -> bool:
         """Whether the errors are much less than the scatter of the lengths, and nothing tests them."""
-        return self._follows and self.scatter > SCATTERED * self._root_mean_square
+        larger = SCATTERED * self._root_mean_square < self.scatter < MEASURABLE
+        return self._follows and larger
+
+    @property
+    def _has_scaled_errors(self) -> bool:
+        """Whether deviations are those of the scatter, in the place of errors of the last digit."""
+        return self._understates and self._rounding is not None
 
     @property
     def _errors(self) -> str:
@@ -224,7 +232,7 @@ class MeasuredSurface(Embedding):
                 said += (
                     f": it is rough, or the errors are larger, about {larger} if it is smooth, which "
                     f"length_errors={larger} takes as given"
-                    f"{' and the deviations are of' if self._rounding else ''}"
+                    f"{' and the deviations are of' if self._has_scaled_errors else ''}"
                 )
         e = self._doubtful
         if e is not None:
