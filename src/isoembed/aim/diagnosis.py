@@ -112,7 +112,7 @@ def _longer_search(metric: PolyhedralMetric, effort: float) -> list[str]:
     """Advice for exact lengths: a longer search, if there is one."""
     if not (metric.space.is_euclidean and negative_deficits(metric).any()) or link_gaps(metric).max() > 0:
         return []
-    more = f"{20 * max(effort, 1.0):g}"  # of 18 rocks of 120 and 200 vertices it finds all, 10 two thirds
+    more = f"{20 * max(effort, 1.0):g}"  # of 18 rocks of 120 and 200 vertices it finds all; 10 finds 11 of 15
     return [
         "If the lengths are exact, those of a coarse or rough body, a longer search may find it: "
         f"method=Aim(effort={more})"
