@@ -93,6 +93,9 @@ def test_the_extent_of_an_axis(axis, longest, call):
     assert Path("a.svg").read_text() == Path("b.svg").read_text()
     status, said, err = call("unfold", "box.off", "-o", "a.svg", "--scale", "0.001")
     assert status == 0 and "note: the solid is 0.003 x 0.002 x 0.001 mm large: is the scale right?" in err
+    write("flat.off", np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+    status, _, err = call("unfold", "flat.off", "-o", "a.svg", "--size", "z=6cm")
+    assert status == 2 and "--size z=60: the solid has no extent in z" in err
 
 
 def test_dxf_without_ezdxf(call, monkeypatch):

@@ -103,6 +103,23 @@ def test_over_a_plane_curve_the_surface_is_on_the_upper_side_or_that_of_the_star
     np.testing.assert_allclose(again.vertices, x, atol=1e-12)
 
 
+def test_the_mirror_image_over_a_curve_in_a_plane_that_is_not_horizontal():
+    points, faces = discs.hexagonal(2)
+    x = discs.round_cap(points, 0.5) @ np.array([[1.0, 0.0, 0.0], [0.0, 0.8, 0.6], [0.0, -0.6, 0.8]])
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    surface = embed(metric, boundary=x[metric.triangulation.boundaries[0]])
+    assert "the mirror image in it has the lengths, too" in surface.message
+    np.testing.assert_allclose(surface.vertices, x, atol=1e-9)
+
+
+def test_a_flat_surface_has_no_other_mirror_image():
+    points, faces = discs.hexagonal(2)
+    x = np.column_stack([points[:, :2], np.zeros(len(points))])
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    surface = embed(metric, boundary=x[metric.triangulation.boundaries[0]])
+    assert surface.converged and "mirror" not in surface.message
+
+
 def test_starts_have_the_boundary_and_differ():
     x, metric = disc("bumpy", 27)
     inside = ~metric.triangulation.boundary_vertices

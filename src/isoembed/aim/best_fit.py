@@ -62,7 +62,7 @@ class BestFit:
         By cross-validation: the less, the better it predicts lengths.
     scatter : float
         `noise` of the fit with the least score so far, of those with degrees of freedom enough to tell; 0 if
-        the score has no minimum there.
+        there is none, or if few are left and a smaller mu might have a smaller score.
     """
 
     vertices: Floats
@@ -179,14 +179,13 @@ class Fits:
             return BestFit(x, weight, np.inf, np.inf)
         noise = float(np.sqrt(r @ r / free)) / unit
         found = BestFit(x, weight, noise, noise / np.sqrt(free))
-        tells = found.degrees_of_freedom > TELLING * len(r)  # with fewer, the score is not known to a percent
-        if tells:
+        if free > TELLING * len(r):  # with fewer, the score is not known to a percent
             self._telling.append(found)
         if not self._telling:
             return found
         best = min(self._telling, key=lambda one: one.score)
         # Else smaller mu may be better still.
-        is_least = found.degrees_of_freedom > FREE or best is not self._telling[-1]
+        is_least = free > FREE or best is not self._telling[-1]
         return replace(found, scatter=best.noise if is_least else 0.0)
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:

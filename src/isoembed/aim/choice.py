@@ -169,16 +169,15 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
 
 
 def not_convex(metric: PolyhedralMetric) -> bool:
-    """Whether the lowest deficit is proven to be negative."""
-    v = int(np.argmin(metric.deficits))
-    return bool(metric.deficits[v] < -deficit_rounding(metric)[v])
+    """Whether a deficit is negative by more than rounding."""
+    return bool((metric.deficits < -deficit_rounding(metric)).any())
 
 
 def no_convex(embedding: Embedding) -> NotEmbedded:
     """The error that none is convex: of all surfaces with these lengths, or of those that were found."""
     if not_convex(embedding.metric):
         deficits = embedding.metric.deficits
-        v = int(np.argmin(deficits))
+        v = int(np.argmin(deficits + deficit_rounding(embedding.metric)))
         return NotEmbedded(
             f"no convex surface has these lengths: the deficit of vertex {v} is {deficits[v]:.2g}, which is "
             "negative",

@@ -1,4 +1,4 @@
-"""Decisions of the default method: the choice among the candidates, and what changes it."""
+"""Decisions of the default method: the choice among the candidates, and corrections to it."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Typical seconds of stages, for estimates of the time left.
+"""Typical durations of stages, for estimates of the time left.
 
-With 40,000 vertices; only the ratios count.
+In seconds, with 40,000 vertices; only the ratios count.
 """
 
 AT_ONCE = {"radii": 1.0}

@@ -117,7 +117,10 @@ def run(options: argparse.Namespace) -> int:
     if "size" in drawing:
         axis, drawing["size"] = drawing["size"]
         if axis:  # the library takes the longest extent
-            drawing["size"] *= extents.max() / max(extents["xyz".index(axis)], TINY * extents.max())
+            share = extents["xyz".index(axis)] / extents.max()
+            if share < TINY:
+                raise UsageError(f"--size {axis}={drawing['size']:g}: the solid has no extent in {axis}")
+            drawing["size"] /= share
     chosen = {"cut": options.cut_edges, "keep": options.keep_edges}
     if options.objective == "pages":
         sized = {name: value for name, value in drawing.items() if name in ("paper", "scale", "size")}

@@ -246,9 +246,9 @@ class MeasuredSurface(Embedding):
     def _rounding(self) -> float | None:
         """The error of the last digit of the lengths, if their errors are this; None if not."""
         sigma = np.asarray(self.metric.length_errors)
+        if unit := rounded_unit(self.metric.lengths, sigma):
+            return unit / math.sqrt(12)  # of few different lengths, too
         rounding = (rounding_error(self.metric.lengths) or 0.0) * self.metric.mean_length
-        if sigma.min() == sigma.max() and (unit := rounded_unit(self.metric.lengths, sigma.max())):
-            rounding = unit / math.sqrt(12)  # of few different lengths, too
         typed = np.allclose(sigma, rounding, rtol=0.01, atol=0.0)  # with two digits
         return rounding if typed else None
 

@@ -11,6 +11,7 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric
 from isoembed.gluing.drawn_lines import CUT, FOLD, Line
+from isoembed.gluing.polygon import signed_area
 from isoembed.mesh.merging import representatives
 
 Side = tuple[int, int]
@@ -94,7 +95,7 @@ class LineGraph:
                 del left[step]
                 face.append(step[0])
                 step = following[step]
-            (faces if _area(points[face]) > 0 else outer).append(face)
+            (faces if signed_area(points[face]) > 0 else outer).append(face)
         _check_apart(points, faces, outer)
         place = {
             (a, face[(k + 1) % len(face)]): (f, k) for f, face in enumerate(faces) for k, a in enumerate(face)
@@ -213,11 +214,6 @@ def is_inside(point: Floats, corners: Floats) -> bool:
     across = (a[:, 1] > 0) != (b[:, 1] > 0)
     a, b = a[across], b[across]
     return bool(((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0) == (b[:, 1] > a[:, 1])).sum() % 2)
-
-
-def _area(corners: Floats) -> float:
-    x, y = (corners - corners[0]).T
-    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2
 
 
 def _at(point: Floats) -> str:

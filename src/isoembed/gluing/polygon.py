@@ -75,8 +75,7 @@ class Polygon:
             raise InvalidMetric(
                 f"side {k} of polygon {index} has no length: its ends are both at {corners[k].tolist()}"
             )
-        x, y = _checked(corners, space, index, "not simple").T
-        turned = bool((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0)
+        turned = signed_area(_checked(corners, space, index, "not simple")) < 0
         if turned:
             corners = np.roll(corners[::-1], 1, axis=0)
         return cls._made(corners, space, turned)
@@ -186,6 +185,12 @@ def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
 def is_number(value: object) -> TypeGuard[float]:
     """Whether a value is a real number, and not a truth value."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def signed_area(corners: Floats) -> float:
+    """Area of a polygon in the plane, (n, 2), negative if its corners are clockwise."""
+    x, y = (corners - corners[0]).T
+    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2
 
 
 def side_lengths(points: Floats, space: Space = EUCLIDEAN) -> Floats:

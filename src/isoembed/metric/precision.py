@@ -151,9 +151,7 @@ def shared_errors(lengths: Floats, errors: Floats) -> Indices:
         With standard deviations.
     """
     each = np.arange(len(lengths))
-    if not 1e-200 < errors.min() == errors.max():
-        return each
-    unit = rounded_unit(lengths, float(errors[0]))
+    unit = rounded_unit(lengths, errors)
     if unit is None:
         return each
     values, labels = np.unique(np.rint(lengths / unit), return_inverse=True)
@@ -162,9 +160,11 @@ def shared_errors(lengths: Floats, errors: Floats) -> Indices:
     return labels if len(values) == 1 or len(values) < by_chance / 2 else each
 
 
-def rounded_unit(lengths: Floats, error: float) -> float | None:
-    """The power of ten to which lengths were rounded if this is their standard deviation; None if not so."""
-    step = math.sqrt(12) * float(error)
+def rounded_unit(lengths: Floats, errors: Floats) -> float | None:
+    """The power of ten to which lengths were rounded, by their standard deviations; None if by none."""
+    if not 1e-200 < errors.min() == errors.max():
+        return None
+    step = math.sqrt(12) * float(errors[0])
     unit = 10.0 ** round(math.log10(step))
     typed = 0.99 < step / unit < 1.01  # with two digits
     return unit if typed and _multiples(lengths, unit) else None

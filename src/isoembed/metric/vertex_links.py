@@ -19,7 +19,7 @@ NO_LINK = "the angles at an inner vertex are the sides of a spherical polygon"
 
 
 def link_gaps(metric: PolyhedralMetric) -> Floats:
-    """Least amount by which the inequality fails at each vertex, (V,), radians; above 0 it has no link."""
+    """Amounts by which the inequality fails beyond rounding, (V,), radians; above 0 there is no link."""
     t, angles, corners = metric.triangulation, metric.triangles.angles.ravel(), metric.faces.ravel()
     sums = np.bincount(corners, np.minimum(angles, np.pi - angles))
     one_more = np.full(t.n_vertices, np.inf)

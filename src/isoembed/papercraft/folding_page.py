@@ -14,6 +14,7 @@ import numpy as np
 from isoembed.arrays import Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter
+from isoembed.gluing.polygon import signed_area
 from isoembed.io.files import Writer
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.method import TOLERANCE
@@ -117,12 +118,11 @@ def folding_page_writer(
 def _counted(unfolding: Unfolding, printed: Unfolding, enclosed: float) -> dict[str, dict[str, float]]:
     """Counts and measures of the solid, of its net of one sheet, and of that on the pages, by table."""
     ((sheet,), (folds,), (faces,)) = unfolding.sheets, unfolding.folds, unfolding.faces
-    x, y = (sheet - sheet[0]).T
     solid: dict[str, float] = {
         "vertices": len(np.unique(unfolding.corners[0])),
         "edges": len(sheet) - len(unfolding.sides) + len(folds),
         "faces": len(faces),
-        "area": float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2,
+        "area": signed_area(sheet),
     }
     if not unfolding.any_surface:
         solid["volume"] = enclosed

@@ -41,8 +41,9 @@ def face_numbers(
     is_seen : callable, optional
         Which points, (n, 2), of the k-th face are seen, in a drawing in space.
     """
-    rims = (np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces)
-    drawn, taken = Pieces(2, lines or chain.from_iterable(rims)), Pieces(4, (one.box for one in labels))
+    if lines is None:
+        lines = chain.from_iterable(np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces)
+    drawn, taken = Pieces(2, lines), Pieces(4, (one.box for one in labels))
     found = []
     for k, (face, number) in enumerate(zip(faces, numbers, strict=True)):
         one = _inside(f"F{number}", *_middles(face, is_seen and partial(is_seen, k)), (drawn, taken))

@@ -17,7 +17,6 @@ COLORS = {
     "engrave": "#000000",
 }
 """Machines that cut tell what to do by the color of a line."""
-FONT = 'font-family="Helvetica, Arial, sans-serif" text-anchor="middle"'
 INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
 WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2, "seam": 0.2, "engrave": 0.2}  # mm
 DASHES = {"mountain": "2 1.2", "valley": "3 1 0.5 1", "seam": "1 1"}  # mm
@@ -26,29 +25,19 @@ DASHES = {"mountain": "2 1.2", "valley": "3 1 0.5 1", "seam": "1 1"}  # mm
 def svg(drawing: Drawing) -> str:
     """The text of the file: what to cut, to fold, to glue and to read are layers, those inside cut first."""
     width, height = drawing.width, drawing.pages * drawing.height
-    read = drawing.underlines + drawing.ruler
+    read = {
+        "engrave": [
+            *_group("legend", (_path(line, extra=_dashes(kind)) for kind, line in drawing.legend)),
+            *map(_path, drawing.underlines + drawing.ruler),
+            *_group("numbers", map(_text, drawing.labels)),
+            *_group("notes", map(_text, drawing.notes)),
+        ],
+        "solid": [*map(_path, drawing.pictured), *map(_text, drawing.captions)],
+    }
+    style = f'{_stroke("engrave")} font-family="Helvetica, Arial, sans-serif" text-anchor="middle"'
     layers = [
         _layer("glue", (_path(area, closed=True) for area in drawing.glue), 'fill="#e4e4e4"'),
-        _layer(
-            "engrave",
-            [
-                *_group("legend", (_path(line, extra=_dashes(kind)) for kind, line in drawing.legend)),
-                *map(_path, read),
-                *_group("numbers", map(_text, drawing.labels)),
-                *_group("notes", map(_text, drawing.notes)),
-            ],
-            f"{_stroke('engrave')} {FONT}",
-        ),
-        *(
-            [
-                _layer(
-                    "solid",
-                    [*map(_path, drawing.pictured), *map(_text, drawing.captions)],
-                    f"{_stroke('engrave')} {FONT}",
-                )
-            ]
-            * bool(drawing.pictured)
-        ),
+        *(_layer(name, lines, style) for name, lines in read.items() if lines),
         *(
             _layer(
                 kind,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
+from isoembed.gluing.polygon import signed_area
 from isoembed.intrinsic.ears import triangulated
 from isoembed.papercraft.labels import Label
 from isoembed.papercraft.numbers import face_numbers
@@ -61,14 +62,14 @@ def views(
         middle = (seen[:, :2].max(axis=0) + seen[:, :2].min(axis=0)) / 2
         center = np.array([(low[0] + high[0]) / 2, high[1] - half[1] / 2 if k == 0 else low[1] + half[1] / 2])
         seen = np.column_stack([(seen[:, :2] - middle) * scale + center, seen[:, 2] * scale])
-        areas = [_area(seen[corners, :2]) for *_, corners in faces]
+        areas = [signed_area(seen[corners, :2]) for *_, corners in faces]
         front = [
             (number, corners if area > 0 else corners[::-1])
             for (number, _, corners), area in zip(faces, areas, strict=True)
             if (abs(area) if unfolding.any_surface else area) > CLOSE * scale**2
         ]
         before = seen[triangles]
-        upward = np.array([_area(corners[:, :2]) for corners in before]) > 0
+        upward = np.array([signed_area(corners[:, :2]) for corners in before]) > 0
         before = np.concatenate(
             [before[upward], before[~upward, ::-1][: len(before) * unfolding.any_surface]]
         )
@@ -123,11 +124,6 @@ def _triangles(points: Floats, corners: Indices) -> Indices:
     """Triangles of a face, by vertices of the solid."""
     found = triangulated((points - points.min(axis=0)) / np.ptp(points, axis=0).max())
     return corners[found if found is not None else [[0, k, k + 1] for k in range(1, len(corners) - 1)]]
-
-
-def _area(points: Floats) -> float:
-    x, y = points.T
-    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2)
 
 
 def _depths(face: Floats, points: Floats) -> Floats:

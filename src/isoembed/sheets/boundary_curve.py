@@ -59,14 +59,15 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     vertices[free] = factor.solve(-(rows[:, fixed] @ boundary[fixed]))
     curve = boundary[fixed] - boundary[fixed].mean(axis=0)
     _, sizes, axes = np.linalg.svd(curve, full_matrices=False)
+    upward = axes[2] if axes[2, 2] >= 0 else -axes[2]  # of mirror images in a plane, the upper one
     bump = np.zeros(t.n_vertices)
     bump[free] = factor.solve(np.ones(len(free)))
     bump /= bump.max()
     if sizes[2] > FLAT * sizes[0]:
         yield vertices, STIFFNESSES[0]
     else:  # of a flat curve all is flat, and would stay so
-        upward = np.outer(bump, axes[2] if axes[2, 2] >= 0 else -axes[2])  # mirror images have the lengths
-        yield vertices + height_with_area(lengths, vertices, upward) * upward, BUMPED
+        raised = np.outer(bump, upward)
+        yield vertices + height_with_area(lengths, vertices, raised) * raised, BUMPED
     height = BUMP * float(np.linalg.norm(curve, axis=1).max())
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
     for shape in (bump, bump * away[:, 0], bump * away[:, 1]):
@@ -74,7 +75,7 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
         if largest <= FLAT * float(np.abs(away).max()):  # all vertices inside are in the middle
             continue
         for side in (height, -height):
-            yield vertices + np.outer(side / largest * shape, axes[2]), BUMPED
+            yield vertices + np.outer(side / largest * shape, upward), BUMPED
 
 
 def height_with_area(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:

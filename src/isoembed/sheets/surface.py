@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Mask
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
-from isoembed.surface.measures import above_boundary, cone_sum, face_normals
+from isoembed.surface.measures import COPLANAR, above_boundary, cone_sum, face_normals
 from isoembed.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -171,15 +171,16 @@ class SheetEmbedding(Embedding):
                 f"; {rough} edge{'s are' if rough > 1 else ' is'} rough: a vertex may be on the wrong side "
                 "of its neighbors"
             )
-        assert isinstance(self.surface, SheetSurface)
-        if self.surface._above_boundary is not None and not (t.boundary_vertices | (t.degrees == 3)).all():
-            return "; the boundary is in a horizontal plane: the mirror image in it has the lengths, too"
-        chosen = np.flatnonzero(~t.boundary_vertices & (t.degrees == 3))
+        x, unit = self.vertices / self.metric.unit, self.metric.normalized.mean_length
+        free, heights = ~t.boundary_vertices, np.abs(_heights(x, t.boundary_vertices)) / unit
+        is_flat = heights.max() ** 2 <= 2 * self.tolerance  # by as much a height changes a length
+        if heights[~free].max() <= COPLANAR and not is_flat and (t.degrees[free] > 3).any():
+            return "; the boundary is in a plane: the mirror image in it has the lengths, too"
+        chosen = np.flatnonzero(free & (t.degrees == 3))
         if not len(chosen):
             return ""
         from isoembed.aim.vertex_reflections import reflections  # imports what only searches need
 
-        x, unit = self.vertices / self.metric.unit, self.metric.normalized.mean_length
         apart = np.linalg.norm(reflections(t, x)[chosen], axis=1) / unit
         least = int(np.argmin(apart))
         return (
@@ -289,3 +290,9 @@ class SheetEmbedding(Embedding):
             if self.surface._above_boundary is None
             else {"sheet": found, "volume": self.volume}
         )
+
+
+def _heights(x: Floats, boundary: Mask) -> Floats:
+    """Heights over the plane nearest to the boundary, (V,)."""
+    center = x[boundary].mean(axis=0)
+    return (x - center) @ np.linalg.svd(x[boundary] - center, full_matrices=False)[2][2]

@@ -31,7 +31,7 @@ class HorizonShape:
     circumferences : Circumferences
     multipoles : Multipoles
     axis : three floats
-        A unit vector in the directions of the metric, from the pole where zeta is -1 to that where it is 1.
+        The unit vector, in the directions of the metric, along which zeta rises in the mean.
     """
 
     circumferences: Circumferences
