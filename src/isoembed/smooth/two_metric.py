@@ -18,6 +18,8 @@ from isoembed.smooth.given_functions import array_of, called, real_values
 from isoembed.smooth.uncertain import EXACT, Uncertainty
 
 NEAR_POLE = 1e-3  # sin(theta) below which components are extrapolated over the pole
+ROUNDING = 1e-12  # relative, of functions of directions
+METRIC_ROUNDING = 1e-11  # of metrics of surfaces in harmonics of degree 64, whose slopes magnify rounding
 
 
 class TwoMetric(Protocol):
@@ -249,22 +251,28 @@ def are_definite(tt: Floats, tp: Floats, pp: Floats) -> Mask:
 
 
 def is_axisymmetric(metric: TwoMetric) -> bool:
-    """Whether the metric is symmetric about the z-axis, as far as it can be seen."""
+    """Whether the metric is symmetric about the z-axis, as far as it can be seen.
+
+    Notes
+    -----
+    Integrals over the surface are not changed to first order by a deviation, if they are means over phi.
+    """
     check_two_metric(metric)
-    return is_symmetric_about_z(lambda u: angle_components(u, metric.tensor(u)))
+    return is_symmetric_about_z(lambda u: angle_components(u, metric.tensor(u)), METRIC_ROUNDING)
 
 
-def is_symmetric_about_z(function: Callable[[Floats], Floats]) -> bool:
+def is_symmetric_about_z(function: Callable[[Floats], Floats], rounding: float = ROUNDING) -> bool:
     """Whether a function of directions (n, 3) does not change with phi, as far as it can be seen.
 
-    It is compared with itself turned by some angles, at directions that are spread without a pattern.
+    It is compared with itself turned by some angles, at directions that are spread without a pattern.  What
+    it changes by rounding is relative to its largest value.
     """
     x, y, z = fibonacci_directions(400).T
     values = []
     for angle in (0.0, 0.7, 1.9, 4.3):  # no fractions of a turn
         c, s = np.cos(angle), np.sin(angle)
         values.append(function(np.stack([c * x - s * y, s * x + c * y, z], axis=1)))
-    return bool(np.ptp(values, axis=0).max() <= 1e-12 * np.abs(values).max())
+    return bool(np.ptp(values, axis=0).max() <= rounding * np.abs(values).max())
 
 
 def projected(q: Floats, u: Floats) -> Floats:

@@ -20,6 +20,7 @@ from numpy.polynomial import legendre
 from isoembed.arrays import Floats
 from isoembed.meshing.sphere import fibonacci_directions, gauss_rule
 from isoembed.smooth.harmonics import Harmonics
+from isoembed.smooth.isometry import SYMMETRIC_ANGLES
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import NEGLIGIBLE, ROUNDING, trimmed
 from isoembed.smooth.two_metric import TwoMetric, area_density, is_axisymmetric
@@ -92,7 +93,7 @@ class InvariantCoordinate:
         degree = 32  # first degree; it is doubled
         while True:
             harmonics = Harmonics(degree, 0)
-            transform = SphereTransform(harmonics, degree + 1, 2)
+            transform = SphereTransform(harmonics, degree + 1, SYMMETRIC_ANGLES)
             density = transform.analysis(area_density(turned.tensor(transform.u))[:, None])[:, 0]
             sizes = np.abs(density) / density[0]
             tail = float(sizes[3 * degree // 4 :].max())
