@@ -1,14 +1,14 @@
 """Acceptance of surfaces as realizations: thresholds on residuals and on distances between realizations.
 
-A surface says `converged` by its own tolerance.  What the searches ask besides is here.
+`Embedding.converged` refers to the tolerance of the surface.  The searches use these thresholds in addition.
 """
 
 from isoembed.embedding.embedding import Embedding
 
-REALIZED = 1e-11  # mean edge lengths: the largest residual of a realization
-PLACED = 1e-10  # mean edge lengths: residual asked of convex polyhedra, and of surfaces that end a search
-NEARLY = 1e-6  # mean edge lengths: near a realization, Newton's method does not get lost from here
-SAME = 1e-7  # mean edge lengths: realizations within this distance are the same
+REALIZED = 1e-11  # mean edge lengths; largest residual of a realization
+PLACED = 1e-10  # mean edge lengths; largest residual of a convex polyhedron, or at the end of a search
+NEARLY = 1e-6  # mean edge lengths; residual from which Newton's method converges reliably
+SAME = 1e-7  # mean edge lengths; distance within which realizations are identical
 
 
 def is_accepted(surface: Embedding) -> bool:

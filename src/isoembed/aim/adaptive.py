@@ -1,17 +1,17 @@
 """The default method, `Aim`: uniformize to convexity, embed by Alexandrov's theorem, pull back.
 
-The paper's three steps, each of them replaced by one that does not fail:
+Each of the paper's three steps is replaced by one that does not fail:
 
 1. uniformize, but only as far as convexity: `isoembed.aim.convexification`, in place of
    `isoembed.aim.uniformize`;
-2. embed where it is easy, which for a convex metric is everywhere: the exact polyhedron of Alexandrov's
-   theorem, `isoembed.alexandrov`, in place of `isoembed.aim.embedding_tree`;
-3. pull back: by Newton's method at once, on the radii or the lengths; else dents are made at once, and all
-   else step by step, as smooth as can be; many vertices by levels.  `isoembed.aim.adiabatic_pullback` is the
-   paper's.
+2. embed the convex metric: the exact polyhedron of Alexandrov's theorem, `isoembed.alexandrov`, in place of
+   `isoembed.aim.embedding_tree`;
+3. pull back: in one step by Newton's method on the radii or the lengths, or by reflecting the dents;
+   otherwise along a path of smooth surfaces, multilevel for many vertices.  The paper's is
+   `isoembed.aim.adiabatic_pullback`.
 
-`isoembed.aim.strategies` lists the strategies in the order in which they are tried, those for convex metrics
-before the three steps and those for what the pull-back missed behind them; `isoembed.aim.pipeline` runs them.
+`isoembed.aim.strategies` lists the strategies in order: those for convex metrics, the three steps, and
+searches after a failed pull-back; `isoembed.aim.pipeline` runs them.
 """
 
 from dataclasses import dataclass
@@ -37,18 +37,18 @@ class Aim(Method):
     Parameters
     ----------
     best_fit : bool
-        Whether to return the smooth surface that comes nearest to the lengths, a `FittedSurface`, where none
-        is found that has them.
+        Whether to return the smooth least-squares surface, a `FittedSurface`, if no surface with the lengths
+        is found.
     effort : float
-        Cost limit of a failure, relative to the cost of all that was done before.  Cost is counted in
-        factorizations, so that results do not depend on the machine.  Where the pull-back misses the
-        lengths, a search for patches on the wrong side and the best fit follow, which together cost
-        ``1 + effort`` times as much, 11 times at most; with `best_fit` the fit takes what it needs.  0 is no
-        search.  Above 1, vertices on the wrong side are sought after that, for ``effort`` times the cost.
+        Cost limit of the searches after a failed pull-back, relative to the cost up to there.  Cost is
+        counted in factorizations, so that results do not depend on the machine.  The search for patches on
+        the wrong side and the best fit together cost at most ``1 + effort`` times as much, and never more
+        than 11 times; with `best_fit` the fit is not limited.  0 means no search.  Above 1, a search for
+        vertices on the wrong side follows, at ``effort`` times the cost.
     which : {"convex", "smoothest"} or array_like, shape (V, 3), optional
-        Another of the realizations that are found: the convex one; the smoothest; or the nearest to a surface
-        with these vertices, of any size, from which Newton's method is started, too.  By default the answer
-        is on the branch of a convex surface, or, where that is not followed, the smoothest.
+        Choice among the realizations: the convex one; the smoothest; or the nearest to a surface with the
+        given vertices, at any scale, from which Newton's method is started as well.  By default the answer
+        is on the branch of a convex surface, or, if that branch is not followed, the smoothest.
     """
 
     best_fit: bool = False
@@ -75,15 +75,15 @@ class Aim(Method):
         Returns
         -------
         Embedding
-            The smoothest of the surfaces that were found to have these lengths; if there is none, the nearest
-            attempt, with a diagnosis, or the best fit.  Of lengths with errors, given or shown by their
-            digits, a smooth surface that agrees with them.
+            The smoothest surface found with these lengths; if none is found, the nearest attempt, with a
+            diagnosis, or the best fit.  For lengths with errors, given or inferred from their digits, a
+            smooth surface that agrees with them.
         """
         return Pipeline(metric, self, tolerance, log).run(STRATEGIES, choose, DECISIONS)
 
 
 def _points(which: ArrayLike) -> tuple[tuple[float, ...], ...]:
-    """Vertices as a tuple, which is compared and written as a whole."""
+    """Vertices as a tuple, so that methods can be compared and written."""
     points = np.asarray(which, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
         raise InvalidParameter(

@@ -12,22 +12,22 @@ def pull_back(
 ) -> Iterator[tuple[float, Annealed]]:
     """Follow the metrics rho_t from P_{t_f}, one surface after another.
 
-    The guess is the surface before for the steps j = 1, 2, 3 and the polynomial through the three surfaces
-    before from then on.
+    The initial guess is the previous surface for the steps j = 1, 2, 3, then the polynomial through the three
+    previous surfaces.
 
     Parameters
     ----------
     start : ndarray, shape (V, 3)
-        P_{t_f}, embedded at the time that comes first.
+        P_{t_f}, embedded at the first time.
     times : iterable of float
         t_j / t_f, falling from 1.
     relax : callable
-        Anneals a guess at a time, with whatever guides it.
+        Function that anneals a guess at a given time.
 
     Yields
     ------
     float, Annealed
-        Every time after the first, over t_f, and the surface P_t.
+        Each time after the first, over t_f, and the surface P_t.
     """
     moments = iter(times)
     known = [(next(moments), start)]

@@ -27,7 +27,7 @@ class Annealed:
     residual : float
         Largest length error.
     converged : bool
-        Whether it, or the last step, is below its tolerance.
+        Whether the residual or the last step is below its tolerance.
     """
 
     vertices: Floats
@@ -45,7 +45,7 @@ def anneal(
     step_tolerance: float = 0.0,
     max_iterations: int = POLISH_STEPS,
 ) -> Annealed:
-    """Bring the edges of a surface to given lengths by Newton's method; by default to the rounding floor.
+    """Solve the length equations by Newton's method; by default to rounding.
 
     Parameters
     ----------
@@ -53,20 +53,20 @@ def anneal(
     vertices : ndarray, shape (V, 3)
         The initial guess.
     lengths : ndarray, shape (E,)
-        Of mean 1 or so: tolerances are relative to the unit.
+        Scaled to a mean of about 1: tolerances refer to this unit.
     recorder : StageRecorder
     residual_tolerance : float
-        Stop when every length is right to this (the paper's 1e-6).
+        Stop when all length errors are at most this (the paper's 1e-6).
     step_tolerance : float
-        Stop when no vertex moves more than this (the paper's 1e-8).
+        Stop when no vertex moves by more than this (the paper's 1e-8).
     max_iterations : int
 
     Returns
     -------
     Annealed
-        The best vertices met.
+        The iterate with the smallest residual.
     """
-    rounding, lost = stagnated(1e-9), 10.0  # mean edge lengths, from which no iteration returns
+    rounding, lost = stagnated(1e-9), 10.0  # residual beyond recovery, in mean edge lengths
     found = length_newton(
         system,
         vertices,
@@ -88,16 +88,16 @@ def anneal_on_sphere(
     *,
     max_iterations: int,
 ) -> Floats:
-    """Fit points near a sphere to lengths and radius together, in least squares, by Gauss-Newton.
+    """Least-squares fit of points near a sphere to lengths and radius, by the Gauss-Newton method.
 
-    It spreads the inconsistencies of the embedding tree evenly, "annealing the coordinates on the sphere",
-    before the radius is let go.
+    It distributes the inconsistencies of the embedding tree evenly, "annealing the coordinates on the
+    sphere", before the radius is released.
 
     Parameters
     ----------
     system : VertexSystem
     vertices : ndarray, shape (V, 3)
-        About the origin.
+        Centered on the origin.
     lengths : ndarray, shape (E,)
     radius : float
     recorder : StageRecorder
@@ -131,9 +131,9 @@ def anneal_damped(
     residual_tolerance: float,
     max_iterations: int,
 ) -> Annealed:
-    """Bring the edges to given lengths by Levenberg-Marquardt: slower than Newton's method, never uphill.
+    """Minimize the length errors by the Levenberg-Marquardt method, which never goes uphill.
 
-    It finds some surface nearby, be it crumpled.  Parameters and result as of `anneal`.
+    The surface found nearby may be crumpled.  Parameters and result as for `anneal`.
     """
 
     def at(x: Floats) -> Point:

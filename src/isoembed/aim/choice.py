@@ -1,7 +1,7 @@
 """Choice among several realizations of a metric: convex, smoothest, or nearest to a given surface.
 
-A strategy that is trusted ends at one realization, on the branch of the convex surface that it came from.
-That one is the answer unless another is asked for, be it a little rougher than a twin of its own.
+A trusted strategy ends at one realization, on the branch of the convex surface from which it started.  It is
+the answer unless another one is requested, even if a nearby realization is slightly smoother.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from isoembed.progress.stages import Log
 from isoembed.surface.alignment import aligned
 from isoembed.surface.placement import standard_position
 
-MOTIONS = 4  # softest motions, along which others are sought
-FAR = 0.05  # mean edge lengths: on rough bodies there are too many farther away
+MOTIONS = 4  # softest motions searched for other realizations
+FAR = 0.05  # mean edge lengths; rough bodies have too many realizations farther away
 
 
 def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) -> Embedding:
-    """The smoothest of the realizations, with the others beside it; if none, the nearest attempt.
+    """The smoothest realization, with the others attached; if there is none, the nearest attempt.
 
-    Of a convex metric the convex one goes before all others.
+    For a convex metric the convex realization precedes all others.
 
     Parameters
     ----------
     surfaces : sequence of Embedding
-        In the order in which they were found.
+        In the order of discovery.
     is_convex : bool
-        Whether the metric is.
+        Whether the metric is convex.
     searched : bool
-        Whether other realizations were sought near one.
+        Whether other realizations were searched for near one of them.
     """
     different: list[Embedding] = []
     for surface in surfaces:
@@ -50,7 +50,7 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
     others = [_turned_to(different[0], other) for other in different[1:]]
     if not searched:
         return different[0]._with_others(others)
-    from isoembed.aim.nearby_realizations import NEAR, SOFTEST, sought  # convex bodies do without
+    from isoembed.aim.nearby_realizations import NEAR, SOFTEST, sought  # not needed for convex bodies
 
     said = sought(SOFTEST, NEAR)
     found = different[0]._with_others(others, Evidence("searched", said))
@@ -58,17 +58,17 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
 
 
 def _turned_to(answer: Embedding, other: Embedding) -> Embedding:
-    """Another realization where it is nearest to the answer: of near ones, principal axes may point apart."""
+    """Another realization, aligned with the answer: principal axes of similar surfaces may differ."""
     return _like(other, aligned(other.vertices, answer.vertices, other.metric.space))
 
 
 def _like(embedding: Embedding, vertices: Floats) -> Embedding:
-    """The surface with other vertices, of the same metric, method and tolerance."""
+    """A surface with other vertices and the same metric, method and tolerance."""
     return Embedding(embedding.metric, vertices, method=embedding.method, tolerance=embedding.tolerance)
 
 
 def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
-    """The same surface with the realizations beside it that are found along its softest motions."""
+    """The same surface with the realizations found along its softest motions attached."""
     from isoembed.aim.nearby_realizations import sought
     from isoembed.aim.realization_search import RealizationSearch
     from isoembed.surface.rigidity import LengthSystem
@@ -89,22 +89,22 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
 
 
 def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log: Log) -> Embedding:
-    """The realization that was asked for, among those that were found; the others stand beside it.
+    """The requested realization among those found, with the others attached.
 
     Parameters
     ----------
     embedding : Embedding
-        A realization, of a normalized metric.
+        A realization of a normalized metric.
     which : {"convex", "smoothest"} or tuple of tuple of float
-        Or the vertices, (V, 3), of a surface that it is to be near to, of any size.
+        Property, or the vertices, (V, 3), of a reference surface at any scale.
     log : Log
 
     Raises
     ------
     NotEmbedded
-        A convex one was asked for, and none was found.
+        A convex realization was requested, and none was found.
     InvalidParameter
-        There are other than V vertices, or space is curved.
+        The number of vertices is not V, or space is curved.
     """
     found = [embedding, *embedding.others]
     if which == "smoothest":
@@ -131,7 +131,7 @@ def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
 
 
 def _target(embedding: Embedding, vertices: Floats) -> Embedding:
-    """The surface to be near to, at the size of the metric."""
+    """The reference surface, scaled to the metric."""
     metric = embedding.metric
     if not metric.space.is_euclidean:
         raise InvalidParameter("which=vertices requires a Euclidean metric")
@@ -147,7 +147,7 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
 
 
 def _realized(target: Embedding, log: Log) -> Embedding | None:
-    """The realization to which damped Newton steps lead from a surface; where it flexes, J is singular."""
+    """The realization that damped Newton steps reach from a surface; J is singular where it flexes."""
     from isoembed.aim.anneal import anneal, anneal_damped
     from isoembed.surface.rigidity import LengthSystem
 

@@ -23,22 +23,22 @@ from isoembed.nonlinear.stopping import settled
 
 @dataclass(frozen=True, eq=False)
 class ClampedPatch:
-    """The energy as a function of a few vertices, the others being held.
+    """The energy as a function of a few vertices, with all others fixed.
 
     Attributes
     ----------
     spend : callable
-        Told of each factorization, by its share of the surface's vertices.
+        Called for each factorization, with the patch's share of all vertices.
     vertices : ndarray of int, shape (n,)
-        Those that move.
+        The free vertices.
     ends : ndarray, shape (m, 2)
-        Vertices at the ends of edges that change.
+        End vertices of the edges that change.
     edges : PatchEdges
-        These edges.
+        The edges that change.
     rows : sparse, shape (k, V)
         The rows of R that change.
     columns : ndarray, shape (k, n)
-        Their columns.
+        Their columns for the free vertices.
     stiffness : ndarray, shape (n, n)
         ``mu R^T R``.
     mu : float
@@ -62,7 +62,7 @@ class ClampedPatch:
         mu: float,
         spend: Callable[[float], None],
     ) -> ClampedPatch:
-        """Clamp all vertices but these."""
+        """Clamp all vertices except these."""
         triangulation, R = energy.triangulation, energy.fit_residuals
         n = len(vertices)
         changing = np.unique(triangulation.incidence[vertices].indices)
@@ -76,7 +76,7 @@ class ClampedPatch:
         return cls(spend, vertices, ends, edges, rows, columns, stiffness, mu)
 
     def value(self, x: Floats) -> float:
-        """The part of the energy that changes."""
+        """The variable part of the energy."""
         return self._value(self._terms(x))
 
     def offset(self, x: Floats, disk: Indices) -> Floats:
@@ -91,7 +91,7 @@ class ClampedPatch:
         steps: int = 12,
         share: float = 0.002,  # relative decrease of the energy
     ) -> tuple[Floats, float]:
-        """The local minimum near x, and its part of the energy, by Levenberg-Marquardt."""
+        """The local minimum near x and its energy, by the Levenberg-Marquardt method."""
         n, held = len(self.vertices), np.kron(self.stiffness, np.eye(3))
 
         def step(at: _Terms) -> Curve[_Terms]:

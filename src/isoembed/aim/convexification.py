@@ -1,9 +1,9 @@
 """Uniformization (paper, section 2.1) only as far as convexity: a convex metric near the given one.
 
-Curvature is let diffuse over the surface until it is positive everywhere: the large shape stays, and only
-what is small is smoothed away.  A conformal change of the lengths, one factor a vertex, leads to a metric of
-this curvature.  Unlike the uniform metric it is near, as near as the given one is to convexity, and unique up
-to scale: there are no Moebius maps to pin.
+The curvature diffuses over the surface until it is positive everywhere: small features are smoothed away, and
+the large-scale shape remains.  A conformal change of the lengths, with one factor for each vertex, leads to a
+metric with this curvature.  Unlike the uniform metric it is close to the given one if that is nearly convex,
+and it is unique up to scale: no Moebius maps have to be fixed.
 """
 
 from __future__ import annotations
@@ -29,34 +29,34 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 SHARE = "deficit of a vertex's area on a sphere"
-FAR_MARGIN = 0.05  # of a vertex's share of 4 pi: the metric from which a continuation starts
-NEAR_MARGIN = 0.005  # the same, of the metric from which Newton's method starts
+FAR_MARGIN = 0.05  # of a vertex's share of 4 pi, for the start of a continuation
+NEAR_MARGIN = 0.005  # the same, for the start of Newton's method
 SEARCH = LineSearch(decrease=0.1, shortest=1e-3)
-PINNED = 1e-9  # Laplacian entries, added to the diagonal, which pins the mean
+PINNED = 1e-9  # Laplacian entries; shift of the diagonal that fixes the mean
 
 
 class Convexification:
-    """Convex metrics to begin a pull-back from, the farther from the given one the larger their margin.
+    """Convex metrics as starts of a pull-back; their distance from the given one grows with their margin.
 
     Parameters
     ----------
     given : GluedMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
 
     Notes
     -----
     The curvature measure after the time tau is ``delta(tau) = M (M + tau K)^-1 delta(0)``, M the areas and K
-    the cotangent Laplacian, on the intrinsic Delaunay triangulation; tau is doubled from the square of the
-    mean edge length on.  The factors u of ``l_ij e^{(u_i + u_j) / 2}`` follow by Newton's method, as the
+    the cotangent Laplacian, on the intrinsic Delaunay triangulation; tau is doubled, starting from the square
+    of the mean edge length.  The factors u of ``l_ij e^{(u_i + u_j) / 2}`` follow by Newton's method, as the
     derivative of the deficits is K (Springborn, Schroeder and Pinkall, ACM TOG 27, 2008); on the sphere and
-    in the hyperbolic plane it is the `deficit_laplacian`, and the area determines u.  Where that would break
-    a triangle, the metric reached becomes Delaunay again by flips, and goes on from there: not in the same
-    conformal class, but nothing asks for that.
+    in the hyperbolic plane it is the `deficit_laplacian`, and the area determines u.  If a step
+    would break a triangle, the current metric is made Delaunay by flips first.  The result then leaves the
+    conformal class, which is not needed.
     """
 
     def __init__(self, given: GluedMetric) -> None:
         self.given = given
-        self._tau = 0.0  # the time of the diffusion: before it, no margin was reached that was asked for
+        self._tau = 0.0  # diffusion time; no requested margin was reached before it
 
     @cached_property
     def is_convex(self) -> bool:
@@ -66,25 +66,25 @@ class Convexification:
 
     @property
     def negative_curvature(self) -> float:
-        """The sum of the negative deficits, made positive, over the sum of all."""
+        """Absolute sum of the negative deficits over the sum of all deficits."""
         return float(-np.minimum(self.given.deficits, 0.0).sum() / _total(self.given))
 
     def metric(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
-        """A convex metric on the given vertices, but on triangles of its own; the given one, if it is convex.
+        """A convex metric on the given vertices and its own triangulation; the given metric, if it is convex.
 
         Parameters
         ----------
         margin : float
-            What the diffusion leaves to the deficit of a vertex, at least, of what its area would have on a
-            round sphere: the less, the nearer is the metric, and the flatter in places.  Ask for small ones
-            first: the diffusion goes on from where it came to before.
+            Least deficit of a vertex after the diffusion, relative to the share of its area on a round
+            sphere.  Smaller margins give closer and, in places, flatter metrics.  Call with increasing
+            margins: the diffusion continues from the previous time.
         recorder : StageRecorder
-            Counts Newton steps.
+            Recorder of the Newton steps.
 
         Returns
         -------
         GluedMetric or None
-            None if it was not reached.
+            None if the margin was not reached.
         """
         if self.is_convex:
             return self.given
@@ -98,25 +98,25 @@ class Convexification:
 
     @cached_property
     def _smaller(self) -> Convexification | None:
-        """Convexification of the metric at half its size, where space has positive curvature that matters.
+        """Convexification of the metric at half scale, in space of significant positive curvature.
 
-        With much of a sphere's area the derivative of the deficits may become singular on the way to the
-        convex metric; and the smaller the metric, the less curvature it needs.
+        For a large fraction of a sphere's area the derivative of the deficits may become singular on the way
+        to the convex metric; a smaller metric needs less curvature.
         """
-        # Of 4 pi: curvature of space times area that is worth a smaller metric.
+        # Curvature of space times area, over 4 pi.
         if not 1 - _total(self.given) / (4 * np.pi) > 0.01:
             return None
         half = np.full(self.given.n_vertices, -np.log(2.0))
         return Convexification(equivalent(self.given, half))
 
     def _changed(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
-        """Follow the conformal change; None where it stops short."""
+        """Follow the conformal change; None if it stalls."""
         reached = _Delaunay.of(self.given, recorder.work)
         diffused = self._diffused(reached, margin, recorder)
         if diffused is None:
             return None
         goal, step = diffused
-        least = 0.5 * margin * reached.shares  # the conformal change may end with half of the margin
+        least = 0.5 * margin * reached.shares  # half of the margin suffices after the conformal change
         for count in range(100):
             missing = goal - reached.metric.deficits
             recorder.show(residual=float(np.abs(missing).max()))
@@ -138,18 +138,18 @@ class Convexification:
     def _diffused(
         self, triangles: _Delaunay, margin: float, recorder: StageRecorder
     ) -> tuple[Floats, Floats] | None:
-        """The deficits after the first time at which they all have the margin, if rounding allows.
+        """The deficits at the first time at which all have the margin, if rounding allows.
 
-        With them comes Newton's first step to them, which needs no factor: from
+        Also the first Newton step to them, which needs no factorization: from
         ``(M + tau K) M^-1 delta(tau) = delta(0)`` follows ``K u = delta(tau) - delta(0)`` for
-        ``u = -tau M^-1 delta(tau)``.  On the sphere and in the hyperbolic plane the derivative is another
-        matrix, which is factored.
+        ``u = -tau M^-1 delta(tau)``.  On the sphere and in the hyperbolic plane the derivative is a
+        different matrix, which is factored.
         """
         shape, first = triangles.metric.triangles, triangles.metric.mean_length**2
         shares = triangles.shares
         mass = shares / _total(triangles.metric) * shape.areas.sum() * shape.unit**2
         self._tau = self._tau or first
-        last = first * 2.0**50  # of the time: beyond, only rounding keeps curvature uneven
+        last = first * 2.0**50  # longest diffusion time; beyond it, curvature is uneven by rounding only
         while self._tau < last:
             recorder.iterations += 1
             sources = triangles.metric.deficits / self._tau
@@ -166,7 +166,7 @@ class Convexification:
 
 @dataclass(frozen=True)
 class _Delaunay:
-    """A metric on its Delaunay triangles, and who factors its Laplacians: made when first asked for."""
+    """A metric on its Delaunay triangulation, with a lazily created solver for its Laplacians."""
 
     metric: GluedMetric
     solver: Callable[[], Solver]
@@ -189,39 +189,39 @@ class _Delaunay:
 
     @property
     def shares(self) -> Floats:
-        """The deficits that the vertices' areas, a third of each triangle, would have on a sphere, (V,)."""
+        """Deficits of the vertex areas, a third of each triangle, on a sphere of the same area, (V,)."""
         areas = self.metric.triangles.areas
         share = np.bincount(self.metric.faces.ravel(), np.repeat(areas / areas.sum(), 3))
         return cast(Floats, _total(self.metric) / 3 * share)
 
     def shifted(self, K: csc_array, diagonal: Floats) -> csc_array:
-        """A matrix with this added to its diagonal, in the pattern of the solver."""
+        """A matrix with an added diagonal, in the pattern of the solver."""
         on_diagonal = K.indices == np.repeat(np.arange(len(diagonal)), np.diff(K.indptr))
-        K.data[on_diagonal] += diagonal  # a sum of matrices would drop entries that vanish
+        K.data[on_diagonal] += diagonal  # a sum of matrices would drop zeros
         return K
 
     def steady(self, diagonal: Floats, sources: Floats) -> Floats:
-        """Solve with the Laplacian and this on its diagonal: without factoring, as long as it is large."""
-        from scipy.sparse.linalg import cg  # slow to import, and convex metrics do without
+        """Solve with the Laplacian plus a diagonal, by conjugate gradients; by factoring if these fail."""
+        from scipy.sparse.linalg import cg  # slow to import, not needed for convex metrics
 
         matrix = self.shifted(cotangent_laplacian(self.metric), diagonal)
         jacobi = diags_array(1 / matrix.diagonal())
-        # More iterations cost more than factors.
+        # More iterations would cost more than a factorization.
         found, failed = cg(matrix, sources, rtol=1e-7, maxiter=150, M=jacobi)
         if failed:
             return self.solver().factor(matrix.data).solve(sources)
         return cast(Floats, found)
 
     def solved(self, missing: Floats) -> Floats:
-        """The conformal factors that add this to the deficits, to first order."""
-        # The curvature of space determines the mean, of this sign; hardly, if there is little of it.
+        """Conformal factors that change the deficits by the given amounts, to first order."""
+        # The curvature of space, of this sign, determines the mean, weakly if it is small.
         pinned = -PINNED if self.metric.curvature > 0 else PINNED
         matrix = self.shifted(deficit_laplacian(self.metric), np.full(len(missing), pinned))
         step: Floats = self.solver().factor(matrix.data).solve(missing)
         return step - step.mean() if self.metric.space.is_euclidean else step
 
     def changed(self, u: Floats) -> _Delaunay | None:
-        """The metric with these factors on the same triangles, if there is one."""
+        """The metric with these conformal factors on the same triangles, if it exists."""
         try:
             return _Delaunay(equivalent(self.metric, u), self.solver)
         except InvalidMetric:
@@ -229,7 +229,7 @@ class _Delaunay:
 
 
 def _total(metric: GluedMetric) -> float:
-    """The sum of the deficits by Gauss and Bonnet."""
+    """The sum of the deficits, by the Gauss-Bonnet theorem."""
     if metric.space.is_euclidean:
         return 4 * np.pi
     triangles = metric.triangles

@@ -53,12 +53,13 @@ def reflect_and_anneal(
     annealed : Annealed
         The surface so far.
     relax : callable
-        Anneals given vertices to the same lengths.
+        Function that anneals given vertices to the same lengths.
 
     Returns
     -------
     Annealed
-        With fewer crumpled vertices at a residual no worse than before or converged; else `annealed` itself.
+        The surface with fewer crumpled vertices, if it converged or its residual did not grow; otherwise
+        `annealed`.
     """
     inverted, partial = crumpled_vertices(triangulation, annealed.vertices)
     if not (inverted | partial).any():

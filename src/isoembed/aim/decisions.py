@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from isoembed.embedding.measured import MeasuredSurface
     from isoembed.metric.polyhedral import PolyhedralMetric
 
-FEW = 150  # vertices of the largest surface whose neighbors are searched for
+FEW = 150  # largest number of vertices with a search for neighbors
 
 
 def choose(state: State, pipeline: Pipeline) -> Embedding:
-    """The smoothest candidate with the lengths; if there is none, the best fit, or a diagnosis."""
+    """The smoothest candidate with the lengths; otherwise the best fit or a diagnosed failure."""
     problem, fit, method = pipeline.problem, state.fit, pipeline.method
     found = smoothest(state.candidates, problem.is_convex, state.searched)
     if found.converged or (is_accepted(found) and fit is None):
@@ -38,10 +38,10 @@ def choose(state: State, pipeline: Pipeline) -> Embedding:
 
 
 class Neighbors(Decision):
-    """Search for other realizations near one that was found at once.
+    """Search for other realizations near a directly found one.
 
-    A convex surface is the only convex one.  Of meshes with many vertices, smoothness tells neighbors apart,
-    and the search would cost more than all else.
+    Convex surfaces are unique among convex ones.  With many vertices, neighbors differ clearly in smoothness,
+    and the search would dominate the cost.
     """
 
     key = "neighbors"
@@ -60,7 +60,7 @@ class Neighbors(Decision):
 
 
 class FitWithinDigits(Decision):
-    """Smooth surface that agrees with rounded lengths, instead of a rough one or of none."""
+    """Smooth surface that agrees with rounded lengths, in place of a rough exact surface or a failure."""
 
     key = "fit within digits"
 
@@ -78,7 +78,7 @@ class FitWithinDigits(Decision):
 
 
 class AskedFor(Decision):
-    """The realization that the caller asked for, among those that were found."""
+    """The requested realization among those found."""
 
     key = "asked for"
 
@@ -91,10 +91,10 @@ class AskedFor(Decision):
 
 
 class SmootherWithinErrors(Decision):
-    """Smooth fit to lengths with errors, with the vertices of the exact surface if that is better.
+    """Smooth fit to lengths with errors, or the exact surface if it is better.
 
-    That is where it is smoother, or where the errors are too small for a fit.  A rougher one would follow
-    blunders.
+    The exact surface is better if it is smoother, or if the errors are too small for a fit.  A rougher one
+    would follow blunders.
     """
 
     key = "smoother within errors"

@@ -1,4 +1,4 @@
-"""Error message of a failed embedding: where the lengths are missed, and what to try."""
+"""Error message of a failed embedding: the largest residuals, and advice."""
 
 import numpy as np
 
@@ -14,20 +14,20 @@ from isoembed.metric.vertex_links import link_gaps
 from isoembed.progress.stages import Log
 from isoembed.thresholds import rounded_up
 
-UNLIKE = 0.05  # mean edge lengths: larger errors are not those of a measured surface
+UNLIKE = 0.05  # mean edge lengths; errors of measured surfaces are smaller
 
 
 def diagnosis(attempt: Embedding, fit: FittedSurface | None, effort: float) -> str:
-    """Say where the nearest surface misses the lengths, and what the user can do.
+    """Describe where the nearest surface misses the lengths, and advise the user.
 
     Parameters
     ----------
     attempt : Embedding
-        The nearest that was found; it misses the lengths.
+        The nearest surface found, which misses the lengths.
     fit : FittedSurface or None
-        The best fit to them, if there is one.
+        The best fit to the lengths, if there is one.
     effort : float
-        That of the search that missed them.
+        Effort of the failed search.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def diagnosis(attempt: Embedding, fit: FittedSurface | None, effort: float) -> s
 
 
 def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
-    """The negative deficits, and what follows from them if the lengths are like those of a surface."""
+    """Sentences on negative deficits, and advice if the lengths are like those of a surface."""
     negative = negative_deficits(metric)
     if not negative.any():
         return [
@@ -56,14 +56,14 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     found = _negative(metric, negative, regions)
     if unlike:
         return [found]
-    if regions * 5 <= negative.sum():  # noise makes fewer deficits negative side by side, on average
+    if regions * 5 <= negative.sum():  # noise makes smaller regions of negative deficits
         return [
             found,
             "Negative curvature over whole regions is unlikely to be noise, and not every metric with it has "
             "a smooth surface",
         ]
     lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
-    if -total > 0.05 * 4 * np.pi:  # less negative curvature may be noise on a convex body
+    if -total > 0.05 * 4 * np.pi:  # less may be noise on a convex body
         return [found]
     said = repair_that_succeeds(metric.normalized, float(rounded_up(-lowest)), PLACED, Log())
     return [found, f"If the body is convex, {said}, on triangles of its own"] if said else [found]
@@ -84,7 +84,7 @@ def _negative(metric: PolyhedralMetric, negative: Mask, regions: int) -> str:
 
 
 def _errors(fit: FittedSurface | None) -> str:
-    """Sentence on the errors of the lengths, as the best fit shows them."""
+    """Sentence on the errors of the lengths estimated by the best fit."""
     if fit is None:
         return "No smooth surface near to them was found: check that each length is with its edge"
     if fit.noise > UNLIKE:
@@ -96,7 +96,7 @@ def _errors(fit: FittedSurface | None) -> str:
     squares = fit.residuals**2
     at_vertices = np.bincount(fit.metric.edges.ravel(), np.repeat(squares, 2)) / fit.triangulation.degrees
     v = int(np.argmax(at_vertices))
-    if at_vertices[v] > 20.0 * squares.mean():  # even noise has less at any vertex
+    if at_vertices[v] > 20.0 * squares.mean():  # above the maximum for noise
         return (
             f"Smooth surfaces miss them most at the edges of vertex {v}, with "
             f"{at_vertices[v] / squares.mean():.0f} times the mean squared residual: check the lengths "
@@ -109,7 +109,7 @@ def _errors(fit: FittedSurface | None) -> str:
 
 
 def _longer_search(metric: PolyhedralMetric, effort: float) -> list[str]:
-    """Advice for exact lengths: a longer search, if there is one."""
+    """Advice on a longer search for exact lengths, if there is one."""
     if not (metric.space.is_euclidean and negative_deficits(metric).any()) or link_gaps(metric).max() > 0:
         return []
     more = f"{20 * max(effort, 1.0):g}"  # of 18 rocks of 120 and 200 vertices it finds all; 10 finds 11 of 15

@@ -13,17 +13,17 @@ from isoembed.progress.stages import StageRecorder
 
 @dataclass(frozen=True)
 class EmbeddingTree:
-    """The vertices on the sphere, and what each of them was computed from.
+    """The vertices on the sphere, and the order and edges of their construction.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-        Points on the sphere about the origin.
+        Points on the sphere centered on the origin.
     layers : ndarray of int, shape (V,)
-        The layer that placed each vertex; 0 for the three of the root.
+        Layer in which each vertex was placed; 0 for the three of the root.
     pivots : ndarray of int, shape (V, 2)
-        The ends of the edge that each vertex was placed from: with it, they span the two edges that were
-        used.  -1 for the ends of the first edge.
+        Ends of the edge opposite to each vertex in the triangle that placed it.  -1 for the ends of the
+        first edge.
     """
 
     vertices: Floats
@@ -34,12 +34,12 @@ class EmbeddingTree:
 def embedding_tree(
     metric: PolyhedralMetric, radius: float, root: int, recorder: StageRecorder
 ) -> EmbeddingTree:
-    """Place a metric of constant curvature on the sphere, triangle after triangle.
+    """Place a metric of constant curvature on the sphere, triangle by triangle.
 
     The first edge is placed by Eqs. (xb)-(zb).  Every other vertex follows from a placed edge by the two
     lengths and the radius, Eqs. (sys1)-(sys3), on the side on which the two triangles are unfolded.  The
-    tree grows breadth first, a layer at a time; edges that it does not use are determined, and come out
-    inconsistent with their lengths by the amount that the metric misses a sphere.
+    tree grows breadth first, layer by layer.  Edges outside of the tree miss their lengths by the deviation
+    of the metric from that of a sphere.
 
     Parameters
     ----------
@@ -48,9 +48,9 @@ def embedding_tree(
     radius : float
         r, Eq. (avg).
     root : int
-        The face to start from.
+        The first face.
     recorder : StageRecorder
-        Counts the layers.
+        Recorder of the layers.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def embedding_tree(
         behind = x[faces[g, (d + 2) % 3]]
         side = -np.sign(
             np.einsum("ij,ij->i", np.cross(x[a], x[b]), behind)
-        )  # unfolded: away from the known one
+        )  # unfolded, opposite to the known triangle
         x[v] = _opposite(
             r, x[a], x[b], lengths[face_edges[f, (c + 2) % 3]], lengths[face_edges[f, (c + 1) % 3]], side
         )
@@ -111,7 +111,7 @@ def embedding_tree(
 
 
 def _first_edge(r: float, l: float) -> tuple[Floats, Floats]:
-    """Both ends of the first edge, Eqs. (xb)-(zb), which reach up to l = sqrt(2) r."""
+    """Both ends of the first edge, Eqs. (xb)-(zb), valid up to l = sqrt(2) r."""
     root = np.sqrt(max(l**2 * r**2 * (2 * r**2 - l**2), 0.0))
     a = np.array([r / 2, r / 2, r / np.sqrt(2)])
     b = np.array(
@@ -131,7 +131,7 @@ def _opposite(r: float, a: Floats, b: Floats, l_ac: Floats, l_bc: Floats, side: 
     square = np.einsum("ij,ij->i", normal, normal)  # r^4 - (a . b)^2
     dot = np.einsum("ij,ij->i", a, b)
     alpha, beta = (p * r**2 - q * dot) / square, (q * r**2 - p * dot) / square
-    # Lengths that no point of the sphere has, on coarse triangulations, get the nearest one.
+    # On coarse triangulations, lengths without a point on the sphere get the nearest one.
     gamma = side * np.sqrt(np.maximum(r**2 - alpha * p - beta * q, 0.0) / square)
     x = alpha[:, None] * a + beta[:, None] * b + gamma[:, None] * normal
     return x * (r / np.linalg.norm(x, axis=1))[:, None]

@@ -1,9 +1,9 @@
 """Newton descent of the regularized energy with exact Hessians.
 
-Where vertices are nearly in the plane of their neighbors the lengths change in second order alone, and so
-does J: Gauss-Newton steps on ``|r|^2 + mu |R x|^2`` (`isoembed.aim.regularized_energy`) overshoot there as
-soon as mu is small, and end far from any minimum.  What they leave out is sparse: ``r_ab / l_ab`` times the
-identity for each edge.
+Near vertices that lie almost in the plane of their neighbors the lengths change to second order only.
+Gauss-Newton steps on ``|r|^2 + mu |R x|^2`` (`isoembed.aim.regularized_energy`) overshoot there for small mu,
+and end far from any minimum.  The omitted part of the Hessian is sparse: ``r_ab / l_ab`` times the identity
+for each edge.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ def minimize_energy(
     Parameters
     ----------
     energy : RegularizedEnergy
-        Of a metric in Euclidean space.
+        Energy of a metric in Euclidean space.
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     mu : float
     recorder : StageRecorder
-        Counts steps.
+        Recorder of the steps.
     is_done : callable
-        Whether a surface is good enough, or no more may be spent.
+        Whether a surface is good enough, or the budget is exhausted.
 
     Returns
     -------

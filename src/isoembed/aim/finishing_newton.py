@@ -1,16 +1,16 @@
 """Damped Newton's method for a surface whose edge lengths are nearly right, patch by patch.
 
-A descent (`isoembed.aim.energy_descent`) that misses the lengths by little ends where J is singular: the
-errors r are a stress in equilibrium, ``J^T r = 0``, and no small motion mends them.  A larger one may, along
-the few motions that change the lengths least, v_1 ... v_k, which come with stresses w_1 ... w_k.  For each
-``s = sum_i s_i v_i`` the stiff motions follow: to second order by ``d = -1/2 J^+ Q(s, s)``, J^+ without the
-w.  What is left of the errors,
+A descent (`isoembed.aim.energy_descent`) that nearly reaches the lengths ends where J is singular: the
+errors r are a stress in equilibrium, ``J^T r = 0``, and no small motion reduces them.  A larger one may,
+along the few softest motions v_1 ... v_k, with the corresponding stresses w_1 ... w_k.  For each
+``s = sum_i s_i v_i`` the stiff motions respond, to second order, by ``d = -1/2 J^+ Q(s, s)``, with the w
+excluded from J^+.  The remaining errors,
 
     ``w_m . (r + J s + 1/2 Q(s, s) + Q(s, d))``,
 
-are k cubic equations (`isoembed.aim.length_expansion`): on rough bodies, without the stiff motions that
-follow, their roots led back to where they began.  They are sought from random starts, and Newton's method
-goes on from there.
+are k cubic equations (`isoembed.aim.length_expansion`).  Without the response of the stiff motions, their
+roots on rough bodies led back to the start.  The roots are computed from random starts, and Newton's method
+continues from them.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def finish(
     recorder: StageRecorder,
     is_done: Callable[[Floats], bool],
 ) -> Floats:
-    """A realization near a surface that nearly has the lengths; that surface where none is found.
+    """A realization near a surface that nearly has the lengths; the surface itself if none is found.
 
     Parameters
     ----------
@@ -53,14 +53,14 @@ def finish(
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
     is_done : callable
-        Whether no more may be spent, asked with a surface.
+        Whether the budget is exhausted, as a function of a surface.
     """
     exact = REALIZED * float(lengths.mean())
     if is_done(vertices):
         return vertices
     try:
         soft = _SoftMotions.of(system, vertices, lengths, MOTIONS[-1])
-    except (SingularMatrix, ArpackError):  # the latter where Lanczos' iteration does not converge
+    except (SingularMatrix, ArpackError):  # no convergence of the Lanczos iteration
         return vertices
     for count in MOTIONS:
         for start in soft.equations(count).roots():
@@ -72,7 +72,7 @@ def finish(
                 lengths,
                 recorder,
                 residual_tolerance=exact,
-                max_iterations=4,  # steps that tell whether a root leads anywhere
+                max_iterations=4,  # enough to see whether a root leads to a realization
             )
             if found.converged:
                 return found.vertices
@@ -87,11 +87,11 @@ class _SoftMotions:
     ----------
     expansion : LengthExpansion
     linear : LinearizedLengths
-        Damped.
+        Damped linearization.
     motions : ndarray, shape (k, V, 3)
-        v, of unit norm.
+        v, normalized.
     stresses : ndarray, shape (k, E)
-        w, of unit norm.
+        w, normalized.
     """
 
     expansion: LengthExpansion
@@ -103,10 +103,10 @@ class _SoftMotions:
     def of(cls, system: LengthSystem, vertices: Floats, lengths: Floats, most: int) -> _SoftMotions:
         """Softest motions, at most `count`; raises SingularMatrix.
 
-        Where J is singular the motions cannot be had from the stresses: both are eigenvectors.
+        If J is singular, motions do not follow from stresses; both are computed as eigenvectors.
         """
         triangulation, m = system.triangulation, len(lengths)
-        # A little damping: J J^T is singular.
+        # Slight damping, since J J^T is singular.
         linear = system.linearized(vertices, lengths, 1e-11)
         factor = VertexSystem(triangulation, work=system.work).penalized(
             edge_rows(triangulation, vertices, lengths), 0.0
@@ -147,7 +147,7 @@ class _SoftMotions:
 
 
 def _softest(inverse: Callable[[Floats], Floats], n: int, count: int) -> Floats:
-    """Eigenvectors, (k, n), to the largest eigenvalues of an inverse, the largest first."""
+    """Eigenvectors, (k, n), of an inverse for its largest eigenvalues, in descending order."""
     _, vectors = eigsh(
         LinearOperator((n, n), matvec=inverse, dtype=np.float64),
         k=count,
@@ -168,13 +168,13 @@ class _SoftEquations:
     vertices : ndarray, shape (V, 3)
     motions : ndarray, shape (k, V, 3)
     followed : ndarray, shape (k, k, V, 3)
-        What the stiff motions add, twice d.
+        Response of the stiff motions, twice d.
     constant : ndarray, shape (k,)
     slope : ndarray, shape (k, k)
     Q : ndarray, shape (k, k, k)
-        Of the quadratic terms, twice.
+        Coefficients of the quadratic terms, doubled.
     C : ndarray, shape (k, k, k, k)
-        Of the cubic terms; the last two indices may be exchanged.
+        Coefficients of the cubic terms, symmetric in the last two indices.
     """
 
     vertices: Floats
@@ -186,7 +186,7 @@ class _SoftEquations:
     C: Floats
 
     def roots(self) -> list[Floats]:
-        """Surfaces, (V, 3), at the roots or least values that are met, the best first."""
+        """Surfaces, (V, 3), at the roots or minima found, the best first."""
         k, rng = len(self.constant), np.random.default_rng(0)
         bent = np.abs(np.einsum("mii->im", self.Q)).max(axis=1)
         with np.errstate(divide="ignore"):
@@ -195,7 +195,7 @@ class _SoftEquations:
             return []
         met: list[tuple[float, Floats]] = []
         for _ in range(60):  # random starts of the cubic equations
-            # Starts about where quadratic terms match the errors.
+            # At this size, quadratic terms are comparable to the errors.
             value, s = self._least(rng.standard_normal(k) * size * rng.choice((0.5, 1.0, 2.0, 4.0)))
             close = 1e-3 * np.abs(s).max()  # relative distance of equal roots
             if all(np.abs(s - other).max() > close for _, other in met):
@@ -216,7 +216,7 @@ class _SoftEquations:
         return values, self.slope + bent + curved + 2 * turned
 
     def _least(self, s: Floats) -> tuple[float, Floats]:
-        """The least sum of squares that Levenberg-Marquardt steps lead to, and where it is."""
+        """The minimum of the sum of squares that Levenberg-Marquardt steps reach, and its location."""
 
         def at(s: Floats) -> tuple[Floats, ...]:
             return s, *self._evaluated(s)

@@ -1,10 +1,10 @@
 """Second-order Taylor expansion of the edge lengths in displacements of the vertices.
 
-With d the motions of the vertices, the `length_residuals` are
+With displacements d of the vertices, the `length_residuals` are
 
     ``r + J d + 1/2 Q(d, d)``,  ``Q(v, w) = (v_a - v_b) . (w_a - w_b) / l_ab``,
 
-and exactly so in Euclidean space.  In hyperbolic and spherical space sn(l) replaces l, and Q has
+exactly in Euclidean space.  In hyperbolic and spherical space sn(l) replaces l, and Q has
 one more term.
 """
 
@@ -22,14 +22,14 @@ from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, edge_rows
 
 @dataclass(frozen=True, eq=False)
 class LengthExpansion:
-    """Lengths about one surface, to second order.
+    """Edge lengths near a surface, to second order.
 
     Parameters
     ----------
     system : LengthSystem
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
-        Those that are wanted.
+        Target lengths.
     """
 
     system: LengthSystem
@@ -50,7 +50,7 @@ class LengthExpansion:
         return Projected.of(self.system.space, self.vertices)
 
     def residuals_at(self, motion: Floats) -> Floats:
-        """The `length_residuals` where the vertices have moved by d, (V, 3): (E,), with all orders."""
+        """The `length_residuals`, (E,), after the motion d, (V, 3), to all orders."""
         moved = self.vertices + motion
         return length_residuals(self.system.triangulation, moved, self.lengths, self.system.space)
 

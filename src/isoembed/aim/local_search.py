@@ -1,15 +1,15 @@
 """Local search: reflection of patches on the wrong side, one by one.
 
-A surface that was followed from a convex one and got lost is, as a rule, right but for some patches: a pit is
-a bump, a vertex stands on the other side of its neighbors.  Its energy, ``|r|^2 + mu |R x|^2``
-(`isoembed.aim.regularized_energy`), is then a local minimum, and the lengths are missed at these patches.
-Disks of triangles where they are missed most are put where their surroundings expect them, or as far beyond,
-and relaxed with the rest of the surface held.  What lowers the energy is kept.  So for one mu after the
-other.
+A continuation from a convex surface that fails is usually right except for some patches: a pit has become a
+bump, or a vertex is on the other side of its neighbors.  The energy ``|r|^2 + mu |R x|^2``
+(`isoembed.aim.regularized_energy`) then has a local minimum, with the largest residuals at these patches.
+Disks of triangles with the largest residuals are moved to the position predicted by their surroundings, or as
+far beyond it, and relaxed with the rest of the surface fixed.  Changes that lower the energy are kept.  This
+is repeated for a decreasing sequence of mu.
 
-From each mu the surface is let go, by other measures of smoothness, too: as mu vanishes, vertices that are
-nearly in the plane of their neighbors choose their sides, and no measure always knows which.  Where little is
-missed in the end, `isoembed.aim.finishing_newton` goes on.
+From each mu the penalty is also released, with different measures of smoothness: as mu vanishes, vertices
+nearly in the plane of their neighbors move to one side, and no measure predicts it reliably.  If the final
+residuals are small, `isoembed.aim.finishing_newton` continues.
 """
 
 from __future__ import annotations
@@ -36,16 +36,16 @@ from isoembed.surface.local_fit import sums_at_ends
 from isoembed.surface.rigidity import LengthSystem
 
 WEIGHTS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)  # mean edge lengths^2: mu, in turn
-RINGS = 5  # radius of the largest disks, in edges; the least is a vertex
-DISKS = 12  # of each radius that are tried in a sweep
-MOVED = 0.3  # share of the root of the largest residual: a smaller move fell back
-COARSE = 150  # vertices of the largest surface that is searched for lengths alone
-COARSE_STEPS = 25  # of the Gauss-Newton method after a vertex was mirrored
-CONVERGED = 1e-6  # relative decrease of |r|^2 that is rounding
+RINGS = 5  # radius of the largest disks, in edges; the smallest are single vertices
+DISKS = 12  # disks of each radius in a sweep
+MOVED = 0.3  # share of the root of the largest residual; smaller moves fell back
+COARSE = 150  # largest number of vertices for a search by lengths alone
+COARSE_STEPS = 25  # Gauss-Newton steps after the reflection of a vertex
+CONVERGED = 1e-6  # relative decrease of |r|^2 at rounding
 
 
 class Searched(NamedTuple):
-    """End of a search, and of the ends of its stages the one nearest to the lengths, each (V, 3).
+    """End of a search, and the end of a stage with the smallest residual, each (V, 3).
 
     The search continues from surfaces of lower energy, which need not be nearer to the lengths.
     """
@@ -62,20 +62,19 @@ def local_search(
     recorder: StageRecorder,
     most: float,
 ) -> Searched:
-    """Turn over what is on the wrong side of a surface that misses its lengths.
+    """Reflect patches on the wrong side of a surface that misses its lengths.
 
     Parameters
     ----------
     energy : RegularizedEnergy
-        Of a metric in Euclidean space.
+        Energy of a metric in Euclidean space.
     system : LengthSystem
-        Of its triangulation.
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Recorder of the work; a factorization of a patch counts as its share of the vertices.
+        Recorder of the work; a factorization of a patch counts by its share of the vertices.
     most : float
-        Factorizations after which nothing more is tried; the step that has begun is ended.
+        Budget in factorizations; a step in progress is completed.
 
     Returns
     -------
@@ -84,14 +83,14 @@ def local_search(
     budget = Budget(recorder.work, most)
     search = _LocalSearch(energy, system, vertices, lengths, recorder, budget)
     x = vertices
-    # Share of the search that smoothness guides.
+    # Share of the search guided by smoothness.
     budget.limit = 0.5 * most if search.is_coarse else most - FADE_STEPS
     for weight in WEIGHTS:
         mu = weight * energy.unit**2
         x = search.at(x, mu)
         if search.is_done(x):
             break
-        # Mean edge lengths^2: from here on surfaces are let go.
+        # Mean edge lengths^2; below it the penalty is released.
         known = weight <= 1e-4 and not search.is_coarse
         if known and search.ends_realized(x, mu):
             break
@@ -107,9 +106,10 @@ def local_search(
 
 
 def misses_locally(energy: RegularizedEnergy, vertices: Floats, lengths: Floats) -> bool:
-    """Whether lengths are missed in as few places as disks are tried, as by patches on the wrong side.
+    """Whether the residuals are concentrated in no more places than there are disks in a sweep.
 
-    Lengths with noise are missed everywhere; turning over a few of so many patches leads nowhere.
+    Patches on the wrong side cause such residuals.  Noise spreads them over the whole surface, where
+    reflecting a few patches does not help.
     """
     squares = energy.residuals(vertices, lengths) ** 2
     rings = RINGS
@@ -120,7 +120,7 @@ def misses_locally(energy: RegularizedEnergy, vertices: Floats, lengths: Floats)
 
 
 class _LocalSearch(SearchState):
-    """The local search, and the realization that it has found."""
+    """The local search, with the realization found."""
 
     def __init__(
         self,
@@ -133,12 +133,12 @@ class _LocalSearch(SearchState):
     ) -> None:
         super().__init__(energy, system, vertices, lengths, recorder, budget)
         self.realization: Floats | None = None
-        self.asked: Floats | None = None  # the surface from which Newton's method was tried last
+        self.asked: Floats | None = None  # last start of Newton's method
         n = energy.triangulation.n_vertices
         self.is_coarse = n <= COARSE
         self.patch_cost = (
             0.05 if self.is_coarse else 1.0
-        )  # factorizations of all vertices that one of a patch costs
+        )  # cost of a patch with all vertices, in factorizations
         near = csr_array(energy.triangulation.adjacency + eye_array(n))
         near.data[:] = 1.0
         self.disks = [csr_array(eye_array(n))]
@@ -149,7 +149,7 @@ class _LocalSearch(SearchState):
         self.near = near
 
     def patch(self, vertices: Indices, mu: float) -> ClampedPatch:
-        """Patch of these vertices; its cost is charged to the budget."""
+        """Patch of these vertices, with its cost charged to the budget."""
 
         def spend(share: float) -> None:
             self.budget.spend(self.patch_cost * share)
@@ -157,12 +157,12 @@ class _LocalSearch(SearchState):
         return ClampedPatch.of(self.energy, self.lengths, vertices, mu, spend)
 
     def is_done(self, x: Floats) -> bool:
-        """Whether there is no more to do, or may not be done."""
+        """Whether a realization is found or the budget is exhausted."""
         self.keep(x)
         return self.is_realized(x) or self.exhausted
 
     def is_realized(self, x: Floats) -> bool:
-        """Whether a realization is found, now that the surface is this."""
+        """Whether a realization is found, after trying Newton's method from a new surface."""
         asked, self.asked = self.asked, x
         if self.realization is None and x is not asked and self.largest_residual(x) <= NEARLY:
             found = anneal(self.system, x, self.lengths, self.recorder).vertices
@@ -172,7 +172,7 @@ class _LocalSearch(SearchState):
         return self.realization is not None
 
     def ends_realized(self, x: Floats, mu: float) -> bool:
-        """Whether there is no more to do: a realization is found as mu vanishes, or all is spent."""
+        """Whether the search ends in the limit of vanishing mu, by a realization or the budget."""
         for energy in (self.energy.coarser(x), self.energy):
             end = self.released(energy, x, mu)
             if self.is_done(end):
@@ -196,7 +196,7 @@ class _LocalSearch(SearchState):
         )[0]
 
     def at(self, x: Floats, mu: float) -> Floats:
-        """The least energy that is met with one mu."""
+        """The surface of least energy found for one mu."""
         x = self.settled(x, mu)
         stale = np.ones(len(x), dtype=bool)
         while not self.is_done(x):
@@ -214,16 +214,16 @@ class _LocalSearch(SearchState):
         return x
 
     def reach(self, x: Floats) -> float:
-        """Estimated distance of the surfaces on two sides of a barrier, from the residual on it."""
+        """Estimated distance between the surfaces on both sides of a barrier, from the residual on it."""
         return self.energy.unit * float(np.sqrt(self.largest_residual(x)))
 
     def settled(self, x: Floats, mu: float) -> Floats:
-        """The local minimum of the energy, as far as Gauss-Newton steps lead."""
+        """The local minimum of the energy, by Gauss-Newton steps."""
         return self.energy.minimized(x, self.lengths, mu, 0.002, 20, self.recorder, lambda: self.exhausted)
 
     def sweep(self, x: Floats, mu: float, stale: Mask) -> Floats:
-        """Try disks of all sizes once, those with a vertex that is ``stale``; x itself if none is turned."""
-        found, enough = x, 1e-4 * self.energy.value(x, self.lengths, mu)  # decrease of the energy that counts
+        """Try the disks of all sizes with a ``stale`` vertex; return x itself if none is reflected."""
+        found, enough = x, 1e-4 * self.energy.value(x, self.lengths, mu)  # significant decrease of the energy
         for disks in self.disks:
             self.show(found)
             for center in self.chosen(found, disks):
@@ -235,11 +235,11 @@ class _LocalSearch(SearchState):
         return found
 
     def chosen(self, x: Floats, disks: csr_array) -> Iterator[int]:
-        """Centers of disks in which the lengths are missed most; none is in the disk of another."""
+        """Centers of the disks with the largest residuals; none is in the disk of another."""
         squares = self.energy.residuals(x, self.lengths) ** 2
         missed = disks @ sums_at_ends(self.energy.triangulation, squares / 2)
-        free, count = missed > 1e-4 * squares.sum(), 0  # a disk with less of |r|^2 is not worth a try
-        free &= np.diff(disks.indptr) <= len(x) / 2  # else it is the rest that would be turned
+        free, count = missed > 1e-4 * squares.sum(), 0  # disks with less of |r|^2 are skipped
+        free &= np.diff(disks.indptr) <= len(x) / 2  # a larger disk would be the complement
         for center in np.argsort(-missed, kind="stable").tolist():
             if not free[center]:
                 continue
@@ -250,11 +250,11 @@ class _LocalSearch(SearchState):
                 return
 
     def turned(self, x: Floats, disk: Indices, mu: float, enough: float) -> Floats:
-        """The surface with a disk turned over, if that is better by ``enough``; else x itself."""
-        patch = self.patch(self.grown(disk, 2), mu)  # rings about a disk that are relaxed with it
+        """The surface with a disk reflected, if its energy is lower by at least ``enough``; else x itself."""
+        patch = self.patch(self.grown(disk, 2), mu)  # two rings around the disk are relaxed, too
         offset = patch.offset(x, disk)
         least = MOVED * self.reach(x)
-        # Distances of a disk from where it is expected.
+        # Once and twice the distance to the predicted position.
         for motion in (*(times * offset for times in (1.0, 2.0)), self.reflection(x, disk)):
             trial = x.copy()
             trial[disk] += motion
@@ -264,8 +264,8 @@ class _LocalSearch(SearchState):
             found, after = patch.relaxed(trial)
             if np.linalg.norm(found - x, axis=1).max() < least:
                 continue
-            if enough > before - after > -0.5 * before:  # growth of the energy that may be for want of rings
-                wide = self.patch(self.grown(disk, 5), mu)  # the same where this is too few to tell
+            if enough > before - after > -0.5 * before:  # growth possibly due to too few rings
+                wide = self.patch(self.grown(disk, 5), mu)  # more rings, for a decision
                 before = wide.value(x)
                 found, after = wide.relaxed(found)
             if before - after > enough:
@@ -273,9 +273,9 @@ class _LocalSearch(SearchState):
         return x
 
     def mirrored(self, x: Floats) -> Floats:
-        """The least errors of the lengths that are met by reflecting vertices, or pairs of neighbors.
+        """The surface of least residual found by reflecting vertices or pairs of neighbors.
 
-        For coarse surfaces, on which smoothness tells little.
+        For coarse surfaces, on which smoothness is no guide.
         """
         whole = self.patch(np.arange(len(x)), 0.0)
         rng, adjacency = np.random.default_rng(0), self.energy.triangulation.adjacency
@@ -303,7 +303,7 @@ class _LocalSearch(SearchState):
         return x
 
     def reflection(self, x: Floats, disk: Indices) -> Floats:
-        """The motion that reflects a disk in the plane of its rim: lengths are kept if that is plane."""
+        """The motion that reflects a disk in the plane of its rim; a plane rim preserves the lengths."""
         rim = x[np.setdiff1d(self.near[disk].indices, disk)]
         middle = rim.mean(axis=0)
         normal = np.linalg.svd(rim - middle, full_matrices=False)[2][-1]

@@ -4,11 +4,11 @@ If x + d has the lengths of x, then ``J d + 1/2 Q(d, d) = 0`` (`length_expansion
 
     ``d -> -1/2 J^+ Q(d, d)``,
 
-up to a factor an eigenvector of the tensor ``J^+ Q``, and the nearer it is, the larger its eigenvalue.  So
-power iteration finds the near ones (as De Lathauwer, De Moor and Vandewalle, SIAM J. Matrix Anal. Appl. 21
-(2000) 1324, do for the largest).  It starts at each vertex, moved alone: ``Q(d, d)`` is then 1 / l on its
-edges, whatever the direction.  The motions with the smallest singular values of J are not always among the
-nearest: where a single vertex can be pushed in, its edges are as stiff as others, but it is not far.
+up to a factor an eigenvector of the tensor ``J^+ Q``, with larger eigenvalues for shorter motions.  Power
+iteration therefore finds the short ones (cf. De Lathauwer, De Moor and Vandewalle, SIAM J. Matrix Anal. Appl.
+21 (2000) 1324, for the largest eigenvalue).  It starts from motions of single vertices, for which ``Q(d, d)``
+is 1 / l on the adjacent edges in any direction.  The motions with the smallest singular values of J are not
+always the shortest: a vertex that can be pushed in may have stiff edges and a short way.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.arrays import Floats, Indices
 from isoembed.surface.smoothness import QuinticResiduals
 
-CHUNK = 128  # vertices whose power iteration goes at a time, which bounds the memory
-MOST_MOTIONS = 40  # the nearest ones
-SMOOTHER_MOTIONS = 20  # of the others, to where the surface is smoothest
+CHUNK = 128  # simultaneous power iterations, to bound the memory
+MOST_MOTIONS = 40  # shortest motions kept
+SMOOTHER_MOTIONS = 20  # further motions kept, to the smoothest surfaces
 
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """Motions of a surface, each as long as takes it to where another realization is predicted.
+    """Motions of a surface to predicted realizations.
 
     Attributes
     ----------
     motions : ndarray, shape (m, V, 3)
     reach : ndarray, shape (m,)
-        How far the farthest vertex moves.
+        Largest displacement of a vertex.
     defect : ndarray, shape (m,)
-        How much the lengths change, over how much they change to first order: 0 if a realization is there.
+        Norm of the change of the lengths over its first-order part; 0 at a realization.
     """
 
     motions: Floats
@@ -46,9 +46,9 @@ class Motions:
 
     @classmethod
     def of(cls, expansion: LengthExpansion, directions: Floats) -> Motions:
-        """Motions along directions, (m, V, 3); those that are not predicted are infinite or not numbers.
+        """Motions along directions, (m, V, 3); infinite or NaN without a prediction.
 
-        Of ``s J v + s^2 / 2 Q(v, v)``, the component along J v is zero.
+        The component of ``s J v + s^2 / 2 Q(v, v)`` along J v vanishes.
         """
         rates, bends = expansion.rates(directions), expansion.bends(directions, directions)
         squares = np.einsum("me,me->m", rates, rates)
@@ -70,22 +70,22 @@ class Motions:
         )
 
     def within(self, distance: float) -> Motions:
-        """Motions that reach no farther than a distance, and end where the lengths are nearly right."""
-        # A larger relative defect of lengths is not a motion.
+        """Motions within a distance whose lengths at the end are nearly right."""
+        # Larger relative defects are discarded.
         return self[np.flatnonzero((self.reach <= distance) & (self.defect <= 0.5))]
 
     def different(self) -> Motions:
-        """Motions without near duplicates, of which that of least defect is kept; the nearest come first."""
+        """Motions without near duplicates, keeping those of least defect; the shortest come first."""
         flat = self.motions.reshape(len(self.motions), self.motions[0].size if len(self.motions) else 0)
         flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
         kept: list[int] = []
         for i in np.argsort(self.defect, kind="stable"):
-            if not kept or np.abs(flat[kept] @ flat[i]).max() <= 0.9:  # cosine between motions that are one
+            if not kept or np.abs(flat[kept] @ flat[i]).max() <= 0.9:  # cosine of duplicates
                 kept.append(int(i))
         return self[[kept[i] for i in np.argsort(self.reach[kept], kind="stable")]]
 
     def chosen(self, charts: QuinticResiduals, vertices: Floats) -> Motions:
-        """Nearest of these sorted motions, then those of the others that smooth the surface most."""
+        """The shortest of these sorted motions, then the others that smooth the surface most."""
         farther = range(MOST_MOTIONS, len(self.motions))
         expected = {i: charts.roughness(vertices + self.motions[i]) for i in farther}
         smooth = sorted(farther, key=lambda i: expected[i])[:SMOOTHER_MOTIONS]
@@ -95,22 +95,22 @@ class Motions:
 def nearby_motions(
     expansion: LengthExpansion, softest: Floats, distance: float, charts: QuinticResiduals, hidden: int = 0
 ) -> Motions:
-    """Motions of a surface to where other realizations are predicted: the nearest first, then the smooth.
+    """Motions of a surface to predicted realizations: the shortest first, then the smoothing ones.
 
-    The more vertices, the more can be pushed in, and the farther are those that matter: of all that are not
-    among the nearest, the ones are kept that make the surface smoother.
+    With more vertices, more of them can be pushed in, and the relevant realizations are farther.  Beyond the
+    shortest motions, those that smooth the surface are kept.
 
     Parameters
     ----------
     expansion : LengthExpansion
     softest : ndarray, shape (m, V, 3)
-        Motions that change the lengths little, which join what is found from the single vertices.
+        Softest motions, added to those found from single vertices.
     distance : float
-        How far a vertex may move.
+        Largest displacement of a vertex.
     charts : QuinticResiduals
-        Of the surface.
+        Charts of the surface.
     hidden : int
-        How many of the softest are left out of all others: near a fold they hide them.
+        Number of softest motions projected out of all others, which they hide near a fold.
     """
     found = Motions.of(expansion, softest).within(distance)
     basis = np.linalg.qr(expansion.rates(softest[:hidden]).T)[0]
@@ -127,7 +127,7 @@ def nearby_motions(
 
 
 def _changes_about_vertices(expansion: LengthExpansion) -> Iterator[Floats]:
-    """``Q(d, d)`` where one vertex alone moves by 1, (m, E), for some vertices after the other."""
+    """``Q(d, d)`` for unit displacements of single vertices, (m, E), in chunks of vertices."""
     t = expansion.system.triangulation
     weights = 1 / expansion.system.space.sn(expansion.lengths)
     for first in range(0, t.n_vertices, CHUNK):

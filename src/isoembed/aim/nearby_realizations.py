@@ -1,11 +1,11 @@
 """Nearby realizations with the same lengths, along the softest modes of a surface.
 
 Along motions v_j of the vertices the errors of the lengths are ``r + sum_j s_j J v_j + 1/2 sum_jk s_j s_k
-Q(v_j, v_k)`` (`length_expansion`): as far as the ``J v_i`` go, a few quadratic equations, in Euclidean space
-but for what other motions add.  Their roots, all of them (`quadratic_roots`), predict realizations; Newton's
-method finds these from there.
+Q(v_j, v_k)`` (`length_expansion`).  Projected on the ``J v_i``, these are a few quadratic equations, exact in
+Euclidean space except for the response of other motions.  All of their roots (`quadratic_roots`) predict
+realizations, from which Newton's method starts.
 
-Pulled back, a surface may come to any of them.  The smoothest is the one that is meant.
+A pull-back may end at any of them; the smoothest is the intended one.
 """
 
 from typing import NamedTuple
@@ -21,9 +21,9 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
 
-SOFTEST = 4  # of motions: beyond them, realizations are far
-NEAR = 0.03  # mean edge lengths: farther, quadratic equations are a poor guide
-APART = 0.1  # share of the distance expected: nearer, Newton's method fell back
+SOFTEST = 4  # motions; others lead to distant realizations
+NEAR = 0.03  # mean edge lengths; range of the quadratic approximation
+APART = 0.1  # share of the predicted distance; if nearer, Newton's method fell back
 
 
 def sought(motions: int, near: float) -> str:
@@ -42,24 +42,24 @@ def nearby_realizations(
     *,
     residual_tolerance: float,
 ) -> list[Floats]:
-    """The smoothest realization among neighbors of neighbors, and those that were met on the way to it.
+    """The smoothest realization among neighbors of neighbors, and the intermediate ones.
 
     Parameters
     ----------
     system : LengthSystem
     vertices : ndarray, shape (V, 3)
-        Has these lengths.
+        A surface with these lengths.
     lengths : ndarray, shape (E,)
-        Of mean 1 or so.
+        Scaled to a mean of about 1.
     recorder : StageRecorder
     residual_tolerance : float
-        For the neighbors.
+        Largest residual of a neighbor.
 
     Returns
     -------
     list of ndarray, shape (V, 3)
-        The smoothest comes first; last, where there is one, a rougher neighbor of it.  Empty if the
-        vertices do not have these lengths, and no neighbor is found that has.
+        The smoothest comes first, a rougher neighbor of it, if found, last.  Empty if neither the vertices
+        nor any neighbor has these lengths.
     """
     triangulation = system.triangulation
     errors = length_residuals(triangulation, vertices, lengths, system.space)
@@ -84,14 +84,14 @@ def nearby_realizations(
 
 
 class Predicted(NamedTuple):
-    """Motions, each (V, 3), and whether all roots were found that they come from."""
+    """Predicted motions, each (V, 3), and whether all roots were found."""
 
     motions: list[Floats]
     complete: bool
 
 
 def softest_motions(expansion: LengthExpansion, count: int) -> Floats:
-    """The motions that change the lengths least, (m, V, 3); none where the surface flexes."""
+    """The motions with the smallest changes of the lengths, (m, V, 3); none if the surface is flexible."""
     most = min(count, len(expansion.lengths) - 1)
     try:
         return expansion.system.smallest_singular_values(expansion.vertices, expansion.lengths, most)[1]
@@ -103,18 +103,18 @@ def predicted_motions(
     expansion: LengthExpansion,
     directions: Floats,
     near: float,
-    imaginary: float = 1e-8,  # rounding, of real roots
+    imaginary: float = 1e-8,  # of real roots, by rounding
 ) -> Predicted:
-    """The motions to where the lengths are the given ones, as far as some directions go, the shortest first.
+    """Motions to the given lengths within the span of some directions, the shortest first.
 
     Parameters
     ----------
     expansion : LengthExpansion
     directions : ndarray, shape (k, V, 3)
     near : float
-        How far a vertex moves at most, in mean edge lengths.
+        Largest displacement of a vertex, in mean edge lengths.
     imaginary : float
-        Roots with larger imaginary parts are left out, relative to the root.
+        Largest imaginary part of a root, relative to the root.
     """
     if not len(directions):
         return Predicted([], True)
@@ -125,7 +125,7 @@ def predicted_motions(
     found = quadratic_roots(projection @ expansion.residuals, np.eye(len(scaled)), Q.transpose(2, 0, 1))
     motions = [np.tensordot(root, scaled, axes=1) for root in found.near_real(imaginary)]
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in motions]
-    # Mean edge lengths: nearer, it is the surface itself.
+    # Mean edge lengths; shorter motions lead to the surface itself.
     least = APART * max(float(np.abs(expansion.residuals).max()), 1e-9 * unit)
     kept = [motions[k] for k in np.argsort(reach) if least < reach[k] < near * unit]
     return Predicted(kept, found.complete)
@@ -139,7 +139,7 @@ def _realized(
     recorder: StageRecorder,
     residual_tolerance: float,
 ) -> Floats | None:
-    """Realization that Newton's method finds from the end of a motion; None if it is not another one."""
+    """Realization that Newton's method finds from the end of a motion; None if it is not a different one."""
     found = anneal(system, vertices + motion, lengths, recorder, max_iterations=4)  # Newton steps
     moved = np.abs(found.vertices - vertices).max()
     apart = moved > APART * np.abs(motion).max()

@@ -1,4 +1,4 @@
-"""Polyhedron of a convex metric nearby: the start of the pull-back."""
+"""Polyhedron of a nearby convex metric: the start of the pull-back."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def fresh(problem: Problem) -> Problem:
 
 
 def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
-    """Vertices of the polyhedron of a convex metric nearby, (V, 3), or what comes nearest."""
+    """Vertices of the polyhedron of a nearby convex metric, (V, 3), or an approximation of it."""
     from isoembed.alexandrov.method import convex_polyhedron
     from isoembed.metric.conformal_sphere import conformal_sphere
     from isoembed.metric.curvature import area
@@ -37,7 +37,7 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
         except NotEmbedded as failure:
             nearest = failure.embedding.vertices[: problem.numbers.size]
             return problem.in_given_order(convex.unit * nearest)
-        except InvalidMetric:  # so thin that fewer than three vertices have a deficit beyond rounding
+        except InvalidMetric:  # too thin: fewer than three deficits beyond rounding
             pass
     with log.stage("sphere") as recorder:
         x = outward(metric.faces, conformal_sphere(delaunay(metric), recorder).points)
@@ -45,7 +45,7 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
 
 
 def polished_polyhedron(vertices: Floats, pipeline: Pipeline) -> Embedding:
-    """The polyhedron of a convex metric on the given triangles, with the lengths to rounding if it may be."""
+    """The polyhedron of a convex metric on the given triangles, polished to rounding if possible."""
     found = pipeline.problem.surface(vertices)
     if found.residual <= REALIZED or not is_near(found):
         return found

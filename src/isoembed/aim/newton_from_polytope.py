@@ -1,8 +1,8 @@
 """Start from the polytope of a nearby convex metric, then Newton's method on the radii without flips.
 
-The polyhedron is that of the metric itself, on triangles of its own, or of a convex metric near it.  The path
-to it follows `isoembed.alexandrov`, with flips; from there one leap, or a few, lead back to the given
-triangles.
+The polyhedron is that of the metric itself, on its own triangulation, or of a nearby convex metric.  The
+path to it follows `isoembed.alexandrov`, with flips; from there one or a few Newton solves lead back to the
+given triangles.
 """
 
 from collections.abc import Callable
@@ -28,30 +28,30 @@ from isoembed.space import Space
 
 
 def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
-    """Lead a polytope over a convex metric to where Newton's method may begin.
+    """Start of Newton's method, from generalized polytopes over a convex metric.
 
     Parameters
     ----------
     given : GluedMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     convex : GluedMetric
-        A convex metric near it, on the same vertices; it may be the given one.
+        A nearby convex metric on the same vertices, possibly the given one.
     analyses : Analyses
-        Of the given triangles.
+        Symbolic factorizations of the given triangles.
     log : Log
 
     Returns
     -------
     ndarray or None
-        Radii, shape (V,), if the convex metric is the given one: triangles change only, and the polyhedron
-        need not be reached, as long as every vertex has come near to where it will be, by its own deficit.
-        Otherwise the vertices of the polyhedron, shape (V, 3).  None where the convex metric is flat at a
-        vertex, whose radius nothing determines, or all of it is.
+        Radii, shape (V,), if the convex metric is the given one: the polyhedron need not be reached, as long
+        as the curvature of each vertex is small compared with its deficit.  Otherwise the vertices of the
+        polyhedron, shape (V, 3).  None if the convex metric is flat at a vertex, whose radius is then not
+        determined, or the polyhedron is thin.
     """
     if (convex.deficits <= deficit_rounding(convex)).any():
         return None
     deficits, kept = convex.deficits, log.checkpoints.resume()
-    # Deficits: with less curvature the height of a vertex is decided.
+    # Share of the deficits; with less curvature the side of a vertex is determined.
     close = np.minimum(NEWTON_CURVATURE * deficits.max(), 0.1 * deficits)
     with log.stage("polytopes") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
@@ -85,30 +85,30 @@ def newton_from_polytope(
     log: Log,
     ordered: Callable[[Floats], Floats],
 ) -> BranchSolution | None:
-    """Realize a metric that is convex or nearly so.
+    """Realize a convex or nearly convex metric.
 
     Parameters
     ----------
     given : GluedMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     start : ndarray, shape (V,) or (V, 3)
         Radii or vertices, from `polytope_start`.
     analyses : Analyses
-        Of the given triangles.
+        Symbolic factorizations of the given triangles.
     log : Log
     ordered : callable
-        Takes vertices to the order and orientation in which they are shown and returned.
+        Function that takes vertices to the order and orientation of the result.
 
     Returns
     -------
     BranchSolution or None
-        None where Newton's method does not converge at once.
+        None if Newton's method does not converge immediately.
 
     Notes
     -----
     From radii, Newton's method is applied once.  From vertices it follows the lengths
-    ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, l(1) being the distances of the vertices: where a surface is
-    nearly flat, one step would be decided by chance.
+    ``l(t) = l(0)^{1-t} l(1)^t`` in a few steps, where l(1) are the distances of the vertices: on nearly flat
+    surfaces, the result of a single step would be arbitrary.
     """
     with log.stage("leap") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
@@ -132,14 +132,14 @@ def _followed(
     if start.ndim == 1:
         steps, ratio, directions = 1, np.ones(tables.lengths.size), None
     else:
-        steps = 4  # steps of the way to a metric that is not convex
+        steps = 4  # steps to a metric that is not convex
         ratio = space.distances(start[ends[0]], start[ends[1]]) / tables.lengths
         sines = np.linalg.norm(start, axis=1)
         directions, start = start / sines[:, None], space.asn(sines)
     degrees, mean = np.bincount(ends[0]), start.mean()
     round_height = np.mean(tables.lengths**2) * space.cs(mean) / (2 * space.sn(mean))
 
-    nearly = 1e-4 * 4 * np.pi / start.size  # mean deficits: curvatures that end a step on the way
+    nearly = 1e-4 * 4 * np.pi / start.size  # share of the mean deficit, for intermediate steps
 
     def heights(radii: Floats) -> Floats:
         return radii - np.bincount(ends[0], radii[ends[1]]) / degrees
@@ -161,21 +161,21 @@ def _followed(
         change = np.abs(heights(state.polytope.radii - expected)).max() / round_height
         branch_deviation = max(branch_deviation, float(change))
         known.append((t, state.polytope.radii))
-        recorder.show(t=t, done=0.4 * (1 - t))  # share of the work that is done when vertices can be placed
+        recorder.show(t=t, done=0.4 * (1 - t))  # share of the work before the placement
     return None if state is None else (_reflected(state, recorder), branch_deviation)
 
 
 def _reflected(state: Solution, recorder: StageRecorder) -> Solution:
-    """Turn out the vertices all of whose edges are concave, where that gives another realization.
+    """Reflect the vertices with concave edges only, if that gives another realization.
 
-    Where the metric is nearly flat, Newton's method may find either.  Of the height of one vertex alone, the
-    curvature there is a parabola: the other root is as far from its top.
+    Where the metric is nearly flat, Newton's method may find either one.  The curvature at a vertex is a
+    parabola in its height: the other root is at the same distance from the extremum.
     """
     p = state.polytope
     inverted = inverted_vertices(p)
     if not inverted.any():
         return state
-    nudge = 1e-3 * float(p.tables.lengths.mean())  # mean edge lengths: change of height to see curvature bend
+    nudge = 1e-3 * float(p.tables.lengths.mean())  # mean edge lengths
     nudged = Polytope.on(p.tables, p.radii + nudge * inverted)
     if nudged is None:
         return state

@@ -22,10 +22,10 @@ class BranchSolution:
     ----------
     vertices : ndarray, shape (V, 3)
     branch_deviation : float
-        The most that the height of a vertex above its neighbors differs from where the first step pointed,
-        over the root mean square of such heights, or over what they are on a sphere where radii are led.
-        Newton's method can cross over to a neighboring realization, with some vertices turned inside out,
-        that has the same lengths; then a height changes by more than the first step's error explains.
+        Largest deviation of the height of a vertex above its neighbors from the prediction of the first step,
+        over the root mean square of these heights, or for radii over their value on a sphere.  Newton's
+        method can cross to a neighboring realization of the same lengths, with some vertices pushed in; a
+        height then changes by more than the error of the first step.
     """
 
     vertices: Floats
@@ -35,22 +35,22 @@ class BranchSolution:
 def newton_on_lengths(
     system: LengthSystem, start: Floats, lengths: Floats, good: float, recorder: StageRecorder
 ) -> BranchSolution | None:
-    """Realize lengths that are near those of a surface.
+    """Realize lengths close to those of a surface.
 
     Parameters
     ----------
     system : LengthSystem
     start : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
-        Of mean 1 or so.
+        Scaled to a mean of about 1.
     good : float
-        Residual at which the start itself is taken, in mean edge lengths.
+        Residual at which the start is accepted, in mean edge lengths.
     recorder : StageRecorder
 
     Returns
     -------
     BranchSolution or None
-        None where Newton's method does not converge at once.
+        None if Newton's method does not converge immediately.
     """
     unit = float(lengths.mean())
     begun = length_newton(
@@ -63,7 +63,7 @@ def newton_on_lengths(
         begun.point.x,
         lengths,
         contraction(0.5),
-        converged=below(1e-4 * unit),  # below it is decided where the iteration goes
+        converged=below(1e-4 * unit),  # the limit is determined from here
         stalled=lambda _, size, __: size > 0.5 * unit,  # lost
         max_iterations=100,
         recorder=recorder,

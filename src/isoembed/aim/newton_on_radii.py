@@ -1,10 +1,10 @@
 """Newton's method on the radii of a generalized polytope, without flips of the given triangles.
 
-The pyramids over the *given* triangles, of the given lengths, with a common apex, fit together in space when
-their curvatures vanish, whether the edges be convex or not (Bobenko and Izmestiev, Annales de l'Institut
-Fourier 58, 2008, who need convexity for existence only).  So the radii are all that has to be found: one
-unknown a vertex, and a matrix with the pattern of the triangulation, in place of three unknowns and the
-edges.  They are led there from equal radii at once, or else from those of a polyhedron nearby
+The pyramids over the *given* triangles, with the given lengths and a common apex, fit together in space if
+their curvatures vanish, for convex and concave edges alike (Bobenko and Izmestiev, Annales de l'Institut
+Fourier 58, 2008, who need convexity for existence only).  The radii are the only unknowns: one for each
+vertex, with a matrix in the pattern of the triangulation, instead of three for each vertex and the pattern of
+the edges.  The path starts from equal radii, or from those of a nearby polyhedron
 (`isoembed.aim.newton_from_polytope`).  The positions follow at the end.
 """
 
@@ -23,39 +23,39 @@ from isoembed.metric.convexity import deficit_rounding
 from isoembed.metric.glued import GluedMetric
 from isoembed.progress.stages import Log, StageRecorder
 
-SETTLED = 1e-12  # radians: curvatures that are left to the polish
-LOOSEST = 1e-3  # largest residual of Newton's linear equations, relative
+SETTLED = 1e-12  # radians; curvatures left to the polish
+LOOSEST = 1e-3  # largest relative residual of Newton's linear equations
 
 
 def newton_on_radii(
     given: GluedMetric, analyses: Analyses, log: Log, ordered: Callable[[Floats], Floats]
 ) -> Floats | None:
-    """Realize a metric that is convex or nearly so, with nothing but its own triangles on the way.
+    """Realize a convex or nearly convex metric on its own triangles.
 
     Parameters
     ----------
     given : GluedMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     analyses : Analyses
-        Of the given triangles.
+        Symbolic factorizations of the given triangles.
     log : Log
     ordered : callable
-        Takes vertices to the order and orientation in which they are shown and returned.
+        Function that takes vertices to the order and orientation of the result.
 
     Returns
     -------
     ndarray, shape (V, 3), or None
-        None where the path or Newton's method meets anything in the way, or ends where ``-d kappa / d r`` has
-        more than the one negative eigenvalue of convex bodies: there something may be turned inside out.
+        None if the path or Newton's method fails, or ends where ``-d kappa / d r`` has more than the one
+        negative eigenvalue of convex bodies, where vertices may be inverted.
     """
     tables, deficits = given.half_edges(directed=False), given.deficits
     rounding = deficit_rounding(given)
-    flat = np.mean(np.abs(deficits) <= rounding)  # where nothing determines a radius
-    if not deficits.max() > 0 or flat > 0.1:  # more flat vertices and the path is not tried
+    flat = np.mean(np.abs(deficits) <= rounding)  # vertices of undetermined radius
+    if not deficits.max() > 0 or flat > 0.1:  # too many flat vertices for the path
         return None
     near = np.full(deficits.size, NEWTON_CURVATURE * deficits.max())
     if (deficits > rounding).all():
-        near = np.minimum(near, 0.3 * deficits)  # deficits: curvature of a vertex at which the path may end
+        near = np.minimum(near, 0.3 * deficits)  # share of the deficits at which the path may end
     kept = log.checkpoints.resume()
     with log.stage("radii") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
@@ -68,7 +68,7 @@ def newton_on_radii(
                 pinned(p, analyses),
                 SETTLED,
                 recorder,
-                0.9,  # less is asked after the path
+                0.9,  # slower convergence is acceptable after the path
             )
             if found is None or inverted_vertices(found[0].polytope).any():
                 return None
@@ -83,7 +83,7 @@ def newton_on_radii(
 
 
 def inverted_vertices(p: Polytope) -> Mask:
-    """The vertices of which all edges are concave, shape (V,)."""
+    """Mask of the vertices with concave edges only, shape (V,)."""
     return np.bincount(p.tables.corners[p.coupling >= 0], minlength=p.radii.size) == 0
 
 
@@ -91,19 +91,19 @@ def without_curvature(
     state: Solution,
     settled: float,
     recorder: StageRecorder,
-    converging: float = 0.5,  # share of the curvatures that a step leaves
+    converging: float = 0.5,  # largest ratio of curvatures after and before a step
 ) -> tuple[Solution, Floats] | None:
-    """Newton's method while it converges; and the radii after its first step.
+    """Newton's method as long as it converges, and the radii after its first step.
 
     Parameters
     ----------
     state : Solution
-        Where it begins, whatever the curvatures.
+        Initial guess, with any curvatures.
     settled : float
-        Curvatures at which it ends.
+        Largest curvature of the solution.
     recorder : StageRecorder
     converging : float
-        Share of the curvatures that each step leaves at most.
+        Largest ratio of curvatures after and before a step.
     """
     p, forcing = state.polytope, LOOSEST
     first = p.radii
@@ -116,7 +116,7 @@ def without_curvature(
             return None
         ratio = float(np.linalg.norm(q.curvatures) / np.linalg.norm(p.curvatures))
         if not ratio < converging:
-            # Radians: smaller curvatures that do not fall any more may be rounding.
+            # Radians; smaller curvatures that no longer decrease may be rounding.
             if np.abs(p.curvatures).max() > 1e-9:
                 return None
             break
@@ -124,6 +124,6 @@ def without_curvature(
         recorder.iterations += 1
         recorder.show(residual=float(np.abs(q.curvatures).max()))
         p, forcing = q, forcing_term(ratio, LOOSEST)
-        stale = iterations > 6  # GMRES iterations: more ask for a fresh factorization
+        stale = iterations > 6  # GMRES iterations before a new factorization
         state = state.refactorized(p) if stale else replace(state, polytope=p)
     return state, first

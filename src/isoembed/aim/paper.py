@@ -40,14 +40,14 @@ class Paper(Method):
     Parameters
     ----------
     flow : {"newton", "BDF", "Radau", "RK45", "RK23", "DOP853", "LSODA"}
-        How Eq. (ricci) reaches its fixed point: by Newton's method, or as an ordinary differential
-        equation by this SciPy integrator.
+        Solver for the fixed point of Eq. (ricci): Newton's method, or a SciPy integrator for the ordinary
+        differential equation.
     epsilon : float
         The metric counts as uniform when the root mean square of ``k_a / kbar - 1`` is below this.
     t_f : float
         Longest time of the flow, in units of 1 / kbar.
     path : {"linear", "exponential", "flow"}
-        Conformal factors on the way back.  ``"flow"`` needs an integrator's history.
+        Conformal factors along the pull-back.  ``"flow"`` needs the history of an integrator.
     alpha : float
         Rate of the exponential path.
     Tsteps : int
@@ -55,19 +55,19 @@ class Paper(Method):
     root : int
         First face of the embedding tree.
     sphere : bool
-        Whether anneal A begins on the sphere: lengths and radius are fitted together before Eq. (fmin) is
-        minimized.  Without it, as printed, the tree's inconsistencies leave crumples on many meshes.
+        Whether anneal A begins on the sphere, with a fit of lengths and radius before Eq. (fmin) is
+        minimized.  Without it, as printed, inconsistencies of the tree leave crumples on many meshes.
     convexity : {"corrected", "printed", "none"}
-        The convexity routine with v - 2 v_diff, which pops inverted vertices and is kept only where it helps;
-        with the paper's v + 2 v_diff, unguarded, to show what that does; or none.
+        The convexity routine with v - 2 v_diff, which reflects inverted vertices outward and is kept only if
+        it helps; with the paper's v + 2 v_diff, applied always, for comparison; or none.
     step_tolerance : float
-        Annealing ends when no vertex moves more than this.
+        Annealing stops when no vertex moves by more than this.
     max_iterations : int
-        Newton steps of one annealing.
+        Largest number of Newton steps of one annealing.
 
     Examples
     --------
-    The paper's non-smooth embeddings come from pulling back at once and without the convexity routine:
+    The paper's non-smooth embeddings result from a single pull-back step without the convexity routine:
 
     >>> Paper(Tsteps=1, convexity="none").Tsteps
     1
@@ -113,7 +113,7 @@ class Paper(Method):
         path_times(self.path, self.Tsteps, self.alpha)
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
-        """Embed the metric; the answer may miss the tolerance, and says where the method lost it."""
+        """Embed the metric; a result beyond the tolerance names the step that failed."""
         lost = ""
         with log.stage("uniformize") as recorder:  # 2.1
             uniform = self.uniformize(metric, recorder)
@@ -138,7 +138,7 @@ class Paper(Method):
             def relax(guess: Floats, t: float) -> Annealed:
                 try:
                     lengths = self.on_path(metric, uniform, t).lengths
-                except InvalidMetric:  # between two metrics, but none itself
+                except InvalidMetric:  # lengths between two metrics need not be one
                     return Annealed(guess, np.inf, False)
                 reached = self.anneal(system, guess, lengths, tolerance, recorder)
                 return self.make_convex(system, reached, lengths, tolerance, recorder)
@@ -183,7 +183,7 @@ class Paper(Method):
         tolerance: float,
         recorder: StageRecorder,
     ) -> Annealed:
-        """Anneal A, anneal B and the corrector of GAP: Newton's method, damped where it does not converge."""
+        """Anneal A, anneal B and the corrector of GAP: Newton's method, damped if it does not converge."""
         annealed = anneal(
             system,
             vertices,
@@ -246,13 +246,13 @@ class Paper(Method):
         start : ndarray, shape (V, 3)
             The surface at t / t_f = 1.
         relax : callable
-            Takes an initial guess (V, 3) and a time, and returns the surface annealed to the metric there.
-            The guess is extrapolated from the three surfaces before it from the fourth step on.
+            Function of an initial guess (V, 3) and a time that returns the surface annealed to that metric.
+            From the fourth step on, the guess is extrapolated from the three previous surfaces.
 
         Yields
         ------
         float, Annealed
-            Every time after the first, and the surface there.
+            Each time after the first, with its surface.
         """
         return pull_back(start, path_times(self.path, self.Tsteps, self.alpha), relax)
 

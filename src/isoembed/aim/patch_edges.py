@@ -17,7 +17,7 @@ class PatchEdges:
     Attributes
     ----------
     ends : ndarray of int, shape (m, 2)
-        Their places among the vertices; n where they are held.
+        Indices among the vertices of the patch; n for fixed vertices.
     lengths : ndarray, shape (m,)
     n : int
     """
@@ -38,14 +38,14 @@ class PatchEdges:
         return np.stack([np.bincount(at, each, minlength=self.n)[: self.n] for each in both.T], axis=1)
 
     def hessian(self, rows: Floats, tensions: Floats | float = 0.0) -> Floats:
-        """``J^T J + S``, (3n, 3n), S the Laplacian with the tensions, (m,), for the weights of the edges."""
+        """``J^T J + S``, (3n, 3n), S the Laplacian with the tensions, (m,), as edge weights."""
         blocks = rows[:, :, None] * rows[:, None, :] + np.multiply.outer(tensions, np.eye(3))
         values, size = np.concatenate([blocks, blocks, -blocks, -blocks]).ravel(), 3 * self.n + 3
         matrix = np.bincount(self._slots, values, minlength=size**2).reshape(size, size)
-        return np.asarray(matrix[:-3, :-3])  # held vertices share a block
+        return np.asarray(matrix[:-3, :-3])  # fixed vertices share a block
 
     @cached_property
     def _slots(self) -> Indices:
-        """Positions of the 3 x 3 blocks of the edges in the matrix: 36 entries an edge."""
+        """Positions of the 3 x 3 blocks of the edges in the matrix, 36 entries for each edge."""
         of = 3 * self.ends.T[:, :, None] + np.arange(3)
         return (of[[0, 1, 0, 1], :, :, None] * (3 * self.n + 3) + of[[0, 1, 1, 0], :, None]).ravel()

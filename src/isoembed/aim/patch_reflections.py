@@ -1,16 +1,14 @@
 """Patch reflections: dents of a metric, each pushed in or out.
 
-A path of smooth surfaces from a convex one comes to a dent by way of a flat spot, and may leave it on the
-wrong side.  Where a metric has dents (`isoembed.metric.dents`), they are made at once: the vertices of a
-patch of the convex surface are reflected in the harmonic surface that its rim spans, a plane if the rim is
-plane.  From there a few steps of the regularized continuation lead to the lengths, if they lead to any
-surface at all.
+A path of smooth surfaces from a convex one reaches a dent through a flat spot, and may leave it on the wrong
+side.  If a metric has dents (`isoembed.metric.dents`), they are made in one step: the vertices of a patch of
+the convex surface are reflected in the harmonic surface spanned by its rim, a plane if the rim is plane.  A
+few steps of the regularized continuation then lead to the lengths, if to any surface.
 
-Of k patches there are 2^k choices.  First all are reflected.  Where that leads nowhere, choices are judged by
-their energies after the first steps, and a descent, patch by patch, tells which to bring to the lengths.  A
-choice whose first step cannot go downhill is lost: the convex surface is too far from the lengths.
-From a realization its neighbors are tried, which differ in one patch, and from those that are realizations
-theirs.
+There are 2^k choices for k patches.  All are reflected first.  If that fails, choices are compared by their
+energies after the first steps, and a descent, patch by patch, selects those to complete.  A choice whose
+first step cannot go downhill is discarded: the convex surface is too far from the lengths.  The neighbors of
+a realization, which differ in one patch, are tried next, and so on from each realization found.
 """
 
 from __future__ import annotations
@@ -34,24 +32,24 @@ from isoembed.progress.stages import StageRecorder
 from isoembed.surface.measures import vertex_normals
 from isoembed.surface.rigidity import LengthSystem
 
-WEIGHTS = (0.1, 0.01, 0.01)  # mean edge lengths^2: mu of the steps after a reflection, in turn
-FADE = 0.3  # factor of mu from step to step after these
+WEIGHTS = (0.1, 0.01, 0.01)  # mean edge lengths^2; successive mu after a reflection
+FADE = 0.3  # factor of mu between later steps
 
 
 Choice = frozenset[int]
-"""The patches that are reflected."""
+"""The reflected patches."""
 
 
 @dataclass(frozen=True, eq=False)
 class HarmonicPatch:
-    """A patch, and the harmonic surface that its rim spans.
+    """A patch, and the harmonic surface spanned by its rim.
 
     Attributes
     ----------
     inside : ndarray of int, shape (n,)
         The vertices of the patch.
     factor : Factor
-        Of the Laplacian among them.
+        Factorization of the Laplacian among them.
     coupling : csr_array, shape (n, V)
         The Laplacian between them and all others.
     """
@@ -86,29 +84,28 @@ def reflected_realizations(
     patches: Sequence[Mask],
     recorder: StageRecorder,
 ) -> Iterator[Floats]:
-    """Surfaces that have the lengths of a metric, or nearly, and differ in what is a bump and what a dent.
+    """Surfaces with the lengths of a metric, or nearly, with different patches pushed in.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     system : LengthSystem
-        Of its triangulation.
     energy : RegularizedEnergy
-        Of the metric, about the start.
+        Energy of the metric about the start.
     start : ndarray, shape (V, 3)
-        A convex surface nearby.
+        A nearby convex surface.
     patches : sequence of ndarray of bool, shape (V,)
-        Disjoint, such as `isoembed.metric.dents.dents`.
+        Disjoint patches, as of `isoembed.metric.dents.dents`.
     recorder : StageRecorder
-        Counts Gauss-Newton steps.
+        Recorder of the Gauss-Newton steps.
 
     Yields
     ------
     ndarray, shape (V, 3)
-        What comes of one choice after the other, the most promising first: of as many as are taken.
+        Surfaces of successive choices, the most promising first.
     """
-    # Those with the most curvature on their caps.
+    # Eight patches with the largest curvature of their caps.
     search = _Search(metric, system, energy, start, patches[:8], recorder)
     realized = []
     for choice in search.promising():
@@ -120,7 +117,7 @@ def reflected_realizations(
     failures = 0
     for choice in realized:  # it grows
         for other in search.flips(choice):
-            # Two neighbors of realizations are none, or eight choices were brought to the lengths.
+            # Two failures next to realizations, or eight completed choices, end the search.
             if failures == 2 or len(search.done) == 8:
                 return
             if other in search.done:
@@ -139,7 +136,7 @@ class _Search:
     Attributes
     ----------
     done : set of Choice
-        Those that were brought to the lengths.
+        Completed choices.
     """
 
     def __init__(
@@ -164,11 +161,11 @@ class _Search:
         return bool(np.abs(r).max() <= PLACED * self.energy.unit)
 
     def flips(self, choice: Choice) -> list[Choice]:
-        """The choices that differ in one patch."""
+        """The choices with one patch changed."""
         return [choice ^ {k} for k in range(len(self.patches))]
 
     def begun(self, choice: Choice) -> tuple[Floats, float]:
-        """The surface of a choice after the first steps, and its energy; infinite if it is lost."""
+        """The surface of a choice after the first steps, and its energy, infinite for discarded choices."""
         if choice not in self._begun:
             lengths, x = self.metric.lengths, self.start
             for k in choice:
@@ -190,14 +187,14 @@ class _Search:
         return self.begun(choice)[1]
 
     def promising(self) -> Iterator[Choice]:
-        """The choice of all patches, and the one where a descent ends; none that is lost."""
+        """The choice of all patches, and the end of a descent, without discarded choices."""
         every, none = Choice(range(len(self.patches))), Choice()
         if self.value(every) < np.inf:
             yield every
         best = min(every, none, key=self.value)
         if not self.value(best) < np.inf:
             return
-        while len(self._begun) < 8:  # choices that are judged by their energy
+        while len(self._begun) < 8:  # choices compared by their energy
             lower = [flip for flip in self.flips(best) if self.value(flip) < self.value(best)]
             if not lower:
                 break

@@ -29,7 +29,7 @@ def path_times(path: str, steps: int, alpha: float) -> Floats:
     if path in ("linear", "flow"):
         return 1 - j / steps
     if path == "exponential":
-        # 1 at j = 0 and 0 at j = Tsteps, also where alpha is tiny.
+        # 1 at j = 0 and 0 at j = Tsteps, even for tiny alpha.
         times = np.expm1(-alpha * (steps - j)) * np.exp(-alpha * j) / np.expm1(-alpha * steps)
         if not (np.diff(times) < 0).all():
             raise InvalidParameter(
@@ -42,8 +42,8 @@ def path_times(path: str, steps: int, alpha: float) -> Floats:
 def path_factors(path: str, uniformization: Uniformization, t: float) -> Floats:
     """Conformal factors at t / t_f, shape (V,).
 
-    Linear and exponential paths run along ``u(t) = u(t_f) t / t_f``, Eq. (linlink), at different times; the
-    flow's path through the factors "produced at each step during Ricci flow".
+    Linear and exponential paths follow ``u(t) = u(t_f) t / t_f``, Eq. (linlink), at different times; the path
+    of the flow uses the factors "produced at each step during Ricci flow".
 
     Parameters
     ----------

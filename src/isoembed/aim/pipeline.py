@@ -1,4 +1,4 @@
-"""Pipeline of strategies and decisions: runs them, spends the budget, keeps and resumes checkpoints."""
+"""Pipeline of strategies and decisions: execution, budgets, checkpoints."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ CHOICE = "choice"  # key of the choice among the candidates
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Intermediate results between two strategies; all arrays but `body` have the given order of vertices.
+    """Intermediate results between two strategies; all arrays except `body` have the given order of vertices.
 
     Attributes
     ----------
     candidates : tuple of Embedding
-        Surfaces that were found, in order.
+        Surfaces found so far, in order.
     trusted : bool
-        Whether one of them is accepted, and on the branch of a convex surface.
+        Whether a candidate is accepted and on the branch of a convex surface.
     body : ndarray, shape (V,) or (V, 3), or None
         Radii or vertices of a convex body, in the order of the convexification, from which Newton's method on
         the radii starts.
@@ -42,13 +42,13 @@ class State:
     smooth : ndarray, shape (V, 3), or None
         End of the guided path, before the penalty vanished.
     searched : bool
-        Whether other realizations were sought near a candidate.
+        Whether the neighborhood of a candidate was searched for other realizations.
     cost : int
-        Factorizations until the end of the pull-back, by which those of a search after it are measured.
+        Factorizations up to the end of the pull-back, the unit of the budgets of later searches.
     measured, fit : BestFit or None
-        The smooth surface within the errors of the lengths, and the nearest one if their errors are unknown.
+        Smooth fits to the lengths, within their errors and with unknown errors.
     answer : Embedding or None
-        The answer, where nothing else is to be tried.
+        The final answer, if no further strategy is to run.
     """
 
     candidates: tuple[Embedding, ...] = ()
@@ -63,7 +63,7 @@ class State:
     answer: Embedding | None = None
 
     def adding(self, *surfaces: Embedding, **changes: Any) -> State:
-        """The state with more candidates, and other changes."""
+        """The state with more candidates and other changes."""
         return replace(self, candidates=(*self.candidates, *surfaces), **changes)
 
     @property
@@ -88,7 +88,7 @@ class State:
 
     @classmethod
     def of_arrays(cls, kept: Mapping[str, NDArray[Any]], problem: Problem) -> State:
-        """The state that `arrays` gave."""
+        """The inverse of `arrays`."""
         known: dict[str, Any] = {name: kept.get(name) for name in ("body", "start", "smooth")}
         if any(name in kept for name in FITS):
             from isoembed.aim.best_fit import BestFit
@@ -110,7 +110,7 @@ INITIAL = State()
 
 
 class Strategy(ABC):
-    """A strategy of the default method: when it applies, and what it makes of a state.
+    """A strategy of the default method: a condition and a transformation of the state.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Strategy(ABC):
     key: ClassVar[str]
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
-        """Whether it is to be tried: as a rule, unless a candidate is trusted."""
+        """Whether to run the strategy: by default, unless a candidate is trusted."""
         return not state.trusted
 
     @abstractmethod
@@ -130,7 +130,7 @@ class Strategy(ABC):
 
 
 class Decision(ABC):
-    """A decision on the answer that was chosen; repeated where a run goes on behind it.
+    """A correction to the chosen answer; repeated when a run is resumed after it.
 
     Attributes
     ----------
@@ -142,11 +142,11 @@ class Decision(ABC):
 
     @abstractmethod
     def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
-        """Whether it is to be taken."""
+        """Whether to apply the decision."""
 
     @abstractmethod
     def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
-        """Take the decision and return the answer from then on."""
+        """Apply the decision and return the new answer."""
 
 
 class Pipeline:
@@ -164,9 +164,9 @@ class Pipeline:
     Attributes
     ----------
     problem : Problem
-        With the lengths as if exact.
+        With the lengths taken as exact.
     checkpoints : Checkpoints
-        Kept when a strategy or decision begins, and by these as they go.
+        Written at the start of each strategy or decision, and by these as they proceed.
     work : Work
         Factorizations so far.
     """
@@ -183,7 +183,7 @@ class Pipeline:
         choose: Callable[[State, Pipeline], Embedding],
         decisions: Sequence[Decision],
     ) -> Embedding:
-        """Try strategies in turn, choose among the candidates, decide; or go on from a checkpoint."""
+        """Run the strategies, choose a candidate and apply the decisions, or resume from a checkpoint."""
         state = self._resumed({CHOICE} | {each.key for each in strategies} | {each.key for each in decisions})
         for strategy in strategies:
             if self._goal == strategy.key or (not self._goal and strategy.applies(state, self)):
@@ -199,21 +199,21 @@ class Pipeline:
                 answer = decision.run(answer, state, self)
         return answer._with_stages(self.log.stages)
 
-    # Budgets: factorizations that a failure may cost, by those of the pull-back
+    # Budgets of searches after a failed pull-back, in factorizations
 
     def patch_budget(self, state: State) -> float:
-        """Budget left for patches and the best fit, in factorizations."""
-        effort = min(self.method.effort, 10.0)  # more does not make them better
+        """Remaining budget of patch reflections and the best fit."""
+        effort = min(self.method.effort, 10.0)  # more does not improve them
         return (2 + effort) * state.cost - self.work.factorizations
 
     def reflection_budget(self, state: State) -> float:
-        """Budget of the vertex reflections, in factorizations."""
+        """Budget of the vertex reflections."""
         return self.method.effort * state.cost
 
     # Checkpoints
 
     def _resumed(self, keys: set[str]) -> State:
-        """The state to go on from; `_goal` is the key of what goes on, until it does."""
+        """The state to resume from; `_goal` is the key of the strategy or decision to resume, until then."""
         kept = self.checkpoints.resumed
         self._goal = "" if kept is None or kept.key not in keys else kept.key
         if kept is None or not self._goal or not kept.state:
@@ -222,7 +222,7 @@ class Pipeline:
         return State.of_arrays(kept.state, self.problem)
 
     def _begin(self, key: str, state: State) -> None:
-        """Begin a strategy or decision: a checkpoint, unless it is the first, or the run goes on from it."""
+        """Begin a strategy or decision, with a checkpoint unless it is the first or the resumed one."""
         is_first = state is INITIAL and not self.work.factorizations
         known = {} if is_first else {**state.arrays(), SPENT: self.work.factorizations}
         self.checkpoints.begin(key, known)

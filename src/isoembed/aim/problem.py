@@ -24,22 +24,22 @@ if TYPE_CHECKING:
 
 
 class Problem:
-    """A metric to embed, with what follows from it and a tolerance.
+    """A metric to embed, quantities derived from it, and a tolerance.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     tolerance : float
     name : str
-        Of the method, which the surfaces bear.
+        Name of the method, stored in the surfaces.
     work : Work
-        Counts the factorizations.
+        Counter of factorizations.
 
     Attributes
     ----------
     numbers : ndarray of int, shape (V,)
-        The vertices in the order of the `convexification`, in which what is near is near in memory.
+        The vertices in the order of the `convexification`, in which neighbors are close in memory.
     """
 
     def __init__(self, metric: PolyhedralMetric, tolerance: float, name: str, work: Work) -> None:
@@ -49,7 +49,7 @@ class Problem:
         self.convexification = Convexification(GluedMetric.flipped(tables.in_order(self.numbers)))
         self._energy: tuple[Floats, RegularizedEnergy] | None = None
 
-    # Derived once, and freed
+    # Derived quantities, computed once
 
     @cached_property
     def analyses(self) -> Analyses:
@@ -57,13 +57,13 @@ class Problem:
         return Analyses.of(self.convexification.given.half_edges(directed=False), self.work)
 
     def forget_analyses(self) -> None:
-        """Free the memory of `analyses`, which large bodies need for what follows."""
+        """Free the memory of `analyses`, which the next strategies need for large bodies."""
         vars(self).pop("analyses", None)
 
     @cached_property
     def system(self) -> LengthSystem:
-        """The equations for the lengths."""
-        from isoembed.surface.rigidity import LengthSystem  # slow to import, and convex bodies do without
+        """The length equations."""
+        from isoembed.surface.rigidity import LengthSystem  # slow to import, not needed for convex bodies
 
         return LengthSystem(self.metric.triangulation, space=self.metric.space, work=self.work)
 
@@ -76,7 +76,7 @@ class Problem:
         return self._energy[1]
 
     def annealed(self, vertices: Floats, recorder: StageRecorder) -> Embedding:
-        """The surface to which Newton's method on the lengths leads."""
+        """The surface to which Newton's method on the lengths converges from these vertices."""
         from isoembed.aim.anneal import anneal
 
         return self.surface(anneal(self.system, vertices, self.metric.lengths, recorder).vertices)
@@ -85,8 +85,8 @@ class Problem:
 
     @property
     def is_nearly_convex(self) -> bool:
-        """Whether a body of pyramids may have this metric."""
-        # Of 4 pi: negative curvature of a metric that may be nearly convex.
+        """Whether a generalized polytope may have this metric."""
+        # Negative curvature over 4 pi.
         return self.convexification.negative_curvature < 0.03
 
     @property
@@ -101,7 +101,7 @@ class Problem:
         return self.placed(standard_position(self.metric.faces, vertices, self.metric.space))
 
     def placed(self, vertices: Floats) -> Embedding:
-        """The surface with these vertices, which `surface` gave."""
+        """The surface with these vertices, already in standard position."""
         return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
 
     def in_given_order(self, vertices: Floats) -> Floats:

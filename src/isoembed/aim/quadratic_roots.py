@@ -5,9 +5,9 @@ k equations of degree 2 in k unknowns have 2^k complex roots, counted with multi
 
     (1 - t) gamma (s_i^2 - s_i) + t f_i(s)
 
-follow paths that do not meet before t = 1, for all gamma on the unit circle but a finite number; they are
-followed in projective space, where none is infinite.  See Sommese and Wampler, The numerical solution of
-systems of polynomials arising in engineering and science (World Scientific, 2005).
+follow paths that do not meet before t = 1, for all but finitely many gamma on the unit circle.  The paths are
+computed in projective space, where roots at infinity are regular.  See Sommese and Wampler, The numerical
+solution of systems of polynomials arising in engineering and science (World Scientific, 2005).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from isoembed.arrays import Floats
 
 Complex = NDArray[np.complex128]
 
-COINCIDE = 1e-6  # relative distance at which two paths have come to one root
+COINCIDE = 1e-6  # relative distance of identical roots
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +32,12 @@ class QuadraticRoots:
     Attributes
     ----------
     roots : ndarray of complex, shape (n, k)
-        All that are finite.
+        The finite roots.
     at_infinity : int
-        How many are not.
+        Number of roots at infinity.
     complete : bool
-        Whether no path was lost: each came to its end, or so near that only roots which are multiple, or
-        nearly so, are left, known to few digits; and no two that came to their ends are at one root.
+        Whether all paths were followed: to t = 1, or close to it at multiple or nearly multiple roots, which
+        are known to few digits; and no two paths that reached t = 1 have the same root.
     """
 
     roots: Complex
@@ -45,9 +45,9 @@ class QuadraticRoots:
     complete: bool
 
     def near_real(self, imaginary: float) -> list[Floats]:
-        """Real parts, (k,), of the roots with no larger imaginary part, relative to the root.
+        """Real parts, (k,), of the roots with at most this imaginary part, relative to the root.
 
-        One is enough of two that are conjugate, or one.
+        Conjugate and coincident roots are counted once.
         """
         found: list[Floats] = []
         for root in self.roots:
@@ -68,14 +68,14 @@ def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> QuadraticRoot
     slope : ndarray, shape (k, k)
         L.
     Q : ndarray, shape (k, k, k)
-        Symmetric in the last two.  The unknowns should be scaled so that roots are of the size of 1.
+        Symmetric in the last two indices.  The unknowns should be scaled so that roots are of order 1.
     """
     rng = np.random.default_rng(0)
-    for retry in range(3):  # each with a new gamma, and corrections a tenth of those before
+    for retry in range(3):  # with a new gamma, and a tenth of the corrections
         paths = _Paths(constant, slope, Q, rng)
-        ends, t = paths.followed(1e-3 * 0.1**retry)  # relative correction of a step by Newton's method
-        kept = t > 0.99  # a path that ends before has been lost
-        # Relative homogenizing coordinate of a root at infinity.
+        ends, t = paths.followed(1e-3 * 0.1**retry)  # relative Newton correction of a step
+        kept = t > 0.99  # otherwise the path was lost
+        # Threshold on the relative homogenizing coordinate.
         infinite = kept & (np.abs(ends[:, 0]) <= 1e-6 * np.linalg.norm(ends, axis=1))
         complete = bool(kept.all()) and not _coincide(ends[(t == 1.0) & ~infinite])
         if complete:
@@ -85,14 +85,14 @@ def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> QuadraticRoot
 
 
 def _coincide(ends: Complex) -> bool:
-    """Whether two ends of paths, as points of projective space with a fixed patch, are one."""
+    """Whether two ends of paths coincide in the affine patch of projective space."""
     apart = np.linalg.norm(ends[:, None] - ends, axis=2)
     np.fill_diagonal(apart, np.inf)
     return bool((apart <= COINCIDE * np.linalg.norm(ends, axis=1)).any())
 
 
 class _Paths:
-    """The homotopy from ``s_i^2 = s_i``, in the homogeneous coordinates z = (z_0, s) of a random patch."""
+    """The homotopy from ``s_i^2 = s_i``, in homogeneous coordinates z = (z_0, s) of a random affine patch."""
 
     def __init__(self, constant: Floats, slope: Floats, Q: Floats, rng: np.random.Generator) -> None:
         self.constant, self.slope, self.Q = constant, slope, Q
@@ -112,13 +112,13 @@ class _Paths:
             ends, first, last = self._corrected(self._predicted(z[moving], now, step), then)
             good = (first <= corrected) & (last <= 1e-10)  # the last of three corrections
             z[moving[good]], t[moving[good]] = ends[good], then[good]
-            # Steps that are corrected by less are doubled.
+            # Steps with small corrections are doubled.
             h[moving] = np.where(good, np.where(first <= 0.1 * corrected, 2 * step, step), step / 2)
             alive[moving] = h[moving] >= 1e-8  # a path with shorter steps ends at a multiple root
         return z, t
 
     def _predicted(self, z: Complex, t: Floats, h: Floats) -> Complex:
-        """A step of Runge and Kutta's fourth-order method."""
+        """A step of the fourth-order Runge-Kutta method."""
         half = h[:, None] / 2
         first = self._tangent(z, t)
         second = self._tangent(z + half * first, t + h / 2)
@@ -127,7 +127,7 @@ class _Paths:
         return z + half / 3 * (first + 2 * second + 2 * third + fourth)
 
     def _corrected(self, z: Complex, t: Floats) -> tuple[Complex, Floats, Floats]:
-        """Three steps of Newton's method, and how long the first and the last were."""
+        """Three steps of Newton's method, and the lengths of the first and the last."""
         sizes = []
         for _ in range(3):
             start, goal, J = self._evaluated(z, t)
@@ -146,7 +146,7 @@ class _Paths:
         return _solved(J, f)
 
     def _evaluated(self, z: Complex, t: Floats) -> tuple[Complex, Complex, Complex]:
-        """Both systems, each (n, k), and the derivatives of the homotopy and of the patch by z."""
+        """Both systems, each (n, k), and the derivatives of the homotopy and of the patch equation by z."""
         k, z0, s, t = self.k, z[:, :1], z[:, 1:], t[:, None]
         start = self.gamma * s * (s - z0)
         bent = np.einsum("ijk,nk->nij", self.Q, s)
@@ -161,7 +161,7 @@ class _Paths:
 
 
 def _solved(J: Complex, f: Complex) -> Complex:
-    """``J^-1 f``, (n, k + 1); not a number where a matrix is singular."""
+    """``J^-1 f``, (n, k + 1); NaN for singular matrices."""
     try:
         return np.asarray(np.linalg.solve(J, f[..., None])[..., 0])
     except np.linalg.LinAlgError:

@@ -1,10 +1,10 @@
 """Breadth-first search for realizations near a surface.
 
-From one realization to the next: the `start_points` about each are followed by Newton's method.
-The surface that is meant is, as a rule, among the smooth ones.  So first of all the smoothest is made
-smoother still, as far as start points do: each that is expected to be smoother is followed, then relaxed,
-as smooth as can be there, and let go.  What is found is searched from in turn, breadth first and smoothest
-first: where n vertices can be pushed in one by one there are 2^n realizations, too many for all of them.
+Newton's method is started from the `start_points` about each realization.  The intended surface is usually
+among the smooth ones.  Therefore the smoothest realization is improved first, as far as possible: each start
+point that predicts a smoother one is tried directly, then relaxed with a smoothness penalty that is released.
+The realizations found are searched from in turn, breadth first and smoothest first: if n vertices can be
+pushed in independently there are 2^n realizations, too many to list.
 """
 
 from __future__ import annotations
@@ -31,40 +31,39 @@ from isoembed.surface.alignment import distance
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import fine_roughness
 
-SOFTEST = 2  # motions that may hide others, set apart, or lead across a fold
-WEIGHTS = (1e-5, 1e-6)  # mean edge lengths^2: the first mu, in turn; more forgets where a lead is
-PROMISING = 0.1  # residual at a promising end, over the one before its Newton steps
-MAX_STEPS = 4  # of Newton's method
+SOFTEST = 2  # softest motions, which hide others near a fold or lead across it
+WEIGHTS = (1e-5, 1e-6)  # mean edge lengths^2; initial mu, in turn; larger ones lose the start point
+PROMISING = 0.1  # ratio of residuals after and before Newton steps from a promising start
+MAX_STEPS = 4  # Newton steps
 
 
 @dataclass(eq=False)
 class RealizationSearch:
-    """The search for realizations near given vertices, and what it has found.
+    """Search for realizations near given vertices.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     system : LengthSystem
-        Of its triangulation.
     vertices : ndarray, shape (V, 3)
-        Where the search is about; the lengths may be missed there.
+        Center of the search, which may miss the lengths.
     recorder : StageRecorder
     motions : int
-        How many motions are taken together at most.
+        Largest number of motions combined.
     distance : float
-        How far from the given one a vertex of a realization may be, in mean edge lengths.
+        Largest displacement of a vertex from the center, in mean edge lengths.
 
     Attributes
     ----------
     found : list of ndarray, shape (V, 3)
-        The realizations.
+        Realizations, in the order of discovery.
     searched : list of bool
-        Whether each was searched from.
+        Whether each was a center of the search.
     flexible : int
-        How many could not be searched from, because there J is singular.
+        Number of realizations with singular J, which cannot be centers.
     incomplete : int
-        How many systems of quadratic equations were solved incompletely.
+        Number of systems of quadratic equations solved incompletely.
     """
 
     metric: PolyhedralMetric
@@ -81,16 +80,15 @@ class RealizationSearch:
     _moves: list[int] = field(default_factory=list)
     _starts: dict[int, deque[StartPoint]] = field(
         default_factory=dict
-    )  # not yet followed, by the realization
-    _attempts: dict[float, Floats] = field(default_factory=dict)  # by the residual
+    )  # remaining ones, by realization
+    _attempts: dict[float, Floats] = field(default_factory=dict)  # by residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
-        """Search from a number of realizations or, until one is found, from attempts beside the given one.
+        """Search from a number of realizations or, until one is found, from attempts near the center.
 
-        These are in turn the smoothest of all, and the smoothest of those that the fewest moves from
-        realization to realization lead to: the given one is the first of them.  Where it is the only one, it
-        is left as it is.  It stops after each, and after each move to a smoother one, with `found` as it is
-        then.
+        Centers are alternately the smoothest realization, and the smoothest of those reached by the fewest
+        moves between realizations, starting with the given one.  Yields after each center and after each move
+        to a smoother realization, with `found` up to date.
         """
         self.polish(self.vertices)
         if not self.found:
@@ -109,11 +107,11 @@ class RealizationSearch:
                 return
 
     def polish(self, vertices: Floats, moves: int = 0) -> None:
-        """Add the realizations that Newton's method leads to, if they are new and near enough."""
+        """Add the realizations that Newton's method reaches, if they are new and near enough."""
         start = self._residual(vertices)
-        probed = self._annealed(vertices, 3)  # Newton steps that tell whether an end is promising
+        probed = self._annealed(vertices, 3)  # Newton steps to see whether a start is promising
         good = probed.residual <= max(PROMISING * start, self._realized)
-        # Mean edge lengths: as near, it leads to a realization that is known.
+        # Mean edge lengths; within it, the limit is a known realization.
         if good and self._is_known(probed.vertices, 1e-4):
             return
         found = self._annealed(probed.vertices, MAX_STEPS) if good else probed
@@ -139,8 +137,8 @@ class RealizationSearch:
         return REALIZED * self._unit
 
     def _smoothed(self) -> Iterator[None]:
-        """Move from the smoothest realization to smoother ones, as long as start points lead to one."""
-        for _ in range(4 if self.found else 0):  # moves to smoother realizations after each search
+        """Move from the smoothest realization to smoother ones, as long as start points lead to some."""
+        for _ in range(4 if self.found else 0):  # moves after each center
             i = self._roughness.index(self._least_roughness)
             if self.searched[i] or not self._descends(
                 self._opened(i), self._roughness[i], self._moves[i] + 1
@@ -149,10 +147,10 @@ class RealizationSearch:
             yield
 
     def _descends(self, left: deque[StartPoint], roughness: float, moves: int) -> bool:
-        """Follow start points that are expected to be smoother, and whether a realization is."""
+        """Try start points that predict smoother realizations; return whether one is found."""
         relaxed = 0
         while left and left[0].roughness < roughness:
-            weights = WEIGHTS if relaxed < 4 else ()  # so many of the smoothest are relaxed
+            weights = WEIGHTS if relaxed < 4 else ()  # the four smoothest are relaxed
             if self._is_smoother(left.popleft().vertices, roughness, moves, weights):
                 return True
             relaxed += 1
@@ -161,10 +159,10 @@ class RealizationSearch:
     def _is_smoother(
         self, vertices: Floats, roughness: float, moves: int, weights: tuple[float, ...]
     ) -> bool:
-        """Add what is near vertices, and whether there is a realization now that is smoother than so.
+        """Add realizations near vertices; return whether one is smoother than a given roughness.
 
-        Newton's method alone gets lost where many vertices have to move at once: what is as smooth as can be
-        near these vertices is let go, from each of these weights in turn.
+        Newton's method alone fails if many vertices have to move together.  The surface is then smoothed with
+        each of these weights in turn, and the penalty is released.
         """
         self.polish(vertices, moves)
         for weight in weights:
@@ -180,9 +178,9 @@ class RealizationSearch:
         return min(self._roughness, default=np.inf)
 
     def _search(self, i: int) -> Iterator[None]:
-        """Follow all start points about a realization.
+        """Try all start points about a realization.
 
-        From the given one, and where nothing new is found, others, too, with the softest motions set apart.
+        For the given one, and if nothing new is found, also those with the softest motions projected out.
         """
         known, moves = len(self.found), self._moves[i]
         self._follow(self._opened(i), moves + 1)
@@ -192,9 +190,9 @@ class RealizationSearch:
             yield
 
     def _attempt(self, vertices: Floats) -> Iterator[None]:
-        """Move from a surface that misses the lengths to smoother ones, or else follow all start points.
+        """Move from a surface that misses the lengths to smoother ones, or try all start points.
 
-        An attempt ends where J is nearly singular, so at first the softest motions are set apart.
+        J is nearly singular at the end of an attempt, so the softest motions are projected out first.
         """
         roughness = fine_roughness(self.metric.triangulation, vertices)
         if self._is_smoother(vertices, roughness, 1, WEIGHTS):
@@ -208,13 +206,13 @@ class RealizationSearch:
             yield
 
     def _opened(self, i: int) -> deque[StartPoint]:
-        """The start points about a realization that were not followed yet."""
+        """The remaining start points about a realization."""
         if i not in self._starts:
             self._starts[i] = self._starts_from(self.found[i], 0)
         return self._starts[i]
 
     def _starts_from(self, vertices: Floats, hidden: int, always: int = 0) -> deque[StartPoint]:
-        """Start points about vertices, with a number of the softest motions set apart, or always taken."""
+        """Start points about vertices, with a number of softest motions projected out or always included."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         try:
             found = start_points(expansion, self.motions, self.distance, hidden, always)
@@ -229,7 +227,7 @@ class RealizationSearch:
             self.polish(left.popleft().vertices, moves)
 
     def _add_close(self, vertices: Floats, moves: int) -> None:
-        """Add the two realizations near a fold, where they are close and Newton's method is slow."""
+        """Add two close realizations near a fold, where Newton's method is slow."""
         expansion = LengthExpansion(self.system, vertices, self.metric.lengths)
         softest = softest_motions(expansion, SOFTEST)
         for motion in predicted_motions(expansion, softest, self.distance).motions[:2]:

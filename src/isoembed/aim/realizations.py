@@ -20,29 +20,29 @@ from isoembed.reprs import short_repr
 from isoembed.strict_json import plain
 from isoembed.surface.rigidity import LengthSystem
 
-FEWEST, MOST = 2, 8  # motions together: 2^8 roots
+FEWEST, MOST = 2, 8  # motions combined; 2^8 roots
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Realizations:
-    """Surfaces with the same lengths in the same triangles, near a surface, and where they were sought.
+    """Surfaces with the same triangles and lengths near a given one, and the region searched.
 
     Attributes
     ----------
     about : Embedding
-        The surface that they are near to.  It is one of them, up to rounding, if it has the lengths.
+        The given surface, which is one of them, up to rounding, if it has the lengths.
     surfaces : tuple of Embedding
-        The smoothest, of the least `fine_roughness`, comes first.
+        In increasing order of `fine_roughness`.
     searched : ndarray of bool, shape (n,)
-        Whether each was searched from.
+        Whether each was a center of the search.
     distance : float
-        How far from the surface a vertex may be, in mean edge lengths: the region.
+        Largest displacement of a vertex from the given surface, in mean edge lengths.
     motions : int
-        How many motions were taken together at most.
+        Largest number of motions combined.
     unsolved : int
-        How many times something was left out: a surface that flexes to first order is not searched from, and
-        quadratic equations may be solved incompletely.
+        Number of omissions: surfaces that flex to first order, which cannot be centers, and systems of
+        quadratic equations solved incompletely.
     """
 
     about: Embedding
@@ -68,7 +68,7 @@ class Realizations:
 
     @property
     def message(self) -> str:
-        """Summary of the search: the realizations found, and how far they were searched from."""
+        """Summary of the search and of the realizations found."""
         found, searched = len(self.surfaces), int(self.searched.sum())
         region = f"within {self.distance:g} mean edge lengths of the surface"
         if not found:
@@ -87,7 +87,7 @@ class Realizations:
 
     @property
     def evidence(self) -> Evidence:
-        """Evidence that there are no others: how they were sought."""
+        """Extent of the search, the evidence that there are no others."""
         return Evidence(
             "searched",
             f"sought along the motions to where another is predicted, up to {self.motions} together, all "
@@ -96,7 +96,7 @@ class Realizations:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Report as a JSON object; the certificates are computed for it."""
+        """Report as a JSON object, with certificates."""
         found = {
             "message": self.message,
             **self.evidence.report,
@@ -127,14 +127,14 @@ def realizations(
     Parameters
     ----------
     embedding : Embedding
-        Such as `embed` returns, or as a `NotEmbedded` carries.
+        A result of `embed`, or the `embedding` of a `NotEmbedded`.
     distance : float
-        How far a vertex of a realization may be from its place there, in mean edge lengths.
+        Largest displacement of a vertex, in mean edge lengths.
     motions : int
-        How many motions are taken together, from 2 to 8: their quadratic equations have 2^motions roots.
+        Number of motions combined, from 2 to 8: their quadratic equations have 2^motions roots.
     surfaces : int
-        From how many realizations to search, the given one included, in turn smoothest first and breadth
-        first.  Where many vertices can be pushed in there are more than can be found.
+        Number of realizations to search from, including the given one, alternately smoothest first and
+        breadth first.  If many vertices can be pushed in, there are more than can be found.
 
     Returns
     -------

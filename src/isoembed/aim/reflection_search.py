@@ -1,9 +1,9 @@
 """Search over sequences of vertex reflections, from nearly right edge lengths to a realization.
 
-Such a surface has, as a rule, a few vertices on the wrong side of their neighbors.  About a minimum of
-``|r|^2 + mu |R x|^2`` `isoembed.aim.vertex_reflections` are tried; for what promises less energy
-the whole surface is brought to its minimum (`isoembed.aim.energy_descent`).  mu falls with the errors, by the
-balance of the two terms, and where nothing helps.
+Such a surface usually has a few vertices on the wrong side of their neighbors.  At a minimum of
+``|r|^2 + mu |R x|^2``, `isoembed.aim.vertex_reflections` are tried; those that promise less energy are
+followed by a descent of the whole surface (`isoembed.aim.energy_descent`).  mu decreases with the errors, so
+that the two terms balance, and when no reflection helps.
 """
 
 from __future__ import annotations
@@ -34,28 +34,27 @@ def with_reflected_vertices(
     recorder: StageRecorder,
     most: float,
 ) -> Floats:
-    """Reflect what is on the wrong side of a surface that nearly has its lengths.
+    """Reflect vertices on the wrong side of a surface that nearly has its lengths.
 
-    Where a search ends that had nearly all lengths right, another begins where that one had come near, and
-    passes over the first 1, 2, ... changes that help.
+    If a search with nearly all lengths right ends, another one starts from the point where mu became small,
+    and skips the first 1, 2, ... successful changes.
 
     Parameters
     ----------
     energy : RegularizedEnergy
-        Of a metric in Euclidean space.
+        Energy of a metric in Euclidean space.
     system : LengthSystem
-        Of its triangulation.
     vertices : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
-        Recorder of the work; solutions and patches count as shares of a factorization.
+        Recorder of the work; solves and patches count as fractions of a factorization.
     most : float
-        Factorizations after which nothing more is tried.
+        Budget in factorizations.
 
     Returns
     -------
     ndarray, shape (V, 3)
-        What misses the lengths least of all that was met.
+        The surface found with the smallest residual.
     """
     search = _ReflectionSearch(energy, system, vertices, lengths, recorder, Budget(recorder.work, most))
     search.follow(vertices, search.balanced_penalty(vertices))
@@ -74,18 +73,18 @@ class _ReflectionSearch(SearchState):
     Attributes
     ----------
     turn : tuple of ndarray and float, or None
-        The surface, and mu, where mu became small.
+        Surface and mu when mu became small.
     pass_over : int
-        How many changes that help are not taken.
+        Number of successful changes to skip.
     """
 
     turn: tuple[Floats, float] | None = None
     pass_over = 0
-    _asked = np.inf  # the residual from which Newton's method was tried last
+    _asked = np.inf  # residual at the last start of Newton's method
 
     @property
     def is_done(self) -> bool:
-        """Whether there is no more to do, or may not be done."""
+        """Whether a realization is found or the budget is exhausted."""
         return self.missed <= REALIZED or self.exhausted
 
     def balanced_penalty(self, x: Floats) -> float:
@@ -95,9 +94,9 @@ class _ReflectionSearch(SearchState):
         return 2.0 * float(r @ r / rough)  # mu |R x|^2 over |r|^2 in balance
 
     def keep(self, x: Floats) -> float:
-        """Keep a surface, as every search does, and the one that Newton's method finds from it."""
+        """Keep a surface, and the one that Newton's method finds from it."""
         missed = super().keep(x)
-        if missed <= min(NEARLY, 0.5 * self._asked):  # share of the residual that is worth another try
+        if missed <= min(NEARLY, 0.5 * self._asked):  # decrease of the residual before another attempt
             self._asked = missed
             super().keep(anneal(self.system, x, self.lengths, self.recorder).vertices)
         return missed
@@ -115,14 +114,14 @@ class _ReflectionSearch(SearchState):
         return x
 
     def follow(self, x: Floats, mu: float) -> None:
-        """Let mu fall from one value on, and take what reflections help, until none does."""
+        """Decrease mu from an initial value, and apply successful reflections, until none helps."""
         x, vain, was_fine = self.descended(x, mu), 0, False
         while not self.is_done:
             balanced = self.balanced_penalty(x)
             if balanced < 0.9 * mu:
                 x, mu = self.descended(x, balanced), balanced
                 continue
-            # Mean edge lengths^2: below it every kind of change is tried.
+            # Mean edge lengths^2; below it, all kinds of changes are tried.
             fine = mu < 1e-8 * self.energy.unit**2
             if fine and not was_fine:
                 vain, was_fine = 0, True
@@ -132,15 +131,15 @@ class _ReflectionSearch(SearchState):
                 x, vain = better, 0
                 continue
             vain += 1
-            if fine and vain >= 2:  # values of mu for which nothing helps
+            if fine and vain >= 2:  # values of mu without success
                 return
             mu *= 0.3
             x = self.descended(x, mu)
 
     def better(self, x: Floats, mu: float, kinds: int | None) -> Floats | None:
-        """The minimum of less energy that a reflection leads to; None if none is found.
+        """A minimum of lower energy reached by a reflection; None if none is found.
 
-        Single vertices are reflected in patches of so many kinds; for None, all that there is.
+        Single vertices are reflected in a number of kinds of patches; None means all kinds of changes.
         """
         try:
             surface = Condensation(self.energy, x, self.lengths, mu, self.budget.spend)
@@ -156,14 +155,14 @@ class _ReflectionSearch(SearchState):
     def first_better(
         self, surface: Condensation, tries: Sequence[Sequence[ReflectionTrial]]
     ) -> Floats | None:
-        """The first minimum of less energy that some changes together lead to."""
+        """The first minimum of lower energy reached by combined changes."""
         vain = 0
         for changes in tries:
             trial = surface.vertices + sum(change.displacement for change in changes)
-            # No descent returns from such growth.
+            # Beyond such growth, no descent succeeds.
             if self.energy.value(trial, self.lengths, surface.mu) > 1e4 * surface.value:
                 continue
-            end = self.descended(trial, surface.mu, 20)  # factorizations of a descent
+            end = self.descended(trial, surface.mu, 20)  # factorizations
             if self.is_done:
                 return end
             if self.energy.value(end, self.lengths, surface.mu) < (1 - GAIN) * surface.value:
@@ -171,13 +170,13 @@ class _ReflectionSearch(SearchState):
                     return end
                 self.pass_over -= 1
             vain += 1
-            if vain == 3:  # descents in vain from changes of a kind
+            if vain == 3:  # unsuccessful descents from changes of one kind
                 break
         return None
 
 
 def _tries(changes: ReflectionTrials, kinds: int | None) -> Iterator[list[list[ReflectionTrial]]]:
-    """Trials, kind by kind: lists of changes that are tried together."""
+    """Trials by kind: lists of changes to apply together."""
     for found in changes.singles(len(PATCHES) if kinds is None else kinds):
         yield _one_by_one(found)
     if kinds is None:

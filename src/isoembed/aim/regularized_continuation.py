@@ -1,8 +1,8 @@
 """Regularized continuation: pull-back for negative curvature by a penalty method with weight mu -> 0.
 
-It follows the metrics from an embedded one to the given one by Gauss-Newton steps on the energy of
-`isoembed.aim.regularized_energy`.  Both R and K lead the surface there; then K is let go, and then R, after
-its place was taken by quintics fitted twice, which know smooth surfaces better still.
+Gauss-Newton steps on the energy of `isoembed.aim.regularized_energy` follow a path of metrics from an
+embedded one to the given one.  Both R and K guide the surface; then K is released, and finally R, after it is
+replaced by quintics fitted twice, which approximate smooth surfaces better.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,11 +18,11 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.nonlinear.continuation import extrapolated, penalty_continuation
 from isoembed.progress.stages import StageRecorder
 
-BENDING = 3.0  # w on the way
+BENDING = 3.0  # w along the path
 LETTING_GO = (0.3, 0.03, 0.0)  # w at t = 0, in turn
-FADE = 0.1  # factor of mu from step to step as a surface is let go
-FADE_STEPS = 15  # after them mu has no effect
-SHORTEST = 1e-9  # lengths: the least length at t = 1, where vertices may coincide
+FADE = 0.1  # factor of mu between steps of the release
+FADE_STEPS = 15  # afterwards mu has no effect
+SHORTEST = 1e-9  # over the length; least length at t = 1, where vertices may coincide
 
 
 class Continued(NamedTuple):
@@ -53,23 +53,23 @@ def regularized_continuation(
     recorder: StageRecorder,
     kept: Mapping[str, NDArray[Any]] | None = None,
 ) -> Continued:
-    """Follow a path of metrics from an embedded one at t = 1, then let go of what guides.
+    """Follow a path of metrics from an embedded one at t = 1, then release the penalty.
 
     Parameters
     ----------
     energy : RegularizedEnergy
     start : ndarray, shape (V, 3)
-        Realizes the metric at t = 1.
+        Realization of the metric at t = 1.
     lengths : callable
-        The lengths at t, shape (E,), in units of the mean edge length or so.
+        Lengths at t, shape (E,), in units of about the mean edge length.
     recorder : StageRecorder
     kept : mapping of str to ndarray, optional
-        What an interrupted pull-back kept, to go on from.
+        Checkpoint of an interrupted pull-back.
 
     Returns
     -------
     Continued
-        Its vertices are, where it did not get lost, near enough to the metric at t = 0 for Newton's method.
+        Unless the path failed, its vertices are close enough to the metric at t = 0 for Newton's method.
     """
 
     def keep(x: list[Floats], **state: ArrayLike) -> None:
@@ -79,7 +79,7 @@ def regularized_continuation(
     x, mu = guided(energy, start, lengths, recorder, kept, keep)
     given, close = lengths(0.0), NEARLY * energy.unit
     found, residual = release_penalty(energy.finer(x), x, given, mu, recorder)
-    if residual > close:  # edges too long for quintics to know the surface
+    if residual > close:  # edges too long for quintics
         found = min(
             (found, residual), release_penalty(energy, x, given, mu, recorder), key=lambda pair: pair[1]
         )[0]
@@ -94,17 +94,17 @@ def guided(
     kept: Mapping[str, NDArray[Any]] | None = None,
     keep: Callable[..., None] = lambda *_, **__: None,
 ) -> tuple[Floats, float]:
-    """Follow a path of metrics to its end, then let K go; the surface, and the last mu.
+    """Follow a path of metrics to its end, then release K; return the surface and the last mu.
 
-    The parameters are those of `regularized_continuation`; `keep` takes the surfaces reached, the
-    last one last, and what else `kept` is to hold.
+    Parameters as for `regularized_continuation`; `keep` takes the surfaces reached, in order, and the other
+    contents of `kept`.
     """
     given, released = lengths(0.0), 0
-    # Mean edge lengths^2; more would smooth edges away.
+    # Mean edge lengths^2; larger values would smooth edges away.
     mu, stiffest = 0.007 * energy.unit**2, 7.0 * energy.unit**2
     known: list[tuple[float, Floats]] = []
     steps = np.linspace(1, 0, 6 + 1).tolist()  # from t = 1 to t = 0
-    usual = len(steps) + len(LETTING_GO) + 2 + 4  # four steps let go, as a rule
+    usual = len(steps) + len(LETTING_GO) + 2 + 4  # usually four steps of the release
     if kept is not None:
         mu, known = float(kept["mu"]), list(zip(kept["t"].tolist(), kept["x"], strict=True))
         released = int(kept["released"])
@@ -117,7 +117,7 @@ def guided(
     for t in steps:
         recorder.show(t=t)
         guess = extrapolated(known[-3:], t) if known else start
-        if not np.isfinite(energy.residuals(guess, lengths(t))).all():  # it has left the half of the sphere
+        if not np.isfinite(energy.residuals(guess, lengths(t))).all():  # outside of the hemisphere
             guess = known[-1][1]
         x, downhill = energy.step(guess, lengths(t), mu, BENDING, recorder)
         while not downhill and mu < stiffest:
@@ -144,7 +144,7 @@ def release_penalty(
     fade: float = FADE,
     is_done: Callable[[], bool] = lambda: False,
 ) -> tuple[Floats, float]:
-    """Let mu vanish.
+    """Release the penalty: decrease mu to zero.
 
     Parameters
     ----------
@@ -152,19 +152,19 @@ def release_penalty(
     x : ndarray, shape (V, 3)
     lengths : ndarray, shape (E,)
     mu : float
-        Of the first step.
+        Initial value.
     recorder : StageRecorder
     fade : float
-        Factor of mu from step to step.
+        Factor of mu between steps.
     is_done : callable
-        Whether no more may be spent, asked after each step.
+        Whether the budget is exhausted, called after each step.
 
     Returns
     -------
     vertices : ndarray, shape (V, 3)
-        The last surface: where Newton's method does not get lost, or mu has no effect any more.
+        The last surface, from which Newton's method converges, or at which mu has no effect any more.
     residual : float
-        Its largest.
+        Its largest residual.
     """
     return penalty_continuation(
         x,

@@ -1,11 +1,11 @@
 """Schur complement of a patch: its energy, with all other vertices eliminated to first order.
 
-About a minimum of ``|r|^2 + mu |R x|^2`` (`isoembed.aim.regularized_energy`) the energy is quadratic for
-small motions.  If the vertices of a patch change sides, only the edges among them leave that regime.  So
-these are kept as they are, all else is expanded to second order, and the vertices outside are eliminated:
-they are always where the energy is least.  What is left is a function of the patch alone, with a dense
-matrix, the Schur complement.  It is had from a block of the inverse of Newton's matrix, whose factors serve
-for all patches of the surface.
+Near a minimum of ``|r|^2 + mu |R x|^2`` (`isoembed.aim.regularized_energy`) the energy is quadratic for small
+motions.  If the vertices of a patch change sides, only the edges among them leave that regime.  These edges
+are therefore kept nonlinear, all other terms are expanded to second order, and the vertices outside are
+eliminated by minimizing the energy.  The result is a function of the patch alone, with a dense matrix, the
+Schur complement.  It is computed from a block of the inverse of Newton's matrix, whose factors are shared by
+all patches of the surface.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from isoembed.nonlinear.newton import damped_step
 from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldTriangle
 
-COLUMNS = 96  # of the inverse that are solved for at once
-EARLY = 4  # steps after which those that lead nowhere are given up
-SETTLED = 1e-3  # relative decrease, to the energy's change, of a step that is the last
+COLUMNS = 96  # simultaneous right-hand sides for the inverse
+EARLY = 4  # steps before unsuccessful trials are abandoned
+SETTLED = 1e-3  # decrease of the last step, relative to the change of the energy
 
 
 class Condensation:
@@ -39,18 +39,18 @@ class Condensation:
     Parameters
     ----------
     energy : RegularizedEnergy
-        Of a metric in Euclidean space.
+        Energy of a metric in Euclidean space.
     vertices : ndarray, shape (V, 3)
-        At a minimum, or nearly.
+        A minimum, or nearly.
     lengths : ndarray, shape (E,)
     mu : float
     spend : callable
-        Told what is solved for, in factorizations.
+        Called with the cost of each solve, in factorizations.
 
     Raises
     ------
     SingularMatrix
-        The matrix is not definite to working precision, with pushing edges left out, either.
+        The matrix is not definite to working precision, even without edges in compression.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class Condensation:
         return self.energy.newton_factor(self.vertices, self.lengths, self.mu, self.tensions, self.held)
 
     def solve(self, forces: Floats) -> Floats:
-        """The motions, (V, 3, k), that these forces, (V, 3, k), cause."""
+        """Motions, (V, 3, k), caused by forces, (V, 3, k)."""
         flat = forces.reshape(-1, forces.shape[-1])
         self.spend(0.015 * flat.shape[1])  # factorizations that a column costs
         return self._factor.solve(flat, sweeps=0).reshape(forces.shape)

@@ -15,9 +15,8 @@ class SearchState:
     Parameters
     ----------
     energy : RegularizedEnergy
-        Of a metric in Euclidean space.
+        Energy of a metric in Euclidean space.
     system : LengthSystem
-        Of its triangulation.
     vertices : ndarray, shape (V, 3)
         Start of the search.
     lengths : ndarray, shape (E,)
@@ -28,9 +27,9 @@ class SearchState:
     Attributes
     ----------
     nearest : ndarray, shape (V, 3)
-        Of the surfaces kept, the one nearest to the lengths.
+        The surface kept with the smallest residual.
     missed : float
-        Its largest error, in mean edge lengths.
+        Its largest residual, in mean edge lengths.
     """
 
     def __init__(
@@ -56,13 +55,13 @@ class SearchState:
         return float(np.abs(self.energy.residuals(x, self.lengths)).max()) / self.energy.unit
 
     def keep(self, x: Floats) -> float:
-        """Keep a surface if it misses less than all before; returns its largest residual."""
+        """Keep a surface if its largest residual is the smallest so far; return the residual."""
         missed = self.largest_residual(x)
         if missed < self.missed:
             self.nearest, self.missed = x, missed
         return missed
 
     def show(self, x: Floats) -> None:
-        """Tell a listener of a surface, and of the share of the search that is done."""
+        """Report a surface and the progress of the search to the listener."""
         done = 1.0 if self.budget.exhausted else self.budget.spent / self.budget.limit
         self.recorder.show(vertices=x, residual=self.largest_residual(x), done=done)

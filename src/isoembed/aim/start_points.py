@@ -1,9 +1,9 @@
 """Start points of Newton's method for other realizations near a surface.
 
-They are ends of motions: all roots of the quadratic equations in several of the motions to where others are
-predicted (`nearby_motions`, `nearby_realizations`).  Each comes with the roughness that is expected there, as
-the surface that is meant is among the smooth ones.  What makes a surface smoother in one place does so beside
-what does in others: such motions are taken together in one lead more.
+They are ends of motions: all roots of the quadratic equations in combinations of several motions to predicted
+realizations (`nearby_motions`, `nearby_realizations`).  Each has an expected roughness, as the intended
+surface is among the smooth ones.  Motions that smooth the surface in different places are combined in one
+additional start point.
 """
 
 from __future__ import annotations
@@ -42,20 +42,20 @@ def start_points(
     ----------
     expansion : LengthExpansion
     count : int
-        How many motions are taken together at most.
+        Largest number of motions combined.
     distance : float
-        How far a realization may be, in mean edge lengths.
+        Largest distance of a realization, in mean edge lengths.
     hidden : int
-        How many of the softest motions are left out of all others: near a fold they hide them.
+        Number of softest motions projected out of all others, which they hide near a fold.
     always : int
-        How many of the softest motions join all others.
+        Number of softest motions combined with all others.
 
     Raises
     ------
     SingularMatrix
         The surface is not infinitesimally rigid.
     """
-    near = 1.1 * distance  # motions may be predicted to reach so far
+    near = 1.1 * distance  # margin for predicted motions
     softest = softest_motions(expansion, count)
     charts = QuinticResiduals.of(expansion.system.triangulation, expansion.vertices)
     found = nearby_motions(expansion, softest, near * float(expansion.lengths.mean()), charts, hidden)
@@ -65,13 +65,13 @@ def start_points(
     tried: list[Floats] = []
     incomplete = 0
     for i, group in enumerate(groups):
-        # Roots that miss being real by less are tried.
+        # Nearly real roots are tried, too.
         predicted = predicted_motions(expansion, group, near, 0.3)
         incomplete += not predicted.complete
         for motion in predicted.motions:
             if i >= nearest and charts.roughness(expansion.vertices + motion) >= now:
-                continue  # of the far ones, which are many, only what smooths
-            close = 0.05 * np.abs(motion).max()  # nearer roots are one
+                continue  # of the many long motions, only smoothing ones
+            close = 0.05 * np.abs(motion).max()  # distance of identical roots
             if all(np.abs(motion - other).max() > close for other in tried):
                 tried.append(motion)
     plausible = [motion for motion in tried if _is_plausible(expansion, motion)]
@@ -79,16 +79,16 @@ def start_points(
 
 
 def _groups(found: Motions, soft: Floats, count: int) -> list[Floats]:
-    """The motions that are taken together: the nearest, then each of the others with those beside it.
+    """Combinations of motions: the shortest ones, then each of the others with its neighbors.
 
-    The soft ones join all of them.
+    The soft motions are part of each combination.
     """
     count -= len(soft)
     size = np.linalg.norm(found.motions, axis=2)
     size = size / np.linalg.norm(size, axis=1, keepdims=True)
     together = size @ size.T
     np.fill_diagonal(together, np.inf)
-    # Motions that are joined to each that is not among the nearest.
+    # Neighbors of each motion that is not among the shortest.
     beside = np.argsort(-together, axis=1, kind="stable")[count:, : min(3 + 1, count)]
     groups = [found.motions[:count], *(found.motions[each] for each in beside)]
     return [np.concatenate([soft, group]) for group in groups]
@@ -97,9 +97,9 @@ def _groups(found: Motions, soft: Floats, count: int) -> list[Floats]:
 def _smoothest_first(
     expansion: LengthExpansion, motions: list[Floats], charts: QuinticResiduals
 ) -> list[StartPoint]:
-    """Start points at the ends of motions, and to the end of those together that make the surface smoother.
+    """Start points at the ends of motions, and at the end of the combined smoothing motions.
 
-    Motions are taken together that are beside each other, so that what the lengths are off adds up.
+    Motions are combined if they act in different places, so that the residuals are additive.
     """
     x = expansion.vertices
     roughness = [charts.roughness(x + motion) for motion in motions]
@@ -109,7 +109,7 @@ def _smoothest_first(
         end = together + motions[i]
         expected = charts.roughness(x + end)
         apart = _missed(expansion, together) + _missed(expansion, motions[i])
-        # Lengths after motions together, over the sum of each alone.
+        # Ratio of the residual of the combination to the sum of residuals.
         if expected < smoothest and (not count or _missed(expansion, end) <= 1.5 * apart):
             together, smoothest, count = end, expected, count + 1
     found = [StartPoint(roughness[i], x + motions[i]) for i in order]
@@ -117,11 +117,11 @@ def _smoothest_first(
 
 
 def _is_plausible(expansion: LengthExpansion, motion: Floats) -> bool:
-    """Whether the lengths at the end of a motion are off by less than what is of second order in it."""
+    """Whether the residual at the end of a motion is small compared with its second-order terms."""
     bent = float(np.linalg.norm(expansion.bends(motion, motion)))
-    return _missed(expansion, motion) <= 0.7 * bent / 2  # share of the terms of second order
+    return _missed(expansion, motion) <= 0.7 * bent / 2  # share of the second-order terms
 
 
 def _missed(expansion: LengthExpansion, motion: Floats) -> float:
-    """Residual of the lengths at the end of a motion, in norm."""
+    """Norm of the residual at the end of a motion."""
     return float(np.linalg.norm(expansion.residuals_at(motion)))

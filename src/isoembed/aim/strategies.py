@@ -1,8 +1,8 @@
 """Strategies of the default method in the order in which they are tried.
 
-The paper's three steps, uniformize, embed and pull back, are `NearestPolyhedron` and what follows it.  Convex
-metrics, and those that nearly are, do without: the strategies before it go to their surface at once.  Those
-after the pull-back are for what it missed.  Then one candidate is chosen (`isoembed.aim.decisions`).
+The paper's three steps, uniformize, embed and pull back, are `NearestPolyhedron` and its successors up to
+`GuidedPath`.  Earlier strategies solve convex and nearly convex metrics directly; later ones follow a
+pull-back that missed the lengths.  Then one candidate is chosen (`isoembed.aim.decisions`).
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from isoembed.progress.checkpoints import Arrays
 if TYPE_CHECKING:
     from isoembed.aim.regularized_continuation import Continued
 
-# What a strategy needs is imported when it runs: all of it is slow to import, and convex bodies do without.
+# Imports inside of strategies are slow, and not needed for convex bodies.
 
-RADII_DEVIATION = 0.25  # heights on a sphere: the largest branch deviation that is trusted
-LENGTHS_DEVIATION = 0.6  # heights, root mean square: the largest branch deviation that is trusted
-FIT = 36  # factorizations of the best fit, as a rule
+RADII_DEVIATION = 0.25  # largest trusted branch deviation, in heights on a sphere
+LENGTHS_DEVIATION = 0.6  # largest trusted branch deviation, in heights (root mean square)
+FIT = 36  # typical factorizations of the best fit
 
 
 class NoConvexSurface(Strategy):
-    """Refusal of a convex surface, where one is asked for and exact lengths have a negative deficit."""
+    """Refusal to search for a convex surface of exact lengths with a negative deficit."""
 
     key = "no convex surface"
 
@@ -52,10 +52,10 @@ class NoConvexSurface(Strategy):
 
 
 class FitWithinErrors(Strategy):
-    """Smooth surface that agrees with lengths within their errors, which as a rule is the answer.
+    """Smooth surface that agrees with lengths within their errors, usually the answer.
 
-    Needs nothing.  The surface with exactly these lengths is sought as well where no smooth one agrees, or
-    where the errors are small.
+    Needs nothing.  The surface with exactly these lengths is sought as well if no smooth one agrees or the
+    errors are small.
     """
 
     key = "fit within errors"
@@ -103,7 +103,7 @@ class NewtonOnRadii(Strategy):
 class NearestPolytope(Strategy):
     """Generalized polytope of a convex metric near a nearly convex one, with flips.
 
-    Needs nothing; finds the body from which Newton's method on the radii starts, or even the polyhedron.
+    Needs nothing; finds the start of Newton's method on the radii, or the polyhedron itself.
     """
 
     key = "nearest polytope"
@@ -130,7 +130,7 @@ class NearestPolytope(Strategy):
 
 
 class NewtonFromPolytope(Strategy):
-    """Newton's method on the radii from the body of a convex metric nearby.
+    """Newton's method on the radii from the generalized polytope of a nearby convex metric.
 
     Needs the body; finds a candidate that is trusted.
     """
@@ -154,9 +154,9 @@ class NewtonFromPolytope(Strategy):
 
 
 class NearestPolyhedron(Strategy):
-    """Steps 1 and 2 of the paper: the polyhedron of a convex metric nearby.
+    """Steps 1 and 2 of the paper: the polyhedron of a nearby convex metric.
 
-    Needs nothing; finds the start of all that follows.
+    Needs nothing; finds the start of all later strategies.
     """
 
     key = "nearest polyhedron"
@@ -167,9 +167,9 @@ class NearestPolyhedron(Strategy):
 
 
 class NewtonOnLengths(Strategy):
-    """Step 3 at once: Newton's method on the lengths.
+    """Step 3 in one step: Newton's method on the lengths.
 
-    Needs the start; finds a candidate that is trusted where it stays on the branch of the start.
+    Needs the start; finds a candidate that is trusted if it stays on the branch of the start.
     """
 
     key = "newton on lengths"
@@ -201,9 +201,9 @@ class NewtonOnLengths(Strategy):
 
 
 class FitOfNoise(Strategy):
-    """Best fit, if asked for, to lengths that look noisy: no surface with exactly these is sought first.
+    """Best fit, if requested, to noisy lengths, without a search for exact surfaces.
 
-    Needs the start; as a rule the fit is the answer.
+    Needs the start; usually the fit is the answer.
     """
 
     key = "fit of noise"
@@ -226,7 +226,7 @@ class FitOfNoise(Strategy):
 
 
 class PatchReflections(Strategy):
-    """Step 3 for metrics with dents: reflections of the patches, so that each is pushed in or out.
+    """Step 3 for metrics with dents: reflections of patches, each inward or outward.
 
     Needs the start; finds candidates that are trusted if they have the lengths.
     """
@@ -259,7 +259,7 @@ class PatchReflections(Strategy):
 
 
 class GuidedPath(Strategy):
-    """Step 3 in all other cases: a guided path of metrics; by levels if vertices are many.
+    """Step 3 in all other cases: a guided path of metrics, multilevel for many vertices.
 
     Needs the start; finds a candidate, and the smooth end of the path.
     """
@@ -284,7 +284,7 @@ class GuidedPath(Strategy):
         return replace(state, cost=pipeline.work.factorizations)
 
     def _followed(self, start: Floats, pipeline: Pipeline, kept: Arrays | None) -> Continued:
-        """End of the path, near enough to the lengths for Newton's method."""
+        """End of the path, close enough to the lengths for Newton's method."""
         from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
         from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
         from isoembed.linalg import SingularMatrix
@@ -292,7 +292,7 @@ class GuidedPath(Strategy):
         problem, metric = pipeline.problem, pipeline.problem.metric
         with pipeline.log.stage("guided pull back") as recorder:
             if goes_by_levels(metric, kept):
-                with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
+                with suppress(SingularMatrix, InvalidMetric):  # coarse vertices on needle-shaped triangles
                     found = pulled_back_by_levels(metric, problem.system, start, recorder, kept)
                     if found is not None:
                         return Continued(found, found)
@@ -304,9 +304,9 @@ class GuidedPath(Strategy):
 class LocalSearch(Strategy):
     """Reflection of patches on the wrong side, after a pull-back that missed the lengths.
 
-    Needs the start and candidates; finds two more.  Coarse surfaces are searched from the nearest candidate,
-    others from the smooth end of the path: its pits are where they should be, which is more than that lengths
-    are nearly right.  Where lengths are missed all over, as those with noise are, there is nothing to turn.
+    Needs the start and candidates; finds two more.  The search starts from the nearest candidate for coarse
+    surfaces, otherwise from the smooth end of the path, whose pits are in the right places.  It is skipped if
+    lengths are missed everywhere, as with noise.
     """
 
     key = "local search"
@@ -320,7 +320,7 @@ class LocalSearch(Strategy):
 
         problem, lengths = pipeline.problem, pipeline.problem.metric.lengths
         energy, start = problem.energy(started(state)), state.nearest.vertices
-        left = pipeline.patch_budget(state) - FIT  # the best fit has its share
+        left = pipeline.patch_budget(state) - FIT  # share of the best fit
         if len(start) > COARSE:
             start = start if state.smooth is None else state.smooth
             if not misses_locally(energy, start, lengths):
@@ -334,7 +334,7 @@ class LocalSearch(Strategy):
 
 
 class BestFitting(Strategy):
-    """Best fit to the lengths where they are still missed, which is one more start, too.
+    """Best fit to lengths that are still missed, which also serves as a further start.
 
     Needs the start; finds two candidates and the fit.
     """
@@ -354,7 +354,7 @@ class BestFitting(Strategy):
 
 
 class VertexReflections(Strategy):
-    """Reflections of vertices on the wrong side of the nearest candidate, with more effort.
+    """Reflections of vertices on the wrong side of the nearest candidate, for ``effort > 1``.
 
     Needs the start and candidates; finds one more.
     """
@@ -387,23 +387,23 @@ class VertexReflections(Strategy):
         return with_smoother(state.adding(found), found, pipeline)
 
 
-# What strategies share
+# Shared by strategies
 
 
 def started(state: State) -> Floats:
-    """The start of the pull-back, which all strategies behind `NearestPolyhedron` need."""
+    """The start of the pull-back, needed by all strategies after `NearestPolyhedron`."""
     assert state.start is not None
     return state.start
 
 
 def accepted(state: State, problem: Problem, vertices: Floats) -> State:
-    """The state with a surface of which only the residual is in doubt, if that is small."""
+    """The state with a trusted surface added, if its residual is small."""
     found = problem.surface(vertices)
     return state.adding(found, trusted=True) if is_accepted(found) else state
 
 
 def with_best_fit(state: State, pipeline: Pipeline, most: float) -> State:
-    """The state with the best fit, if there is one, and where Newton's method leads from there."""
+    """The state with the best fit, if there is one, and the surface that Newton's method reaches from it."""
     from isoembed.aim.best_fit import best_fit
     from isoembed.aim.levels import smooth_start
     from isoembed.aim.smoothing_energy import SmoothingEnergy
@@ -426,7 +426,7 @@ def missed(state: State, pipeline: Pipeline) -> bool:
 
 
 def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State:
-    """The state with smoother realizations near one, if the surface nearly is one."""
+    """The state with realizations near a surface, if its residual is small."""
     from isoembed.aim.nearby_realizations import nearby_realizations
 
     problem = pipeline.problem

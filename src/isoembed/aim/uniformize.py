@@ -28,7 +28,7 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.nonlinear.descent import Curve, descend
 from isoembed.progress.stages import StageRecorder
 
-MAX_STEPS = 30  # of Newton's method
+MAX_STEPS = 30  # Newton steps
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def ricci_flow(
     metric : PolyhedralMetric
         rho_0.
     recorder : StageRecorder
-        Counts right-hand sides as iterations, and the integrator's factorizations.
+        Recorder of right-hand sides, as iterations, and of the integrator's factorizations.
     integrator : {"BDF", "Radau", "RK45", "RK23", "DOP853", "LSODA"}
         A method of `scipy.integrate.solve_ivp`.  The flow is stiff: explicit ones take thousands of steps.
     epsilon : float
@@ -87,7 +87,7 @@ def ricci_flow(
     Returns
     -------
     Uniformization
-        Not converged if the flow ended first, or asked for more than 20,000 right-hand sides: then u = 0.
+        Not converged if the flow ended first, or needed more than 20,000 right-hand sides, with u = 0.
     """
     n = metric.triangulation.n_vertices
     flow = _RicciFlow(metric, recorder, epsilon)
@@ -110,14 +110,14 @@ def ricci_flow(
     recorder.factorizations += int(solution.nlu)
     end = solution.y_events[0][-1] if solution.status == 1 else solution.y[:, -1]
     history = np.vstack([solution.y[:, :-1].T, end])
-    while (rho := flow.metric_at(history[-1])) is None:  # the given metric comes first
+    while (rho := flow.metric_at(history[-1])) is None:  # the given metric is the first
         history = history[:-1]
     return Uniformization(history[-1], rho, history, _deviation(rho), solution.status == 1)
 
 
 @dataclass(frozen=True, eq=False)
 class _RicciFlow:
-    """The flow from a metric, as `solve_ivp` asks for it: its state is u, shape (V,)."""
+    """The flow from a metric, in the form of `solve_ivp`, with the state u, shape (V,)."""
 
     metric: PolyhedralMetric
     recorder: StageRecorder
@@ -129,8 +129,8 @@ class _RicciFlow:
         return area(self.metric) / (4 * np.pi)
 
     def metric_at(self, u: Floats) -> PolyhedralMetric | None:
-        """The metric at a state that the integrator tries, if there is one."""
-        if not np.abs(u).max() < 300.0:  # exponentials of more, squared, overflow
+        """The metric at a state of the integrator, if it exists."""
+        if not np.abs(u).max() < 300.0:  # squared exponentials would overflow
             return None
         try:
             return rescaled(self.metric, u)
@@ -138,7 +138,7 @@ class _RicciFlow:
             return None
 
     def velocity(self, _time: float, u: Floats) -> Floats:
-        """``kbar - k_a``; where there is no metric not a number, and the integrator takes a shorter step."""
+        """``kbar - k_a``; NaN if there is no metric, so that the integrator takes a shorter step."""
         self.recorder.iterations += 1
         if self.recorder.iterations > 20_000:  # right-hand sides of the flow
             raise _Exhausted
@@ -150,7 +150,7 @@ class _RicciFlow:
         return -excess
 
     def jacobian(self, _time: float, u: Floats) -> csr_array:
-        """The derivative of the velocity but for that of kbar, which would fill it."""
+        """The derivative of the velocity without that of kbar, which is dense."""
         rho = self.metric_at(u)
         if rho is None:
             return csr_array((len(u), len(u)))
@@ -160,7 +160,7 @@ class _RicciFlow:
 
     @property
     def until_uniform(self) -> Callable[[float, Floats], float]:
-        """Event function of the flow: its sign changes where the flow ends."""
+        """Event function of the flow, with a sign change at its end."""
 
         def excess(_time: float, u: Floats) -> float:
             rho = self.metric_at(u)
@@ -171,7 +171,7 @@ class _RicciFlow:
 
 
 class _Exhausted(Exception):  # noqa: N818 - a signal through the integrator, caught above
-    """The integrator asks for more right-hand sides than an answer is worth."""
+    """The integrator needs too many right-hand sides."""
 
 
 def newton_uniformization(
@@ -179,10 +179,10 @@ def newton_uniformization(
 ) -> Uniformization:
     """Solve ``epsilon_a - kbar A*_a = 0``, the flow's fixed point, by Newton's method.
 
-    On the sphere the solutions form a family, moved by the Moebius maps, of which the discrete equation
-    picks one out only barely.  The three Moebius modes, which are the coordinates of a conformal layout on
-    the sphere, are therefore projected out: u moves orthogonally to them, from the factors of the centered
-    layout, and the equation holds up to their (second-order small) multiples.
+    On the sphere the solutions form a family related by Moebius maps, from which the discrete equation barely
+    selects one.  The three Moebius modes, the coordinates of a conformal layout on the sphere, are therefore
+    projected out: u moves orthogonally to them, starting from the factors of the centered layout, and the
+    equation holds up to their multiples, which are small of second order.
 
     Parameters
     ----------
@@ -190,12 +190,12 @@ def newton_uniformization(
         rho_0.
     recorder : StageRecorder
     epsilon : float
-        Stop when the root mean square of ``k_a / kbar - 1``, the Moebius modes apart, is below it.
+        Stop when the root mean square of ``k_a / kbar - 1``, without the Moebius modes, is below it.
 
     Returns
     -------
     Uniformization
-        Of the given metric's area.
+        With the area of the given metric.
     """
     triangles = delaunay(metric.normalized)
     sphere = conformal_sphere(triangles, recorder)
@@ -221,7 +221,7 @@ def newton_uniformization(
 
 @dataclass(frozen=True)
 class _State:
-    """Conformal factors and how far from uniform they leave the metric, the modes C apart."""
+    """Conformal factors, and the deviation of their metric from uniformity without the modes C."""
 
     u: Floats
     rho: PolyhedralMetric
@@ -243,7 +243,7 @@ class _State:
 
 
 def _start(metric: PolyhedralMetric, u: Floats, C: Floats) -> _State:
-    """Go from the given metric toward the conformal factors u as far as there is a metric."""
+    """Halve the conformal factors u until their metric exists."""
     while True:
         try:
             return _State.at(metric, u, C)

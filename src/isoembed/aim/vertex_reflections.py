@@ -1,12 +1,13 @@
 """Vertex reflections in the planes of the neighbors (mirror images), relaxed with the patch around.
 
-No small motion brings a vertex to the other side of its neighbors: near flat places lengths change in second
-order alone.  So vertices are reflected, and the patch about each is relaxed, the rest following
-(`isoembed.aim.schur_complement`).  Tried are those where the lengths are missed most.
+No small motion moves a vertex to the other side of its neighbors: at flat places lengths change to second
+order only.  Vertices with the largest residuals are therefore reflected, and the patch around each is
+relaxed, with the linear response of the rest (`isoembed.aim.schur_complement`).
 
-Where J becomes singular, the errors r that stay are a stress in equilibrium, and spread.  If the reflection
-of a vertex changes the lengths by d, what is left of them is ``(|r|^2 + r . d)^2 / |r|^2``, to first order.
-So shallow vertices, those near the planes of their neighbors, are tried for which ``r . d`` is negative.
+Where J becomes singular, the remaining errors r are a stress in equilibrium, and spread out.  If the
+reflection of a vertex changes the lengths by d, the remaining square is ``(|r|^2 + r . d)^2 / |r|^2``, to
+first order.
+Shallow vertices, those near the planes of their neighbors, are therefore tried if ``r . d`` is negative.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ from isoembed.linalg import SingularMatrix
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.local_fit import sums_at_ends
 
-PATCHES = ((4, 3), (4, 4), (12, 3), (4, 5))  # centers, and rings of the patch about each, in turn
-SIDE_RINGS = 2  # rings about a center whose vertices are reflected
-SHALLOW = 24  # vertices that are tried one by one
-RINGS = 3  # of the patch about each
-LARGEST = 400  # vertices of a patch: its matrix is dense
-PROMISE = (0.03, 2.0)  # -r . d over |r|^2 of a shallow vertex: least and most
-GAIN = 1e-3  # relative decrease of the energy that counts
+PATCHES = ((4, 3), (4, 4), (12, 3), (4, 5))  # numbers of centers, and of rings of their patches, in turn
+SIDE_RINGS = 2  # rings around a center with reflected vertices
+SHALLOW = 24  # vertices tried individually
+RINGS = 3  # rings of their patches
+LARGEST = 400  # vertices of a patch, with a dense matrix
+PROMISE = (0.03, 2.0)  # bounds on -r . d over |r|^2 of a shallow vertex
+GAIN = 1e-3  # significant relative decrease of the energy
 
 
 class ReflectionTrial(NamedTuple):
@@ -39,7 +40,7 @@ class ReflectionTrial(NamedTuple):
     Attributes
     ----------
     growth : float
-        Of the energy.
+        Change of the energy.
     patch : CondensedPatch
     motion : ndarray, shape (n, 3)
         Motion of its vertices.
@@ -62,7 +63,7 @@ class ReflectionTrials:
     ----------
     surface : Condensation
     is_done : callable
-        Whether no more is to be looked for.
+        Whether to end the search.
     """
 
     def __init__(self, surface: Condensation, is_done: Callable[[], bool]) -> None:
@@ -73,12 +74,12 @@ class ReflectionTrials:
         return reflections(self.surface.energy.triangulation, self.surface.vertices)
 
     def singles(self, kinds: int) -> Iterator[list[ReflectionTrial]]:
-        """Single vertices whose reflection promises less energy, the best first, for each kind of patch."""
+        """Promising reflections of single vertices, the best first, for each kind of patch."""
         return self._in_patches(PATCHES[:kinds], 1)
 
     def pairs(self) -> Iterator[list[ReflectionTrial]]:
-        """Pairs of vertices whose reflection promises less energy, the best first."""
-        # Kinds of patches in which pairs of vertices are reflected, at last.
+        """Promising reflections of pairs of vertices, the best first."""
+        # Without the largest kind of patch.
         return self._in_patches(PATCHES[:3], 2)
 
     def _in_patches(self, patches: Sequence[tuple[int, int]], count: int) -> Iterator[list[ReflectionTrial]]:
@@ -94,7 +95,7 @@ class ReflectionTrials:
             yield self._promising(changes)
 
     def shallow(self) -> list[ReflectionTrial]:
-        """Shallow vertices that promise less energy, the best first, their patches apart."""
+        """Promising reflections of shallow vertices in disjoint patches, the best first."""
         changes: list[ReflectionTrial] = []
         for v in self._shallow():
             changes += self._relaxed(v, RINGS, [(v,)])
@@ -107,7 +108,7 @@ class ReflectionTrials:
         return apart
 
     def _promising(self, changes: Sequence[ReflectionTrial]) -> list[ReflectionTrial]:
-        """Trials that lower the energy; where it would fall below 0 the expansion is wrong."""
+        """Trials that lower the energy, without invalid predictions below 0."""
         value = self.surface.value
         promising = [change for change in changes if -value < change.growth < -GAIN * value]
         return sorted(promising, key=lambda change: change.growth)
@@ -129,19 +130,19 @@ class ReflectionTrials:
             motion = np.zeros((len(patch.vertices), 3))
             motion[np.searchsorted(patch.vertices, chosen)] = self._reflected[list(chosen)]
             relaxed, growth = patch.relaxed(motion)
-            # Share of its way that is left to a vertex on the other side.
-            if np.abs(relaxed).max() > 1e-3 * np.abs(motion).max():  # else all have fallen back
+            # Remaining share of the displacement.
+            if np.abs(relaxed).max() > 1e-3 * np.abs(motion).max():  # otherwise all have fallen back
                 yield ReflectionTrial(growth, patch, relaxed)
 
     def _about(self, center: int, rings: int) -> Indices:
-        """The vertices within a number of rings of one."""
+        """The vertices within a number of rings around one."""
         found, adjacency = np.array([center]), self.surface.energy.triangulation.adjacency
         for _ in range(rings):
             found = np.union1d(found, adjacency[found].indices)
         return found
 
     def _most_missed(self, count: int) -> Iterator[int]:
-        """The vertices where the lengths are missed most, none near another."""
+        """The vertices with the largest residuals, none near another."""
         missed = sums_at_ends(self.surface.energy.triangulation, self.surface.residuals**2)
         free = np.ones(len(missed), dtype=bool)
         for center in np.argsort(-missed, kind="stable").tolist():
@@ -153,14 +154,14 @@ class ReflectionTrials:
                     return
 
     def _shallow(self) -> list[int]:
-        """Vertices whose reflections change the lengths little, but to the better."""
+        """Vertices whose reflections change the lengths slightly and reduce the residual."""
         surface = self.surface
         t, x, moves = surface.energy.triangulation, surface.vertices, self._reflected
         return shallow(t, x, surface.lengths, surface.residuals, moves)[:SHALLOW].tolist()
 
 
 def reflections(triangulation: Triangulation, vertices: Floats) -> Floats:
-    """The motions, (V, 3), of which each reflects one vertex in the plane that fits its neighbors best."""
+    """Motions, (V, 3), that reflect each vertex in the best-fitting plane of its neighbors."""
     n, (a, b) = triangulation.n_vertices, triangulation.edges.T
     at, of = np.concatenate([a, b]), np.concatenate([b, a])
 
@@ -177,15 +178,15 @@ def reflections(triangulation: Triangulation, vertices: Floats) -> Floats:
 def shallow(
     triangulation: Triangulation, vertices: Floats, lengths: Floats, residuals: Floats, moves: Floats
 ) -> Indices:
-    """Vertices whose reflections change the lengths to the better, first those that change them least.
+    """Vertices whose reflections reduce the residual, in increasing order of the change of the lengths.
 
     Parameters
     ----------
     triangulation : Triangulation
     vertices, moves : ndarray, shape (V, 3)
-        `moves` as of `reflections`.
+        Vertices, and the motions of `reflections`.
     lengths, residuals : ndarray, shape (E,)
-        Residuals as of `isoembed.surface.rigidity.length_residuals`, at a minimum of their squares.
+        `isoembed.surface.rigidity.length_residuals` at a minimum of their squares.
     """
     r, x, moved = residuals, vertices, vertices + moves
     taken, changed = np.zeros((2, len(x)))
