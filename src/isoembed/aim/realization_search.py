@@ -78,9 +78,7 @@ class RealizationSearch:
     incomplete: int = 0
     _roughness: list[float] = field(default_factory=list)
     _moves: list[int] = field(default_factory=list)
-    _starts: dict[int, deque[StartPoint]] = field(
-        default_factory=dict
-    )  # remaining ones, by realization
+    _starts: dict[int, deque[StartPoint]] = field(default_factory=dict)  # remaining ones, by realization
     _attempts: dict[float, Floats] = field(default_factory=dict)  # by residual
 
     def steps(self, surfaces: int) -> Iterator[None]:
