@@ -1,6 +1,6 @@
 """File input and output: metrics, surfaces, nets, reports and checkpoints.
 
-Every file is read, or refused in one clear sentence; what is written is written whole or not at all.
+Unreadable files raise one clear sentence; writing is atomic.
 """
 
 from isoembed.io.checkpoint import (
