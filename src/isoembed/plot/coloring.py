@@ -88,7 +88,7 @@ def mean_curvature(embedding: Embedding) -> Quantity:
 
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
-    """Gaussian curvature K: deficit over circumcentric dual area, plus k of the triangles; not on a boundary."""
+    """Gaussian curvature K: deficit over circumcentric dual area, plus k; undefined on a boundary."""
     own = "$k$ + " if embedding.metric.curvature else ""
     label = f"Gaussian curvature  $K$ = {own}deficit / dual area"
     return Quantity(GAUSSIAN_CURVATURE, label, embedding.gaussian_curvature)
@@ -110,7 +110,7 @@ def concavity(embedding: Embedding) -> Quantity:
 
 
 def conformal_factor(embedding: Embedding) -> Quantity | None:
-    """Logarithmic factor u of the centered discrete conformal map to the sphere of equal area, if there is one.
+    """Log factor u of the centered discrete conformal map to the sphere of equal area, if it exists.
 
     A length on the sphere is the length on the surface times ``e^u`` (the chord in hyperbolic and spherical
     space); Springborn, Schroeder and Pinkall, ACM TOG 27 (2008).
