@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """Disable garbage collection in the block, and exempt its objects from collection until exit.
+    """Disable garbage collection in the block, and exempt its objects from later collections.
 
     This saves each command a tenth of a second; suitable only for processes owned by the command.
     """

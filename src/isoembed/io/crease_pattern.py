@@ -158,7 +158,7 @@ def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
 
 
 def solid_entries(unfolding: Unfolding, precision: str, any_surface: str) -> dict[str, Any]:
-    """Entries for the precision of the solid, if known, and for surfaces that are no convex solid."""
+    """Entries for the precision of the solid, if known, and for surfaces with boundary or handles."""
     known = {} if unfolding.precision is None else {precision: asdict(unfolding.precision)}
     return {**known, any_surface: True} if unfolding.any_surface else known
 

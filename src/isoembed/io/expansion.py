@@ -8,7 +8,7 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class ExpansionThresholds:
-    """Thresholds for compressed files."""
+    """Thresholds of compressed files."""
 
     spare: int = threshold(2**28, "bytes", "Size up to which any expansion is taken.")
     ratio: int = threshold(

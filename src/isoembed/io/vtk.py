@@ -40,7 +40,7 @@ SECTIONS = (
     *("GLOBAL_IDS", "PEDIGREE_IDS", "EDGE_FLAGS", *COMPONENTS),
 )
 MOMENTS = {"time": "TIME", "iteration": "CYCLE"}
-"""Scalars by the names that VisIt uses."""
+"""Names of scalars in VisIt."""
 PARTS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
 """Kinds of cells of polydata; only polygons and strips are kept."""
 

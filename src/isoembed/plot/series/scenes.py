@@ -58,7 +58,7 @@ def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
 
 
 def evenly(shown: Sequence[Scene], most: int) -> tuple[Scene, ...]:
-    """At most `most` evenly spaced scenes, including the first and the last."""
+    """Select at most `most` evenly spaced scenes, including the first and the last."""
     chosen = np.rint(np.linspace(0, len(shown) - 1, min(most, len(shown)))).astype(int)
     return tuple(shown[k] for k in chosen.tolist())
 
