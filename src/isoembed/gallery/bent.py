@@ -15,7 +15,7 @@ from isoembed.gallery.surface import MAX_ASPECT, SurfaceWithAxes, option, positi
 class Bean(MappedSurface, SurfaceWithAxes):
     """The ellipsoid bent along a parabola: z rises by h (x/a)^2, and the ends by h.
 
-    Its volume is that of the ellipsoid; K < 0 on its inner side if the curvature of the bend is large enough.
+    Its volume is that of the ellipsoid; K < 0 on its inner side if the bend is sharper than the girth.
     """
 
     name: ClassVar[str] = "bean"

@@ -42,7 +42,7 @@ def latin_cross() -> list[tuple[str, Net]]:
 
 
 def folded_triangle(a: float, b: float, c: float) -> Net:
-    """Triangle with each side folded at its midpoint: a tetrahedron with congruent faces.
+    """Triangle with each side folded at its midpoint: a tetrahedron with congruent faces of half its size.
 
     The faces are similar to the triangle if it is acute; if it is right, they coincide in pairs.
     """

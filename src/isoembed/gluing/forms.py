@@ -28,7 +28,7 @@ def zipped(polygon: ArrayLike, at: float, *, curvature: float = 0.0, model: Mode
     Parameters
     ----------
     polygon : array_like, shape (n, 2)
-        Corners; the metric is convex if the polygon is.
+        Corners, in convex position for a convex metric.
     at : float
         Start of the zip, in corners from 0 to n: 2.5 is the midpoint of side 2.
     curvature, model : float and str

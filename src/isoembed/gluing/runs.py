@@ -66,7 +66,7 @@ class Run:
 def read_sides(
     sides: Sequence[Any], polygons: Sequence[Polygon], tolerance: Tolerance, any_surface: bool
 ) -> list[tuple[Run, Run]]:
-    """Parse the identifications of `glue`, and check that they cover every boundary once, if required.
+    """Parse the identifications of `glue`, which must cover every boundary once (any surface: at most once).
 
     Parameters
     ----------

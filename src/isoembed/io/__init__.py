@@ -1,6 +1,6 @@
 """File input and output: metrics, surfaces, nets, reports and checkpoints.
 
-Unreadable files raise one clear sentence; writing is atomic.
+A file that cannot be read raises an error of one sentence; writing is atomic.
 """
 
 from isoembed.io.checkpoint import (

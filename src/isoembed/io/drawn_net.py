@@ -22,7 +22,7 @@ from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 from isoembed.thresholds import rounded_up
 
-SNAP = 1e-6  # of the size of the drawing: distance at which ends are joined if none coincide exactly
+SNAP = 1e-6  # of the size of the drawing: distance at which ends are joined if not all coincide
 UNITS = 4.0  # of the last digit: possible difference of rounded points and of lengths between them
 NEAR = 3.0  # text heights: a number farther from a side does not belong to it
 ALONG = 30.0  # text heights: penalty for numbers written across a side

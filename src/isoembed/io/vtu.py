@@ -1,6 +1,6 @@
 """VTU files: unstructured grids in VTK's XML format, as text, base64 or appended data, zlib and LZMA.
 
-100,000 triangles are written in 0.17 s and read in 0.04 s, like with meshio.
+100,000 triangles are written in 0.17 s and read in 0.04 s, as with meshio.
 """
 
 import base64

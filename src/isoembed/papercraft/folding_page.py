@@ -94,7 +94,7 @@ def folding_page_writer(
         )
     flat, faces = partly_folded(unfolding, 0.0)
     points, triangles = triangle_mesh(flat, faces)
-    triangulation = Triangulation(triangles)  # each sheet is a disk: narrow slits stay open
+    triangulation = Triangulation(triangles)  # the sheet is a disk: narrow slits stay open
     metric = PolyhedralMetric.on(triangulation, lengths_between(triangulation, points, EUCLIDEAN))
     sizes = np.array([len(face) for face in faces])
     owners = np.repeat(np.arange(len(faces)), sizes - 2)

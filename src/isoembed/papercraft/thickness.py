@@ -48,7 +48,7 @@ def shortening(angle: float, material: Material, is_fold: bool) -> float:
     """
     bend = abs(angle)
     half = np.tan(bend / 2)
-    is_outer = (angle > 0) == (material.surface == "outside")  # faces of the solid are outside the bend
+    is_outer = (angle > 0) == (material.surface == "outside")  # faces of the solid on the outside of the bend
     if not is_fold:
         return float(material.thickness * half) if is_outer else 0.0
     setback = (material.radius + material.thickness * is_outer) * half

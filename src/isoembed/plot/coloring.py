@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 EMPTY: Mapping[str, Quantity] = MappingProxyType({})
-SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: lower end of the logarithmic scale
+SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: displayed in place of zero
 
 
 @short_repr
@@ -131,7 +131,7 @@ def conformal_factor(embedding: Embedding) -> Quantity | None:
 
 
 def sides(embedding: Embedding) -> Quantity | None:
-    """Number of sides of each face of a polyhedron; None if all faces are triangles of a mesh.
+    """Number of sides of each face of a polyhedron; None for surfaces without polygonal faces.
 
     Collinear edges count as one side.
     """

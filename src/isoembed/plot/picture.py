@@ -59,7 +59,7 @@ def figure(
     ----------
     embedding : Embedding
     color : str, Quantity, or array_like, shape (V,), optional
-        Displayed quantity, by name (see `isoembed.plot.QUANTITIES`), or one number per vertex.  By default
+        Displayed quantity or its name (see `isoembed.plot.QUANTITIES`), or one number per vertex.  By default
         the mean curvature; for polyhedra with up to 200 faces the number of sides of a face.
     caption : str
         By default the number of vertices, int H dA and the residual.  With `ax`, the title of the axes, by
