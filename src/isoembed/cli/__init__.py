@@ -34,17 +34,17 @@ from isoembed.cli.status import OK, WRONG
 from isoembed.similar_names import did_you_mean
 from isoembed.typed_numbers import MILLIMETERS, number
 
-# Bytes.  Libraries loaded into 60 to 560 million fail in their own ways: they hang, abort, or raise anything.
+# Bytes.  With 60 to 560 million, libraries fail to load in various ways: they hang, abort, or raise anything.
 ADDRESS_SPACE = 800_000_000
 OTHER_NAMES = {
     **{"--image": "--picture", "--plot": "--picture", "--page": "--html", "--report": "--json"},
     **dict.fromkeys(("--height", "--width", "--length"), "--size"),
 }
-"""Options by the names that other programs have for them."""
+"""Names of options in other programs, with their equivalents."""
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are one line, and to which -1e-3 is a number."""
+    """A parser with one-line error messages that accepts numbers such as -1e-3."""
 
     usual: Collection[str] = ()
     examples: Collection[str] = ()
@@ -56,15 +56,15 @@ class Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
 
     def format_help(self) -> str:
-        """The help: see `isoembed.cli.help`."""
+        """Help text; see `isoembed.cli.help`."""
         return help_.text(self, self.usual, self.examples)
 
     def _print_message(self, message: str, file: Any = None) -> None:
-        """Print the help, or the version: as an answer."""
+        """Print the help or the version to standard output."""
         print_out(message.removesuffix("\n"))
 
     def parse_known_args(self, *args: Any, **options: Any) -> Any:
-        """Parse, and refuse an unknown option, with the most similar one and the help of this command."""
+        """Parse arguments; the error for an unknown option suggests the most similar one."""
         self.words = [*args[0]] if args and args[0] else []
         found, rest = super().parse_known_args(*args, **options)
         for word in rest:
@@ -81,16 +81,16 @@ class Parser(argparse.ArgumentParser):
         return found, rest
 
     def _before(self, word: str) -> str:
-        """The word before another one on the command line."""
+        """Preceding word on the command line."""
         return self.words[self.words.index(word) - 1]
 
     def _without_option(self, word: str) -> str:
-        """A question for the name of a file that stands where -o is missing before it."""
+        """Suggestion to insert -o before a file name, if it is missing."""
         is_missing = "-o" in self._option_string_actions and "-o" not in self.words
         return f"; did you mean -o {word}?" if is_missing and Path(word).suffix[1:2].isalpha() else ""
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        """Refuse the command line, and a mistyped choice with the most similar one."""
+        """Exit with an error message, which suggests the most similar choice for a mistyped one."""
         if unknown := re.match(r"argument (.*?): invalid choice: '(.*?)' \(choose from (.*)\)", message):
             what, given, choices = unknown.groups()
             question = did_you_mean(given, [*re.findall(r"[^', ]+", choices), "--help"])
@@ -111,7 +111,7 @@ class Parser(argparse.ArgumentParser):
 
 
 class _Completion(argparse.Action):
-    """Option ``--completion``: print the script of a shell, for all subcommands."""
+    """Option ``--completion``: print the completion script of a shell, for all subcommands."""
 
     def __call__(
         self, parser: argparse.ArgumentParser, namespace: Any, shell: Any, option: Any = None
@@ -121,7 +121,7 @@ class _Completion(argparse.Action):
 
 
 def build_parser(arguments: Sequence[str]) -> Parser:
-    """Make the parser; a subcommand's options are loaded only if its name is among the arguments."""
+    """Create the parser; options of a subcommand are loaded only if its name is among the arguments."""
     parser = Parser(
         prog="isoembed",
         description="From the triangles and edge lengths of a surface to the surface in Euclidean, "
@@ -152,12 +152,12 @@ def build_parser(arguments: Sequence[str]) -> Parser:
 
 
 def _loaded(name: str) -> ModuleType:
-    """Import a subcommand, and with it the libraries.
+    """Import a subcommand and its libraries.
 
     Raises
     ------
     UsageError
-        A limit on the address space leaves no room for them.
+        The limit on the address space is too small for the libraries.
     """
     limit = _address_space()
     if limit is not None and limit < ADDRESS_SPACE:
@@ -173,7 +173,7 @@ def _loaded(name: str) -> ModuleType:
 
 
 def _address_space() -> int | None:
-    """The limit on the bytes of this process, if there is one."""
+    """Limit on the address space of this process in bytes, if any."""
     try:
         from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
     except ImportError:  # Windows
@@ -188,12 +188,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     argv : sequence of str, optional
-        The arguments; by default those of the process.
+        Command-line arguments; by default those of the process.
 
     Returns
     -------
     int
-        The exit status.
+        Exit status.
     """
     arguments = sys.argv[1:] if argv is None else list(argv)
     began = time.monotonic()
@@ -206,7 +206,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             with uncollected() if argv is None else nullcontext():
                 options = build_parser(arguments).parse_args(arguments, argparse.Namespace(began=began))
             return _run(options)
-    except SystemExit as stop:  # argparse: --help, --version, a wrong command line
+    except SystemExit as stop:  # argparse: --help, --version, invalid command line
         return int(stop.code or OK)
     except (UsageError, OutputError) as error:
         print_error(str(error))
@@ -215,7 +215,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print_error(str(stop) or "interrupted")
         return interruption.status
     except MemoryError as error:
-        memory = sys.modules.get("isoembed.linalg.memory")  # there may be no room to load it
+        memory = sys.modules.get("isoembed.linalg.memory")  # too little memory may be left to load it
         said = memory is not None and isinstance(error, memory.OutOfMemory)
         known = "" if said else "there is not enough memory for this"
         print_error(": ".join(part for part in (known, str(error)) if part))
@@ -223,7 +223,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    # These load numpy, which --help and --version do without.
+    # These load numpy, which --help and --version do not need.
     from isoembed.cli.waiting import waiting
     from isoembed.errors import InvalidMetric, InvalidParameter
     from isoembed.io import FileError
@@ -248,7 +248,7 @@ def _run(options: argparse.Namespace) -> int:
 
 @contextmanager
 def _gathered(notes: list[str]) -> Iterator[None]:
-    """Gather the notes on meshes that come up in the block."""
+    """Collect the mesh notes issued in the block."""
     from isoembed.errors import MeshNote
 
     def show(message: Warning | str, category: type[Warning], *where: Any) -> None:

@@ -1,4 +1,4 @@
-"""Python arguments in messages, rewritten as options of the command."""
+"""Translation of Python arguments in messages to command-line options."""
 
 import re
 
@@ -19,13 +19,13 @@ OPTIONS = (
     (r"start=", "--start"),
     (rf"length_errors=(E|{NUMBER})", r"--length-error \1"),
 )
-"""Patterns of arguments, and the options that stand for them."""
+"""Patterns of arguments, and equivalent options."""
 
 
 def in_options(message: str) -> str:
-    """A message of the library with options in place of the arguments that it advises.
+    """Message of the library with advised arguments replaced by options.
 
-    Arguments are whole words: a part of the name of a file, such as ``merge=1e-6.obj``, is not one.
+    Only whole words are replaced, not parts of file names such as ``merge=1e-6.obj``.
     """
     for argument, option in OPTIONS:
         message = re.sub(rf"(?<![^\s(]){argument}(?=[.,;:)]*(?:\s|$))", option, message)

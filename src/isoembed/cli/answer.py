@@ -25,11 +25,11 @@ from isoembed.progress.stages import Listener, Progress
 from isoembed.sheets.surface import SheetEmbedding
 
 INTEGRALS = {"area": "area", "volume": "volume", "integrated_mean_curvature": "int H dA"}
-CERTIFIED = 10_000  # vertices: of more, a certificate takes as long as the surface
+CERTIFIED = 10_000  # vertices: above, a certificate takes as long as the embedding
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say where the answer goes."""
+    """Add the output options."""
     add_output_option(parser, f"where to write the surface, by its ending: {' '.join(SURFACE_ENDINGS)}")
     parser.add_argument("--report", type=Path, metavar="FILE.json", help="where to write the report")
     add_picture_options(parser)
@@ -42,18 +42,18 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
 
 
 def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs:
-    """The files of the options of `add_output_options`, checked before anything is computed.
+    """Output files of `add_output_options`, checked before the computation.
 
     Parameters
     ----------
     options : argparse.Namespace
     **beside : collection of str
-        The endings of what the command writes besides, by the names of its options.
+        Endings of additional output files, by option name.
 
     Raises
     ------
     FileError, UsageError
-        Naming the file.
+        A file cannot be written; the message names it.
     """
     for name, endings in PICTURES.items():
         if options.output and ending(options.output) in endings:
@@ -76,27 +76,27 @@ def answer(
     reported: Mapping[str, Any] = MappingProxyType({}),
     **beside: Callable[[Path], Writer],
 ) -> int:
-    """Solve under a live view, and write and say what is asked for.
+    """Embed with a live view, write the requested files and print a summary.
 
     Parameters
     ----------
     options : argparse.Namespace
     outputs : Outputs
-        From `asked_for`.
+        Output files, from `asked_for`.
     solve : callable
-        Takes the listener and embeds.
+        Takes a listener and embeds.
     describe : callable
-        Says what was found: takes the surface, its report, whether to list its ``stages``, and whether it
+        Describes the result: takes the surface, its report, whether to list its ``stages``, and whether it
         ``failed``.
     reported : mapping
-        Entries of the report besides those of the surface.
+        Report entries besides those of the surface.
     **beside : callable
-        Makers of what is written whatever the answer, by the names of the options.
+        Writers of files that are written in any case, by option name.
 
     Returns
     -------
     int
-        The exit status.
+        Exit status.
     """
     seen = film(options)
     embedding, failure = solved(options, solve, seen)
@@ -105,7 +105,7 @@ def answer(
         beside |= picture_writers(options, embedding, seen)
 
     @cache
-    def whole() -> Mapping[str, Any]:  # it takes a while: only if it is asked for
+    def whole() -> Mapping[str, Any]:  # expensive: only on request
         from isoembed.embedding.report import report
 
         return {**report(embedding), **(failure.report if failure is not None else {}), **reported}
@@ -117,7 +117,7 @@ def answer(
             print_error(str(failure))
         if options.json:
             print_json(whole())
-        elif not options.quiet:  # a summary and a certificate take a while
+        elif not options.quiet:  # a summary and a certificate are expensive
             say = print_out if failure is None and not outputs else print_aside
             if options.verbose or not options.output:
                 say(describe(embedding, whole(), stages=options.verbose, failed=failure is not None))
@@ -133,7 +133,7 @@ def _end(
     *,
     failed: bool,
 ) -> None:
-    """Say what was found and written, in four lines as a rule."""
+    """Print the result and the written files, usually in four lines."""
     if failed and not options.keep:
         outputs = Outputs((name, path) for name, path in outputs.items() if name in ("report", "metric"))
     files = tuple(outputs.values())
@@ -155,7 +155,7 @@ def _end(
 
 
 def _proof(embedding: isoembed.Embedding, report: Callable[[], Mapping[str, Any]] | None) -> str:
-    """Whether the surface is certified, where it has exact lengths: by the report, or if it is cheap."""
+    """Certificate of a surface with exact lengths: from the report, or computed if inexpensive."""
     if not embedding.converged or embedding.metric.length_errors is not None:
         return ""
     if report is not None:
@@ -172,7 +172,7 @@ def solved(
     solve: Callable[[Listener | None], isoembed.Embedding],
     seen: Listener | None = None,
 ) -> tuple[isoembed.Embedding, NotEmbedded | None]:
-    """Solve under a live view; return the surface, or the best attempt and the failure."""
+    """Embed with a live view; return the surface, or the best attempt and the failure."""
     try:
         watched = not options.quiet and sys.stderr is not None and sys.stderr.isatty()
         with held(options), bar() if watched else nullcontext() as view:
@@ -182,7 +182,7 @@ def solved(
 
 
 def heard_by(*listeners: Listener | None) -> Listener | None:
-    """One listener for those that there are."""
+    """Combined listener; None if there is none."""
     there = [listener for listener in listeners if listener is not None]
 
     def tell(progress: Progress) -> None:

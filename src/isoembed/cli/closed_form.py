@@ -15,11 +15,11 @@ OF_SPACETIME = (
     "cosmological_constant",
     "surface",
     "slice",
-)  # options that need a --spacetime
+)  # options that require --spacetime
 
 
 def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that name a surface of a closed-form spacetime."""
+    """Add the options that select a surface of a closed-form spacetime."""
     parser.add_argument(
         "--spacetime",
         type=_spacetime,
@@ -57,12 +57,12 @@ def _spacetime(name: str) -> str:
 
 
 def closed_form(options: argparse.Namespace) -> SurfaceData:
-    """The surface that the options name.
+    """Surface selected by the options.
 
     Raises
     ------
     UsageError, InvalidParameter
-        There is none.
+        No such surface exists.
     """
     if options.surface is None:
         raise UsageError(f"which --surface? There are {SURFACES}")
@@ -75,7 +75,7 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
         raise UsageError("a Schwarzschild black hole has neither spin nor charge: take --spacetime kerr")
     try:
         return kerr_surface(**given)
-    except InvalidParameter as error:  # where the message begins with a parameter's name, it is an option's
+    except InvalidParameter as error:  # a parameter's name at the beginning is that of an option
         first, _, rest = str(error).partition(" ")
         if first in OF_SPACETIME:
             raise UsageError(f"--{first.replace('_', '-')} {rest}") from None

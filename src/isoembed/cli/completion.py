@@ -10,7 +10,7 @@ SHELLS = ("bash", "zsh", "fish")
 
 
 def script(parser: argparse.ArgumentParser, shell: str) -> str:
-    """Completion script of a shell for the command line of a parser and its subcommands.
+    """Completion script of a shell for a parser and its subcommands.
 
     Raises
     ------

@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _held(options: argparse.Namespace, surface: Embedding) -> Embedding:
-    """The surface with what holds its boundary; raises UsageError where that is not said, or needless."""
+    """Surface with its boundary condition; raises UsageError if the option is missing or superfluous."""
     condition, t = options.boundary, surface.triangulation
     if t.is_closed != (condition is None):
         raise UsageError(
@@ -125,7 +125,7 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
         known = f", the last four known to {percent(found.relative_error)}" if found.probes else ""
         meaning, more = f"one standard deviation, to first order{known}", 1.0
     else:
-        # Two digits may be 5 % low, and what is printed is to be proven, too.
+        # Rounding to two digits may lower a number by 5 %, and the printed bound must be proven, too.
         meaning, more = (
             "proven: whatever the lengths within E are, a surface has them that is this near",
             1.06,
@@ -139,7 +139,7 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
             ("volume", "volume"),
             ("int H dA", "integrated_mean_curvature"),
         )
-        if not np.isnan(getattr(found, field))  # the volume of a surface with boundary that is no cap
+        if not np.isnan(getattr(found, field))  # a surface with boundary that is not a cap has no volume
     ]
     for name, values, place, unit in (
         ("vertices", found.vertices, "vertex", ""),

@@ -28,7 +28,7 @@ from isoembed.progress.stages import Listener
 from isoembed.typed_numbers import number
 
 WHICH = ("convex", "smoothest")
-"""The values of ``--which`` that are not a file."""
+"""Values of ``--which`` other than files."""
 
 EXAMPLES = (
     "isoembed embed metric.npz -o surface.ply",
@@ -46,7 +46,7 @@ USUAL = (
     "html",
     "json",
 )
-"""The options that ``--help`` lists."""
+"""Options listed by ``--help``."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -141,7 +141,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Embed the input, or all of them; return the exit status."""
+    """Embed one or several inputs; return the exit status."""
     if len(options.inputs) > 1 or (options.output and options.output.is_dir()):
         from isoembed.cli.embed_files import embed_files
 
@@ -202,7 +202,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _method(options: argparse.Namespace) -> isoembed.Method:
-    """The method with its parameters."""
+    """Method with its parameters."""
     repair = [] if options.repair is None else [f"repair={options.repair}"]
     name = options.method or ("aim" if options.boundary is None else "sheet")
     known = parameters(method_class(name))
@@ -244,10 +244,10 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
 
 
 def _sheet(options: argparse.Namespace) -> isoembed.Method:
-    """The method for surfaces with boundary, with arrays from files."""
+    """Method for surfaces with boundary, with arrays from files."""
     boundary: Any = options.boundary or "free"
     if _is_surface(boundary):
-        boundary = "free"  # until the metric is read
+        boundary = "free"  # replaced after the metric is read
     elif ending(boundary) == ".npy":
         boundary = read_numbers(Path(boundary))
     start = None if options.start is None or _is_surface(options.start) else read_numbers(options.start)
@@ -258,14 +258,14 @@ def _sheet(options: argparse.Namespace) -> isoembed.Method:
 
 
 def _is_surface(path: str | Path | None) -> bool:
-    """Whether a file can hold a surface, by its ending."""
+    """Whether the ending of a file is that of a surface format."""
     return path is not None and ending(path) in (*METRIC_ENDINGS, *MESH_ENDINGS)
 
 
 def _from_meshes(
     options: argparse.Namespace, method: isoembed.Method, metric: PolyhedralMetric, source: Path
 ) -> isoembed.Method:
-    """The method with the boundary and the start that are in meshes of the same triangles."""
+    """Method with boundary and start from meshes of the same triangles."""
     assert isinstance(method, isoembed.Sheet)
     found = {}
     for name, path in (("boundary", options.boundary), ("start", options.start)):

@@ -1,4 +1,4 @@
-"""``isoembed embed`` of several files: a folder with a surface and a report of each, and a table."""
+"""``isoembed embed`` for several files: a folder with surfaces and reports, and a table."""
 
 import argparse
 import csv
@@ -32,7 +32,7 @@ COLUMNS = {
     "concave_edges": ("convexity", "concave_edges"),
     "others": ("others",),
 }
-"""Numbers of the table, and where they are in the report."""
+"""Columns of the table, with their keys in the report."""
 
 
 def embed_files(options: argparse.Namespace, method: Method) -> int:
@@ -63,7 +63,7 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
             raise UsageError(f"{folder / name} would overwrite the input {same}: take another folder")
     tally = carried_out(tasks, Store.made(folder), options, lambda result: _write(folder, result))
     table = None if options.shard else str(options.output / TABLE)
-    if table:  # of parts, others are at work: the whole makes it
+    if table:  # for shards, a later complete run writes it
         rows = [_row(result) for result in Store(folder).of({task.label for task in tasks})]
         write_atomically({folder / TABLE: lambda path: path.write_text(_csv(rows), encoding="utf-8")})
     if options.json:
@@ -77,7 +77,7 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
 
 
 def _write(folder: Path, result: Result) -> None:
-    """Write the report of a file, and its surface if there is one."""
+    """Write the report of a file and, if found, its surface."""
     writers = {folder / f"{result.label}{REPORT}": report_writer(result.report)}
     if result.answered:
         data = dict(result.arrays)

@@ -83,7 +83,7 @@ USUAL = (
     "wang_yau",
     "output",
 )
-"""The options that ``--help`` lists."""
+"""Options listed by ``--help``."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -223,7 +223,7 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
 def _pictures(
     options: argparse.Namespace, mesh: dict[str, Any], caption: str
 ) -> dict[str, Callable[[Path], Writer]]:
-    """Makers of the pictures that are asked for, as `isoembed view` makes them of the file of the mesh."""
+    """Writers of the requested pictures, equivalent to `isoembed view` of the mesh file."""
     if not (options.picture or options.html):
         return {}
     with TemporaryDirectory() as folder:
@@ -234,7 +234,7 @@ def _pictures(
 
 
 def _instead(options: argparse.Namespace, data: SurfaceData, attempt: SmoothEmbedding) -> Iterator[str]:
-    """Options to try where there is no embedding in Euclidean space."""
+    """Suggested options if there is no embedding in Euclidean space."""
     if attempt.hindrance and attempt.space.is_euclidean:
         yield "--space hyperbolic, which embeds the whole surface"
         about_z = attempt.coordinates is None and attempt.harmonics.order < attempt.harmonics.degree
@@ -245,12 +245,12 @@ def _instead(options: argparse.Namespace, data: SurfaceData, attempt: SmoothEmbe
 
 
 def _with_check(data: SurfaceData, report: dict[str, Any]) -> dict[str, Any]:
-    """The report with how the curvature in the file compares, if it is there."""
+    """Report with a check of the curvature in the file, if given."""
     return report if data.gaussian_curvature is None else checked_report(report, CurvatureCheck.of(data))
 
 
 def _write_band(outputs: Outputs, data: SurfaceData, space: Space) -> list[Path]:
-    """Write the largest band of an axisymmetric surface that embeds, or say why none is written."""
+    """Write the largest band of an axisymmetric surface that embeds, or print why none is written."""
     try:
         bands = AxisymmetricEmbedding.of(data.metric, space=space).bands
     except InvalidMetric as error:
@@ -266,7 +266,7 @@ def _write_band(outputs: Outputs, data: SurfaceData, space: Space) -> list[Path]
 
 
 def _sphere(options: argparse.Namespace) -> SurfaceData:
-    """The coordinate sphere in a slice that the options name."""
+    """Coordinate sphere in a slice, selected by the options."""
     refuse_given(
         options,
         ("spacetime", "charge", "cosmological_constant", "surface", "slice", *OF_METRIC),
@@ -285,13 +285,13 @@ def _sphere(options: argparse.Namespace) -> SurfaceData:
 
 
 def _decided(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
-    """The data of a surface that is taken for a horizon where the options say so."""
+    """Data of a surface, classified as horizon or not, as far as the options decide."""
     said = marginal(options)
     return classify_surface(data) if said is None else classify_horizon(data, said)
 
 
 def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
-    """The surface of a metric on a grid, with what the options add."""
+    """Surface of a metric on a grid, with data from the options."""
     refuse_given(options, ("lengths", "length_error", "merge"), "is for a METRIC of triangles")
     given: dict[str, Callable[[Floats], Floats]] = {}
     for name in ("mean_curvature", "momentum", "normal_momentum"):
@@ -308,7 +308,7 @@ def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
 
 
 def _on_nodes(metric: TwoMetric, values: Floats, name: str, path: Path) -> Callable[[Floats], Floats]:
-    """A function of its values at the nodes of a grid."""
+    """Function interpolated from values at the nodes of a grid."""
     assert isinstance(metric, GridMetric)
     if name != "normal_momentum":
         return metric.function(values, str(path))
@@ -325,7 +325,7 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     own, metric = metric.space, in_space(metric, options.space, options.input)
     lengths: Lengths | None = options.lengths
     if lengths is None and input_ending(options.input) in MESH_ENDINGS and metric.space == own:
-        lengths = "chord"  # in the space that the file is in; in another one they are neither
+        lengths = "chord"  # in the space of the file; in another one they are neither
     errors = None if options.length_error is None else metric.length_errors
     exact = metric if errors is None else metric.with_length_errors(0.0)
     embedding, failure = solved(options, lambda progress: isoembed.embed(exact, progress=progress))
@@ -350,7 +350,7 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
 
 
 def _print_unwritten(outputs: Outputs) -> None:
-    """Say which files are not written where there is no surface."""
+    """Print the names of files that are not written because there is no surface."""
     if files := [str(path) for name, path in outputs.items() if name != "band"]:
         print_error(f"{', '.join(files)} not written: there is no surface")
 

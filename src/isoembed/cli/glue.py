@@ -25,7 +25,7 @@ EXAMPLES = (
     "isoembed glue drawing.svg --html solid.html --tolerance 0.01",
 )
 USUAL = ("tolerance", "metric", "output", "report", "picture", "html", "keep", "json", "verbose", "quiet")
-"""The options that ``--help`` lists."""
+"""Options listed by ``--help``."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -56,7 +56,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Glue the net and solve it; return the exit status."""
+    """Glue the net and embed it; return the exit status."""
     outputs = asked_for(options, metric=METRIC_ENDINGS)
     net = read_net(options.input, tolerance=options.tolerance)
 

@@ -1,6 +1,6 @@
-"""Help of the command and of its subcommands: options in groups, examples, exit statuses.
+"""Help of the command and its subcommands: options in groups, examples, exit statuses.
 
-A subcommand with many options has the usual ones in ``--help`` and all of them in ``--help-all``.
+For a subcommand with many options, ``--help`` lists the common ones and ``--help-all`` all of them.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ GROUPS = {
     ),
     "runs": (*("checkpoint", "resume", "jobs", "scheduler", "shard", "chunk", "retry", "force"),),
 }
-"""Titles, and the names of the options under each; others are under the last one, ``options``."""
+"""Titles of option groups and the options in each; remaining options are listed last, as ``options``."""
 
 COMMAND_GROUPS: Mapping[str, Mapping[str, str]] = {
     "surfaces": {
@@ -67,7 +67,7 @@ COMMAND_GROUPS: Mapping[str, Mapping[str, str]] = {
         "triangulate": "cut a smooth 2-metric into triangles with geodesic lengths",
     },
 }
-"""The subcommands and their purposes, in groups."""
+"""Subcommands and their purposes, in groups."""
 
 COMMANDS = {name: purpose for group in COMMAND_GROUPS.values() for name, purpose in group.items()}
 
@@ -93,21 +93,21 @@ class ShowAll(argparse.Action):
         super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, **options)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        """Print it, and exit."""
+        """Print the help and exit."""
         print_out(text(parser, (), getattr(parser, "examples", ())))
         parser.exit()
 
 
 def text(parser: argparse.ArgumentParser, usual: Collection[str], examples: Collection[str] = ()) -> str:
-    """The help of a parser.
+    """Help text of a parser.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
     usual : collection of str
-        Names of the options to list; of none given, all.
+        Names of the options to list; all if empty.
     examples : collection of str
-        Command lines.
+        Example command lines.
     """
     formatter = parser._get_formatter()
     formatter.add_usage(_usage(parser), (), ())
@@ -128,7 +128,7 @@ def text(parser: argparse.ArgumentParser, usual: Collection[str], examples: Coll
 
 
 def _usage(parser: argparse.ArgumentParser) -> str:
-    """The arguments, with options only where they are required."""
+    """Usage line with required options only."""
     formatter, words = parser._get_formatter(), [parser.prog]
     for action in parser._actions:
         if action.option_strings and action.required:

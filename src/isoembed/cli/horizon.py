@@ -58,7 +58,7 @@ EXAMPLES = (
     "isoembed horizon h.t0.ah1.gp --geometry slice.h5 --json",
 )
 USUAL = ("find", "guess", "geometry", "spin", "masses", "positions", "space", "wang_yau", "output", "json")
-"""The options that ``--help`` lists."""
+"""Options listed by ``--help``."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -110,7 +110,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Embed the horizons one after the other; return the exit status."""
+    """Embed the horizons in sequence; return the exit status."""
     number = vertices(options)
     if options.axis and not any(options.axis):
         raise UsageError("--axis 0 0 0 is not an axis")
@@ -164,7 +164,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _given(options: argparse.Namespace) -> dict[str, Moment | Result]:
-    """The horizons in files, by names for what is written of them; some may be refused, not all."""
+    """Horizons in files, by output name; some, but not all, may be refused."""
     if not options.files:
         raise UsageError("which horizon? Give a FILE, or --find and a --geometry")
     refuse_given(options, ("guess", "stability"), "needs --find")
@@ -189,7 +189,7 @@ def _given(options: argparse.Namespace) -> dict[str, Moment | Result]:
 
 
 def _sought(options: argparse.Namespace) -> tuple[dict[str, Moment | Result], dict[str, Any] | None]:
-    """The horizon that is found, by a name for what is written of it, and its stability spectrum if asked."""
+    """Horizon found in a slice, by output name, and its stability spectrum if requested."""
     if options.files:
         raise UsageError(f"--find takes no FILE, and {options.files[0]} is given")
     refuse_given(options, OF_FILES, "is for files, not for what --find finds")
@@ -201,7 +201,7 @@ def _sought(options: argparse.Namespace) -> tuple[dict[str, Moment | Result], di
             "'isoembed energy --spacetime kerr --surface horizon'"
         )
     if options.stability is not None:
-        checked_eigenvalues(options.stability)  # before anything is computed
+        checked_eigenvalues(options.stability)  # before the computation
     geometry, guess, near = slice_named(options.geometry, options), None, ""
     if options.guess is not None:
         *center, radius = options.guess
@@ -225,7 +225,7 @@ def _found_name(options: argparse.Namespace) -> str:
 
 
 def _make_folder(options: argparse.Namespace, stems: list[str]) -> None:
-    """Make the folder that is asked for, and see that files can be written there."""
+    """Create the output folder, and check that files can be written there."""
     if options.output:
         try:
             options.output.mkdir(parents=True, exist_ok=True)
@@ -242,7 +242,7 @@ def _outputs(options: argparse.Namespace, stem: str) -> Outputs:
 
 
 def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> list[Path]:
-    """Write the report, and the surface if there is one."""
+    """Write the report and, if found, the surface."""
     if not result.answered:
         return outputs.write(json=lambda _: report_writer(report))
     return outputs.write(
@@ -252,7 +252,7 @@ def _write(outputs: Outputs, result: Result, report: dict[str, Any]) -> list[Pat
 
 
 def _draw(drawn: dict[Path, Result]) -> list[Path]:
-    """Write the pictures, in one scale, where matplotlib is installed."""
+    """Write the pictures at a common scale, if matplotlib is installed."""
     if find_spec("matplotlib") is None:
         missing = "pictures need matplotlib, pip install matplotlib"
         print_error(f"{', '.join(map(str, drawn))} not written: {missing}")
@@ -263,7 +263,7 @@ def _draw(drawn: dict[Path, Result]) -> list[Path]:
 
 
 def _when(report: dict[str, Any]) -> dict[str, Any]:
-    """The time and the iteration of a horizon, where they are known."""
+    """Time and iteration of a horizon, if known."""
     horizon = report["horizon"]
     return {name: horizon[name] for name in ("time", "iteration") if horizon.get(name) is not None}
 

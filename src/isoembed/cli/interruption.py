@@ -1,4 +1,4 @@
-"""Checkpoint files of a command: written every few minutes and on interruption, read on ``--resume``."""
+"""Checkpoint files of a command: written every few minutes and on interruption, read with ``--resume``."""
 
 import argparse
 import shlex
@@ -16,13 +16,13 @@ from isoembed.io import CHECKPOINT_ENDINGS, FileError, check_output, checkpoint_
 from isoembed.progress.checkpoints import Checkpoint
 from isoembed.progress.stages import Progress
 
-ENDING = ".checkpoint.npz"  # after the name of the output
-FOLDER = "isoembed-checkpoint-"  # before the name of a temporary folder
+ENDING = ".checkpoint.npz"  # appended to the name of the output
+FOLDER = "isoembed-checkpoint-"  # prefix of temporary folders
 PERIOD = 120.0  # seconds between two checkpoints
 
 
 def add_checkpoint_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say where a checkpoint is, and where it goes."""
+    """Add the options for reading and writing checkpoints."""
     parser.add_argument(
         "--checkpoint",
         type=Path,
@@ -44,7 +44,7 @@ def checkpoint_file(options: argparse.Namespace, outputs: Outputs, source: str) 
     Raises
     ------
     FileError, UsageError
-        It cannot be written where it was asked for, or is another file of this run.
+        The requested checkpoint cannot be written, or is another file of this run.
     """
     path: Path | None = options.checkpoint or options.resume
     if options.output and not options.checkpoint:
@@ -61,16 +61,16 @@ def checkpoint_file(options: argparse.Namespace, outputs: Outputs, source: str) 
 
 
 class Checkpoints:
-    """The checkpoints of one run: one every few minutes, and one when it is interrupted.
+    """Checkpoints of one run: written every few minutes, and on interruption.
 
-    Where one cannot be written, a new folder below the temporary one takes it.
+    If the file cannot be written, a new temporary folder is used.
 
     Parameters
     ----------
     path : path or None
-        Where they go, each in place of the one before.
+        File of the checkpoints, each replacing the previous one.
     resumed : Checkpoint, optional
-        What the run goes on from, which need not be written again.
+        Checkpoint from which the run resumes, which need not be rewritten.
     """
 
     def __init__(self, path: Path | None, resumed: Checkpoint | None = None) -> None:
@@ -79,7 +79,7 @@ class Checkpoints:
         self._written: list[Path] = []
 
     def listen(self, progress: Progress) -> None:
-        """Write the checkpoint of a snapshot, if it is a new one and time for it."""
+        """Write the checkpoint of a snapshot if it is new and the last one is old enough."""
         checkpoint, last = progress.checkpoint, self._last
         if checkpoint is None or checkpoint is last or time.monotonic() < self._begun + PERIOD:
             return
@@ -90,13 +90,13 @@ class Checkpoints:
         self._last, self._begun = checkpoint, time.monotonic()
 
     def leave(self, interrupted: Interrupted, method: str) -> str:
-        """Leave the checkpoint of an interrupted run, and say so in a sentence.
+        """Write the checkpoint of an interrupted run; return a message about it.
 
         Parameters
         ----------
         interrupted : Interrupted
         method : str
-            The name of the method.
+            Name of the method.
         """
         checkpoint = interrupted.checkpoint
         if checkpoint is None:
@@ -104,17 +104,17 @@ class Checkpoints:
             return f"{interrupted}; {why}"
         if self._path is None:
             return f"{interrupted}; there is no checkpoint, as neither --output nor --checkpoint says where"
-        with handled(signal.SIG_IGN):  # this takes a moment, and the wish is known
+        with handled(signal.SIG_IGN):  # takes a moment; the interruption is already known
             complaint, written = self._write(checkpoint)
         where = _place(self._path if written else None)
         return "; ".join(part for part in (str(interrupted), complaint, where) if part)
 
     def left(self) -> str:
-        """Clause on the place of the last checkpoint, if any, to end a sentence."""
+        """Clause on the location of the last checkpoint, if any, to end a sentence."""
         return f"; {_place(self._written[-1])}" if self._written else ""
 
     def remove(self) -> None:
-        """Remove those of this run, which is done."""
+        """Remove the checkpoints of this run after it is finished."""
         for path in self._written:
             with suppress(OSError):
                 path.unlink(missing_ok=True)
@@ -122,7 +122,7 @@ class Checkpoints:
                     path.parent.rmdir()
 
     def _write(self, checkpoint: Checkpoint) -> tuple[str, bool]:
-        """Write it in its place, or else in another one; return what was wrong, and whether it is there."""
+        """Write to the file, or else to a temporary folder; return an error message, and the success."""
         assert self._path is not None
         writer, complaint = checkpoint_writer(checkpoint), ""
         try:
@@ -145,7 +145,7 @@ class Checkpoints:
 
 
 def _place(path: Path | None) -> str:
-    """Clause on the place of a checkpoint and how to resume from it."""
+    """Clause on the location of a checkpoint and how to resume from it."""
     if path is None:
         return "there is no checkpoint"
     again = f"the same command with --resume {shlex.quote(str(path))} goes on from it"

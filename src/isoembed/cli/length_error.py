@@ -26,12 +26,12 @@ def add_length_error_option(
 
 
 def length_errors(options: argparse.Namespace) -> Floats | None:
-    """One number, or one for each edge; None if the option is not given.
+    """One error for all lengths, or one per edge; None if the option is not given.
 
     Raises
     ------
     UsageError
-        It is neither a number nor a file of numbers.
+        The value is neither a number nor a file of numbers.
     FileError
     """
     text = options.length_error
@@ -46,7 +46,7 @@ def length_errors(options: argparse.Namespace) -> Floats | None:
 
 
 def not_rigid(path: Path | str) -> UsageError:
-    """The error of a surface of which no deviation is known."""
+    """Error for a surface whose deviation is undefined."""
     return UsageError(
         f"{path} is not infinitesimally rigid, as where a vertex is flat: to first order, errors of the "
         "lengths move it without bound"

@@ -19,7 +19,7 @@ from isoembed.runs.cluster import dask_workers
 from isoembed.runs.result import REFUSED
 from isoembed.runs.run import chunk_of
 
-TOLD = 10  # failures that are told of; all are in the table
+TOLD = 10  # failures printed; the table contains all
 
 
 @dataclass
@@ -33,9 +33,9 @@ class Tally:
     statuses : Counter of str
         Number of results of each status.
     computed : int
-        Number of results that were not there before.
+        Number of newly computed results.
     failures, complaints : list of str
-        Tasks without an answer, and why; results that could not be stored.
+        Tasks without an answer, with reasons; errors in storing results.
     """
 
     total: int
@@ -86,21 +86,21 @@ def carried_out(
     options: argparse.Namespace,
     hear: Callable[[Result], None] | None = None,
 ) -> Tally:
-    """Compute tasks as the options say, and report failures.
+    """Run tasks as specified by the options, and report failures.
 
     Parameters
     ----------
     tasks : sequence of Task
     store : Store
     options : argparse.Namespace
-        Of `add_run_options`, and quiet.
+        Options of `add_run_options`, and ``quiet``.
     hear : callable, optional
-        Takes every result as it comes.
+        Called with every result as it becomes available.
 
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C, with a sentence: what is done is kept.
+        Interrupted by Ctrl-C; finished results are kept.
     """
     shard, size = Shard(*options.shard or (1, 1)), options.chunk or chunk_of(len(tasks))
     mine = [task for k, task in enumerate(tasks) if k // size % shard.of == shard.number - 1]
@@ -114,7 +114,7 @@ def carried_out(
                 try:
                     if hear is not None:
                         hear(outcome.result)
-                except FileError as error:  # a full disk: what there is room for is done
+                except FileError as error:  # a full disk: other tasks continue
                     tally.complaints.append(str(error))
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"interrupted: {tally}; the same command goes on with what is left") from None
@@ -126,7 +126,7 @@ def carried_out(
 
 
 def print_failures(tally: Tally) -> None:
-    """Print the first tasks without an answer, and why."""
+    """Print the first tasks without an answer, with reasons."""
     for failure in tally.failures[:TOLD]:
         print_error(failure)
     if len(tally.failures) > TOLD:
@@ -150,7 +150,7 @@ def _executor(options: argparse.Namespace) -> Iterator[Executor]:
 
 @contextmanager
 def _view(tally: Tally, *, quiet: bool) -> Iterator[Callable[[], None]]:
-    """A live line on a terminal: how much is done, and how long it will still take."""
+    """Live progress line on a terminal, with the estimated remaining time."""
     if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield lambda: None
         return
@@ -170,5 +170,5 @@ def _view(tally: Tally, *, quiet: bool) -> Iterator[Callable[[], None]]:
 
 
 def seen_by_all(options: argparse.Namespace, paths: Sequence[str | Path]) -> list[str]:
-    """Paths that the processes which do the tasks see: those of a cluster may be anywhere."""
+    """Paths visible to the worker processes; absolute for a cluster."""
     return [str(Path(path).absolute() if options.scheduler else path) for path in paths]

@@ -8,7 +8,7 @@ from isoembed.papercraft.material import Bends, Joints, Material, Surface
 from isoembed.typed_numbers import millimeters
 
 FIELDS = tuple(field.name for field in fields(Material))
-DESTINATIONS = {"surface": "sheet_surface"}  # there are other surfaces
+DESTINATIONS = {"surface": "sheet_surface"}  # `surface` is the destination of other options
 
 
 def add_material_options(parser: argparse.ArgumentParser) -> None:
@@ -50,12 +50,12 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
 
 
 def on_paper(text: str) -> float:
-    """The type of lengths on paper: millimeters, or with another unit.
+    """Argument type of lengths on paper: millimeters, or a number with another unit.
 
     Raises
     ------
     ArgumentTypeError
-        It is no length.
+        The text is not a length.
     """
     try:
         return millimeters(text)
@@ -66,12 +66,12 @@ def on_paper(text: str) -> float:
 
 
 def material_of(options: argparse.Namespace) -> Material | None:
-    """The material that the options say; None if they say nothing."""
+    """Material given by the options; None if they are not given."""
     given = given_fields(options)
     return Material(**given) if given else None
 
 
 def given_fields(options: argparse.Namespace) -> dict[str, Any]:
-    """The fields that the options say, by their names."""
+    """Fields given by the options, by name."""
     values = {name: getattr(options, DESTINATIONS.get(name, name)) for name in FIELDS}
     return {name: value for name, value in values.items() if value is not None}

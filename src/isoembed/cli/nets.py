@@ -44,7 +44,7 @@ def _name(text: str) -> str:
 
 
 def run(options: argparse.Namespace) -> int:
-    """List the nets or solve those of a name; return the exit status."""
+    """List the families of nets, or embed those of one family; return the exit status."""
     if options.name is None:
         if options.json:
             raise UsageError(f"--json needs the NAME of a net: {', '.join(CLASSICS)}")

@@ -17,12 +17,12 @@ def read_numbers(path: Path) -> Floats:
     Raises
     ------
     FileError
-        The file cannot be read, or holds something else; the message names what is not finite.
+        The file cannot be read, or has other contents; the message names the first nonfinite entry.
     """
     try:
         with open_input(path) as file:
             is_npy = file.peek().startswith(MAGIC_PREFIX)  # type: ignore[attr-defined]
-            # Other files numpy takes for pickles, and says how to load these.
+            # numpy takes other files for pickles, and its message says how to load these.
             array = np.load(file, allow_pickle=False) if is_npy else None
     except FileError:
         raise

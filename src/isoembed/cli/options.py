@@ -1,4 +1,4 @@
-"""Options that several commands share."""
+"""Options shared by several commands."""
 
 import argparse
 import re
@@ -15,7 +15,7 @@ OF_RUNS = ("jobs", "scheduler", "shard", "chunk", "retry", "force")
 
 
 class _Once(argparse.Action):
-    """A value that is given once: of two, one would be lost."""
+    """An option that may be given only once, as a second value would replace the first."""
 
     def __call__(
         self,
@@ -32,7 +32,7 @@ class _Once(argparse.Action):
 def add_output_option(
     parser: argparse.ArgumentParser, purpose: str, *, metavar: str = "FILE", required: bool = False
 ) -> None:
-    """Add the option that says where the answer goes."""
+    """Add the output option."""
     parser.add_argument(
         "-o", "--output", type=Path, metavar=metavar, required=required, help=purpose, action=_Once
     )
@@ -41,12 +41,12 @@ def add_output_option(
 def add_json_option(
     parser: argparse.ArgumentParser, purpose: str = "print one JSON object instead of text"
 ) -> None:
-    """Add the option that asks for JSON."""
+    """Add the option for JSON output."""
     parser.add_argument("--json", action="store_true", help=purpose)
 
 
 def add_merge_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that merges vertices of a mesh."""
+    """Add the option that merges mesh vertices."""
     parser.add_argument(
         "--merge",
         type=_merge,
@@ -72,7 +72,7 @@ def _merge(text: str) -> float:
 
 
 def add_space_option(parser: argparse.ArgumentParser, purpose: str) -> None:
-    """Add the option that names a space: a `Space`, or its name where the curvature is not given."""
+    """Add the option for a space: a `Space`, or its name if no curvature is given."""
     parser.add_argument(
         "--space",
         type=_space,
@@ -106,12 +106,12 @@ def add_quiet_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_verbose_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that asks for details."""
+    """Add the option for detailed output."""
     parser.add_argument("--verbose", action="store_true", help="print measures and stages, too")
 
 
 def add_vertices_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that says how fine the mesh of a smooth surface is."""
+    """Add the option for the number of vertices in the mesh of a smooth surface."""
     parser.add_argument(
         "--vertices",
         type=int,
@@ -121,7 +121,7 @@ def add_vertices_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_marginal_options(parser: argparse.ArgumentParser, what: str, otherwise: str) -> None:
-    """Add the options that say whether a surface is a horizon."""
+    """Add the options that decide whether a surface is a horizon."""
     decision = parser.add_mutually_exclusive_group()
     decision.add_argument(
         "--marginal", action="store_true", help=f"{what}: it is a horizon, k^2 = p^2 ({otherwise})"
@@ -134,7 +134,7 @@ def add_marginal_options(parser: argparse.ArgumentParser, what: str, otherwise: 
 
 
 def add_report_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say what is reported of horizons beyond the usual."""
+    """Add the options for additional horizon quantities in reports."""
     parser.add_argument(
         "--axis",
         type=float,
@@ -157,7 +157,7 @@ def add_report_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_reference_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that names the space of reference of energies."""
+    """Add the option for the reference space of energies."""
     add_space_option(
         parser,
         "the space to embed in, the reference of energies (default: R^3); without K, hyperbolic space of the "
@@ -166,12 +166,12 @@ def add_reference_option(parser: argparse.ArgumentParser) -> None:
 
 
 def reference(options: argparse.Namespace) -> Space | Literal["hyperbolic"]:
-    """The space of reference of energies, as `isoembed.relativity.embed_surface` takes it.
+    """Reference space of energies, as accepted by `isoembed.relativity.embed_surface`.
 
     Raises
     ------
     UsageError
-        It is spherical, of no curvature.
+        The space is spherical without a curvature.
     """
     space: Space | str | None = options.space
     if space == "spherical":
@@ -180,17 +180,17 @@ def reference(options: argparse.Namespace) -> Space | Literal["hyperbolic"]:
 
 
 def marginal(options: argparse.Namespace) -> bool | None:
-    """Whether the surface is a horizon, if that is said."""
+    """Whether the surface is a horizon, if specified."""
     return True if options.marginal else False if options.not_marginal else None
 
 
 def vertices(options: argparse.Namespace) -> int:
-    """Number of vertices of the mesh of a smooth surface.
+    """Number of vertices in the mesh of a smooth surface.
 
     Raises
     ------
     UsageError
-        They are too few.
+        The number is too small.
     """
     if options.vertices is not None and options.vertices < FEWEST:
         raise UsageError(f"--vertices must be at least {FEWEST}, not {options.vertices}")
@@ -198,7 +198,7 @@ def vertices(options: argparse.Namespace) -> int:
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say where tasks are done, and which are done again."""
+    """Add the options for parallel execution and reruns of tasks."""
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--jobs", type=_count, metavar="N", help="how many processes (default: one a core)")
     where.add_argument(
@@ -225,12 +225,12 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
 
 
 def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
-    """Refuse options that make no sense beside others.
+    """Raise an error if any of the given options, which are incompatible with others, is present.
 
     Raises
     ------
     UsageError
-        Naming the first that is given.
+        The message names the first such option.
     """
     for name in names:
         value = getattr(options, name)

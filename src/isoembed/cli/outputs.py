@@ -13,20 +13,20 @@ from isoembed.cli.screen import UsageError, print_aside
 from isoembed.io import FileError, check_output, write_atomically
 from isoembed.io.files import Writer
 
-SHOWN = 5  # files by their names
+SHOWN = 5  # file names listed in a message
 
 
 class Outputs(dict[str, Path]):
-    """Files by the names of the options that ask for them."""
+    """Output files by option name."""
 
     @classmethod
     def of(cls, options: argparse.Namespace, **endings: Collection[str]) -> Outputs:
-        """The files that are asked for by the options of these names, each with one of these endings.
+        """Output files of the given options, each with its permitted endings.
 
         Raises
         ------
         FileError
-            One of them cannot be written.
+            A file cannot be written.
         """
         found = cls((name, path) for name in endings if (path := getattr(options, name)))
         for name, path in found.items():
@@ -34,7 +34,7 @@ class Outputs(dict[str, Path]):
         return found
 
     def keep_apart(self) -> None:
-        """Refuse two options that ask for the same file.
+        """Raise an error if two options name the same file.
 
         Raises
         ------
@@ -45,14 +45,14 @@ class Outputs(dict[str, Path]):
                 raise UsageError(f"--{name} and --{other} are the same file {path}")
 
     def write(self, **writers: Callable[[Path], Writer]) -> list[Path]:
-        """Write those of these files that are asked for, one after the other, each whole or not at all.
+        """Write the requested files sequentially, each atomically; return those written.
 
-        One that cannot be written keeps none of the others from being written.  Return those that were.
+        A failure does not prevent the others from being written.
 
         Raises
         ------
         FileError
-            The system refused some; the message says which, and which are written.
+            Some files could not be written; the message names them, and those written.
         """
         done, failures = [], []
         for name, path in self.items():
@@ -70,7 +70,7 @@ class Outputs(dict[str, Path]):
 
 
 def written(options: argparse.Namespace, *files: Path | str) -> str:
-    """The last line of a command: which files it wrote, if any, and how long it took."""
+    """Last line of a command: the written files, if any, and the elapsed time."""
     if not files:
         return elapsed(options)
     more = [] if len(files) <= SHOWN else [f"{len(files) - SHOWN} more"]
@@ -78,18 +78,18 @@ def written(options: argparse.Namespace, *files: Path | str) -> str:
 
 
 def print_written(options: argparse.Namespace, *files: Path) -> None:
-    """Print the last line of a command; the time alone on a terminal only: what is piped can be compared."""
+    """Print the last line of a command; without files only on a terminal, so that pipes are reproducible."""
     if files or (sys.stdout is not None and sys.stdout.isatty()):
         print_aside(written(options, *files))
 
 
 def elapsed(options: argparse.Namespace) -> str:
-    """Time that the command has taken."""
+    """Time taken by the command."""
     return f"{time.monotonic() - options.began:.1f} s"
 
 
 def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:
-    """Find out before a computation whether its result can be written here, and is not an input.
+    """Check before a computation that its result can be written, and is not an input.
 
     Raises
     ------
@@ -101,12 +101,12 @@ def check_answer(path: Path, endings: Collection[str], *inputs: Path) -> None:
 
 
 def stems(files: Sequence[str]) -> list[str]:
-    """Names for what is written of each of some files.
+    """File name stems for the outputs of several input files.
 
     Raises
     ------
     UsageError
-        Two have the same.
+        Two files have the same stem.
     """
     names = [Path(name).name.removesuffix(".gz").rsplit(".", 1)[0] or Path(name).name for name in files]
     for k, name in enumerate(names):

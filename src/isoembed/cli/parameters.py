@@ -14,20 +14,20 @@ TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0":
 
 
 def configured(method: str, assignments: Sequence[str], **given: Any) -> Method:
-    """Make the method of this name with these parameters.
+    """Create the named method with given parameters.
 
     Parameters
     ----------
     method : str
     assignments : sequence of str
-        Each ``NAME=VALUE``, with the name of a field of the method's configuration.
+        Parameters ``NAME=VALUE``, named after fields of the method's configuration.
     **given
-        Fields of other types, as they are.
+        Fields of other types, used unchanged.
 
     Raises
     ------
     UsageError
-        A parameter or its value is not one of the method's.
+        A parameter is unknown to the method, or its value is invalid.
     """
     configuration = methods.method_class(method)
     known, needed = parameters(configuration), parameters(configuration, needed=True)
@@ -55,18 +55,18 @@ def configured(method: str, assignments: Sequence[str], **given: Any) -> Method:
 
 
 def parameters(configuration: type[Method], *, needed: bool = False) -> list[str]:
-    """The names of a method's parameters, the fields of its dataclass; or of those that have no default."""
+    """Names of a method's parameters, the fields of its dataclass; optionally only those without default."""
     every: list[Field] = [f for f in fields(configuration) if f.init] if is_dataclass(configuration) else []
     return [f.name for f in every if not needed or (f.default is MISSING and f.default_factory is MISSING)]
 
 
 def parsed(text: str, type_: Any) -> Any:
-    """Read a value of a field's type: bool, int, float, str, a Literal of strings, or one of these or None.
+    """Parse a value of a field's type: bool, int, float, str, a Literal of strings, or a union of these.
 
     Raises
     ------
     ValueError
-        In words for the user.
+        The value is invalid; the message is meant for the user.
     """
     origin = get_origin(type_)
     if origin is Literal:

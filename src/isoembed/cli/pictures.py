@@ -1,4 +1,4 @@
-"""Pictures, pages and films of an answer, drawn on request."""
+"""Pictures, pages and films of a result, on request."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from isoembed.plot.film import Film, Frame
 
 COLORS = {spelled(name): name for name in QUANTITIES}
-"""The quantities of pictures, as the command spells them."""
+"""Quantities shown in pictures, by command-line spelling."""
 
 PICTURES = {"picture": PICTURE_ENDINGS, "html": PAGE_ENDINGS, "animate": ANIMATION_ENDINGS}
 
 
 def add_picture_options(parser: argparse.ArgumentParser, *, films: bool = True) -> None:
-    """Add the options that say which pictures are made."""
+    """Add the options for pictures."""
     parser.add_argument(
         "--picture",
         type=Path,
@@ -51,7 +51,7 @@ def add_picture_options(parser: argparse.ArgumentParser, *, films: bool = True) 
 
 
 def add_color_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that says what the colors of a picture show."""
+    """Add the option for the quantity shown by color."""
     parser.add_argument(
         "--color",
         type=spelled,
@@ -63,23 +63,23 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
 
 
 def color_of(options: argparse.Namespace) -> str | None:
-    """The name of the quantity that the colors show, if one was chosen."""
+    """Name of the quantity selected for the colors, if any."""
     return COLORS[options.color] if options.color else None
 
 
 def shown(options: argparse.Namespace, embedding: Embedding, given: Mapping[str, Quantity]) -> str | Quantity:
-    """The quantity that the colors of a picture show, where it is given in place of the surface's own."""
+    """Quantity shown by the colors of a picture; given quantities replace those of the surface."""
     name = color_of(options) or usual(embedding)
     return given.get(name, name)
 
 
 def check_pictures(options: argparse.Namespace) -> None:
-    """Find out what cannot be drawn before anything is computed.
+    """Check before the computation that the requested pictures can be drawn.
 
     Raises
     ------
     FileError, UsageError
-        Naming what is missing.
+        A package or option is missing; the message names it.
     """
     if options.picture:
         from isoembed.plot.picture import check_drawable
@@ -94,7 +94,7 @@ def check_pictures(options: argparse.Namespace) -> None:
 
 
 def film(options: argparse.Namespace) -> Film | None:
-    """Listener that collects the intermediate surfaces, if they are to be shown."""
+    """Listener that collects the intermediate surfaces, if they will be shown."""
     if not (options.html or options.animate):
         return None
     from isoembed.plot.film import Film
@@ -109,7 +109,7 @@ def picture_writers(
     given: Mapping[str, Quantity] = EMPTY,
     caption: str = "",
 ) -> dict[str, Callable[[Path], Writer]]:
-    """Makers of the pictures that are asked for, by the names of their options."""
+    """Writers of the requested pictures, by option name."""
     if not any(getattr(options, name) for name in PICTURES):
         return {}
     from isoembed.plot import animation_writer, page_writer, picture_writer

@@ -99,7 +99,7 @@ def _write(options: argparse.Namespace, found: Realizations) -> list[Path]:
 
 
 def _table(found: Realizations) -> list[str]:
-    """A line for each of the nearest realizations, the smoothest first, and what the columns are."""
+    """Lines for the nearest realizations, the smoothest first, and a legend of the columns."""
     if not found.surfaces:
         return []
     shown = sorted(np.argsort(found.distances, kind="stable")[:LISTED].tolist())

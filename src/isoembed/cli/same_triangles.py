@@ -1,4 +1,4 @@
-"""Metric of a file on the triangles of a surface: read, and checked."""
+"""Reading of a metric on the triangles of a surface, with a check."""
 
 from pathlib import Path
 
@@ -14,16 +14,16 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 def metric_of(
     surface: Embedding, named: Path, path: Path, merge: float | None, why: str, *, any_surface: bool = True
 ) -> PolyhedralMetric:
-    """Metric in a file of the triangles of a surface, read from another, with the curvature of its space.
+    """Read a metric on the triangles of a surface from another file, with the curvature of its space.
 
     Parameters
     ----------
     surface : Embedding
     named, path : Path
-        The files of the surface and of the metric.
+        Files of the surface and of the metric.
     merge : float, optional
     why : str
-        What needs the same triangles.
+        Operation that requires the same triangles, for messages.
     any_surface : bool
 
     Raises
@@ -39,15 +39,15 @@ def metric_of(
 def check_same_triangles(
     metric: PolyhedralMetric, own: PolyhedralMetric, path: Path, surface: Path, why: str
 ) -> None:
-    """Refuse a metric and a surface of other triangles, or of another curvature of space.
+    """Raise an error if a metric and a surface differ in triangles or curvature of space.
 
     Parameters
     ----------
     metric, own : PolyhedralMetric
-        That of `path`, and that of the file `surface`.
+        Metrics of the files `path` and `surface`.
     path, surface : Path
     why : str
-        What needs the same triangles.
+        Operation that requires the same triangles, for messages.
 
     Raises
     ------
@@ -79,6 +79,6 @@ def check_same_triangles(
 
 
 def _keys(faces: Indices, vertices: int) -> Indices:
-    """A number for the corners of each face, in whatever order."""
+    """Integer key of each face, independent of the order of its corners."""
     a, b, c = np.sort(faces, axis=1).T
     return np.asarray((a * vertices + b) * vertices + c)

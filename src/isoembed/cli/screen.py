@@ -10,22 +10,22 @@ from isoembed.cli.advice import in_options
 
 
 class UsageError(ValueError):
-    """A command line that is well formed but makes no sense."""
+    """A command line that is well-formed but invalid."""
 
 
 class OutputError(RuntimeError):
-    """Standard output does not take the answer."""
+    """Standard output cannot be written."""
 
 
 def print_out(text: str) -> None:
-    """Print an answer, with options in place of Python arguments.
+    """Print an answer, with Python arguments replaced by options.
 
-    A reader who has gone away (``| head``) is not a failure of ours.
+    A closed pipe (``| head``) is not an error.
 
     Raises
     ------
     OutputError
-        Standard output is closed, or the system refused otherwise: no space.
+        Standard output is closed, or the system refuses for another reason, such as lack of space.
     """
     _print_out(in_options(text))
 
@@ -43,14 +43,14 @@ def _print_out(text: str) -> None:
 
 
 def print_aside(text: str) -> None:
-    """Print what was written into files, or is in one of them: where nobody can read it, nothing is lost."""
+    """Print information about written files; errors are ignored, as nothing is lost."""
     with suppress(OutputError):
         print_out(text)
 
 
 @contextmanager
 def nothing_printed() -> Iterator[None]:
-    """Send the answers of the block nowhere: what ``--quiet`` asks for."""
+    """Discard the answers printed in the block, for ``--quiet``."""
     with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
         yield
 
@@ -63,17 +63,17 @@ def print_json(document: Any) -> None:
 
 
 def print_error(message: str, kind: str = "error") -> None:
-    """Print ``isoembed: error: message``, or of another kind, in one line, as `print_out` does."""
+    """Print ``isoembed: error: message``, or another kind of message, in one line, like `print_out`."""
     if sys.stderr is not None:
         line = " ".join(f"isoembed: {kind}: {in_options(message)}".split())
-        with suppress(OSError):  # there is nobody left to tell
+        with suppress(OSError):  # standard error may be closed
             print(_encodable(line, sys.stderr), file=sys.stderr, flush=True)
 
 
 def occupy_closed_streams() -> None:
-    """Open the null device in place of standard streams that are closed.
+    """Open the null device in place of closed standard streams.
 
-    A file that is opened takes the lowest number that is free: what was meant for a stream would end in it.
+    Otherwise, the next file opened would take a stream's descriptor, and receive its output.
     """
     for number in range(3):
         try:
@@ -83,13 +83,13 @@ def occupy_closed_streams() -> None:
 
 
 def _encodable(text: str, stream: TextIO) -> str:
-    """The text with what the stream's encoding lacks written as escapes."""
+    """Text with characters that the stream cannot encode replaced by escapes."""
     encoding = stream.encoding or "ascii"
     return text.encode(encoding, errors="backslashreplace").decode(encoding)
 
 
 def _abandon() -> None:
-    """Send the rest of standard output nowhere, so that closing it at exit does not fail again."""
+    """Redirect standard output to the null device, so that closing it at exit does not fail again."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)

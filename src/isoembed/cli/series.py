@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 TABLE = "table.csv"
 FILMS = ("horizons.mp4", "horizons.gif", "horizons.html")
-PERIOD = 20.0  # seconds between two tables of what there is so far
+PERIOD = 20.0  # seconds between updates of the table
 OF_HORIZONS = (
     "geometry",
     *OF_SLICE,
@@ -73,7 +73,7 @@ EXAMPLES = (
     "isoembed series h.t*.ah1.gp --geometry 'slices/{iteration}.h5' -o results",
 )
 USUAL = ("geometry", "space", "wang_yau", "multipoles", "output", "film", "jobs", "retry", "json", "quiet")
-"""The options that ``--help`` lists."""
+"""Options listed by ``--help``."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -113,7 +113,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Embed the horizons, and make table and pictures of them; return the exit status."""
+    """Embed the horizons, and make table and pictures of the results; return the exit status."""
     folder = Path(*seen_by_all(options, [options.output]))
     store = Store(folder)
     if options.horizons:
@@ -126,7 +126,7 @@ def run(options: argparse.Namespace) -> int:
         results = list(store)
         tally = _told(results)
     status, written = tally.exit_status, list[str]()
-    if results is not None:  # otherwise others are still at work
+    if results is not None:  # other shards may still be running
         written, missing = _products(folder, results, film=options.film)
         for sentence in missing:
             print_error(sentence)
@@ -147,7 +147,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _told(results: Sequence[Result]) -> Tally:
-    """Counts of results that are there, with the failures printed as when they were computed."""
+    """Counts of stored results; failures are printed as after a computation."""
     tally = Tally(len(results))
     for result in results:
         tally.add(Outcome(result, computed=False))
@@ -156,7 +156,7 @@ def _told(results: Sequence[Result]) -> Tally:
 
 
 def _tasks(options: argparse.Namespace) -> list[HorizonTask]:
-    """The horizons that are asked for."""
+    """Tasks for the requested horizons."""
     axis = None if options.axis is None else tuple(options.axis)
     what = HorizonOptions(
         vertices(options), options.wang_yau, axis, marginal(options), reference(options), options.multipoles
@@ -166,7 +166,7 @@ def _tasks(options: argparse.Namespace) -> list[HorizonTask]:
 
 
 def _geometry(options: argparse.Namespace) -> str | ThreeGeometry | None:
-    """A closed form, or where the slices are."""
+    """Slice in closed form, or location of the slice files."""
     if options.geometry is None:
         refuse_given(options, OF_SLICE, "needs a --geometry")
         return None
@@ -177,20 +177,20 @@ def _geometry(options: argparse.Namespace) -> str | ThreeGeometry | None:
 
 
 class _GrowingTable:
-    """The table of what there is so far, written again from time to time."""
+    """Table of the results so far, rewritten periodically."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._results, self._written = path, list[Result](), time.monotonic()
 
     def __call__(self, result: Result) -> None:
-        self._results.append(replace(result, arrays={}))  # a thousand meshes are not kept in memory
+        self._results.append(replace(result, arrays={}))  # meshes would take too much memory
         if time.monotonic() > self._written + PERIOD:
             write_table(self._path, self._results)
             self._written = time.monotonic()
 
 
 def _products(folder: Path, results: Sequence[Result], *, film: bool) -> tuple[list[str], list[str]]:
-    """Make all files of the results in a folder; return their names, and why others are missing."""
+    """Make all files of the results in a folder; return their names, and reasons for missing ones."""
     if not results:
         raise UsageError(f"there are no results in {folder}")
     written, missing = list[str](), list[str]()

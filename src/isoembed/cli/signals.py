@@ -12,7 +12,7 @@ from typing import Any
 from isoembed.cli.status import INTERRUPTED
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
-SAME = 2.0  # seconds: signals that come so soon after the first are the same wish, as timeout(1) sends two
+SAME = 2.0  # seconds: signals within this time of the first count as one, as timeout(1) sends two
 
 
 class Interruption:
@@ -21,7 +21,7 @@ class Interruption:
     Attributes
     ----------
     status : int
-        The exit status that says which signal it was: 130 for Ctrl-C, 143 for SIGTERM.
+        Exit status for the received signal: 130 for Ctrl-C, 143 for SIGTERM.
     """
 
     def __init__(self) -> None:
@@ -39,10 +39,10 @@ class Interruption:
 
 @contextmanager
 def handled(by: Callable[[int, FrameType | None], Any] | signal.Handlers) -> Iterator[None]:
-    """Let this handle the signals while the block runs.
+    """Install a signal handler for the duration of the block.
 
-    Signals that are ignored stay so: a shell starts jobs in the background like that.  Threads other than the
-    main one cannot ask for signals, and leave them alone.
+    Ignored signals stay ignored, as in background jobs of a shell.  In threads other than the main one,
+    handlers cannot be installed, and nothing is changed.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

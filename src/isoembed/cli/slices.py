@@ -30,14 +30,14 @@ DEFAULTS = {"mass": 1.0, "spin": (0.0, 0.0, 0.0)}
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """A slice in closed form, and the options that make it.
+    """A slice in closed form, and its options.
 
     Attributes
     ----------
     make : callable
-        Takes what was given, by the names of the options.
+        Takes the given options as keyword arguments.
     takes, needs : tuple of str
-        Options that may be given, and those that must be.
+        Permitted and required options.
     """
 
     make: Callable[..., ThreeGeometry]
@@ -47,7 +47,7 @@ class ClosedForm:
 
 def _kerr_schild(mass: float, spin: Sequence[float]) -> ThreeGeometry:
     geometry = KerrSchild(mass, spin)
-    horizon_radius(mass, spin)  # refuses a spin beyond the mass
+    horizon_radius(mass, spin)  # rejects a spin beyond the mass
     return geometry
 
 
@@ -78,7 +78,7 @@ CLOSED_FORMS = {
 
 
 def add_geometry_option(parser: argparse.ArgumentParser, purpose: str) -> None:
-    """Add the option that names a slice."""
+    """Add the option for a slice."""
     parser.add_argument(
         "--geometry",
         metavar="GEOMETRY",
@@ -88,7 +88,7 @@ def add_geometry_option(parser: argparse.ArgumentParser, purpose: str) -> None:
 
 
 def add_hole_options(parser: argparse.ArgumentParser) -> None:
-    """Add the mass and the spin of a closed form with one hole."""
+    """Add mass and spin of a closed form with one hole."""
     parser.add_argument("--mass", type=float, metavar="M", help="of the closed-form geometry (default 1)")
     parser.add_argument(
         "--spin",
@@ -133,12 +133,12 @@ def add_slice_options(parser: argparse.ArgumentParser) -> None:
 
 
 def slice_named(name: str, options: argparse.Namespace) -> ThreeGeometry:
-    """The slice of this name, a closed form or a file, with what the options say of it.
+    """Slice by name, a closed form or a file, with parameters from the options.
 
     Raises
     ------
     UsageError, InvalidParameter, FileError
-        There is none, or an option does not go with it.
+        The slice does not exist, or an option is incompatible with it.
     """
     form, given = CLOSED_FORMS.get(name), _given(options)
     if form is None:
@@ -160,19 +160,19 @@ def slice_named(name: str, options: argparse.Namespace) -> ThreeGeometry:
 
 
 def slice_label(name: str, options: argparse.Namespace) -> str:
-    """The slice in words, for reports: its name, and the options that were given."""
+    """Description of a slice for reports: its name and the given options."""
     given = {option: value for option in OF_SLICE if (value := getattr(options, option)) is not None}
     words = (f"{option} {' '.join(f'{x:.9g}' for x in np.ravel(value))}" for option, value in given.items())
     return ", ".join([name, *words])
 
 
 def slice_stem(name: str) -> str:
-    """The slice in the name of a file."""
+    """Part of a file name that denotes the slice."""
     return Path(name).name.removesuffix(".gz").removesuffix(input_ending(name))
 
 
 def _given(options: argparse.Namespace) -> dict[str, Any]:
-    """Parameters of a slice by the names of the options; several vectors as a list."""
+    """Parameters of a slice by option name; several vectors as a list."""
     given = {name: value for name in OF_SLICE if (value := getattr(options, name)) is not None}
     for name in given.keys() & {"positions", "velocities"}:
         given[name] = _triples(name, given[name])

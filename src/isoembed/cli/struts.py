@@ -21,7 +21,7 @@ EXAMPLES = (
 )
 
 MANY_TYPES = 20
-"""Types from which on a larger tolerance is recommended, if most struts have one of their own."""
+"""Number of types above which a larger tolerance is recommended, if most struts have their own type."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

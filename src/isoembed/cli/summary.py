@@ -12,9 +12,9 @@ NEARLY_FLEXES = "the surface nearly flexes within the errors of the lengths"
 def summary(
     embedding: Embedding, found: Mapping[str, Any], *, stages: bool = False, failed: bool = False
 ) -> str:
-    """Return the summary of a report that ``isoembed embed`` prints where no output file is asked for.
+    """Summary of a report, printed by ``isoembed embed`` without an output file.
 
-    Of one that failed the message is left out: it is the error.
+    After a failure the message is omitted, as it is printed as the error.
     """
     size, residual = found["input"], found["residual"]
     convexity, smoothness = found["convexity"], found["smoothness"]
@@ -56,7 +56,7 @@ def summary(
 
 
 def _sheet(sheet: Mapping[str, Any] | None) -> list[str]:
-    """The line of a surface with boundary, or of higher genus."""
+    """Line for a surface with boundary, or of higher genus."""
     if sheet is None:
         return []
     sizes = [f"of {size} edges" for size in sheet["boundaries"]]
@@ -67,13 +67,13 @@ def _sheet(sheet: Mapping[str, Any] | None) -> list[str]:
 
 
 def bending(sheet: Mapping[str, Any]) -> str:
-    """The energy of a surface with boundary, or of higher genus, and how far it is from a minimum."""
+    """Energy of a surface with boundary or of higher genus, and its distance from a minimum, if known."""
     left = "" if sheet["imbalance"] is None else f", imbalance {sheet['imbalance']:.0e}"
     return f"int k1^2 + k2^2 dA {sheet['second_form_energy']:.6g}{left}"
 
 
 def _space(space: Mapping[str, Any]) -> list[str]:
-    """The line of a space that is not R^3."""
+    """Line for a space other than R^3."""
     return (
         [f"space       {space['name']}, of curvature {space['curvature']:.12g}"] if space["curvature"] else []
     )
@@ -88,7 +88,7 @@ def _number(value: float | None) -> str:
 
 
 def measure(report: Mapping[str, Any], name: str) -> str:
-    """A number and, if the lengths have errors, its standard deviation, to the digits that this leaves."""
+    """Number and, if the lengths have errors, its standard deviation, rounded accordingly."""
     value = report[name]
     if "deviation" not in report:
         return _number(value)

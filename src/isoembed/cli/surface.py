@@ -27,7 +27,7 @@ EXAMPLES = (
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options of ``isoembed surface``: a subcommand a surface, an option a field."""
+    """Add the options of ``isoembed surface``: a subcommand per surface, an option per field."""
     parser.add_argument("--list", action="store_true", help="list the surfaces and their options")
     names = parser.add_subparsers(title="surfaces", metavar="NAME", dest="name")
     for name, surface in SURFACES.items():
@@ -81,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _integrals(surface: Surface | ZoneSurface) -> str:
-    """Words on what a surface encloses, or how much it is bent."""
+    """Text with the enclosed volume of a surface, or its bending energies."""
     if isinstance(surface, Surface):
         return f"volume {surface.volume:.12g}, int H dA {surface.integrated_mean_curvature:.12g}"
     return f"int k1^2 + k2^2 dA {surface.second_form_energy:.12g}, int H^2 dA {surface.bending_energy:.12g}"

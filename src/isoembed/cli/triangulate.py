@@ -32,7 +32,7 @@ USUAL = (
     "output",
     "quiet",
 )
-"""The options that ``--help`` lists."""
+"""Options listed by ``--help``."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _disc(curvature: float, radius: float) -> tuple[TwoMetric, Zone, str]:
-    """A geodesic disc of constant curvature, its zone, and its name."""
+    """Geodesic disk of constant curvature, its zone, and its name."""
     if not radius > 0.0:
         raise UsageError(f"--disc: the radius must be positive, not {radius:g}")
     if curvature > 0.0 and radius * np.sqrt(curvature) >= np.pi:

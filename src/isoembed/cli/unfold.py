@@ -24,9 +24,9 @@ from isoembed.papercraft.sheets import drawing_writer
 from isoembed.typed_numbers import millimeters, number
 
 DRAWING = ("paper", "scale", "size", "numbers")
-MANY_FOLDS = 300  # some hours of folding
-LEAST = 5.0  # mm, of a solid that somebody folds
-TINY = 1e-9  # of the longest extent: what is flat has no height
+MANY_FOLDS = 300  # takes hours to fold
+LEAST = 5.0  # mm, smallest size of a solid for folding
+TINY = 1e-9  # of the longest extent: a smaller extent counts as zero
 EXAMPLES = (
     "isoembed unfold surface.stl -o net.pdf --size 400 --paper A3 --numbers",
     "isoembed unfold surface.ply -o net.dxf --kerf 0.15 --bends perforate",
@@ -37,7 +37,7 @@ USUAL = (
     *("output", "paper", "scale", "solid_size", "numbers", "objective", "joints", "kerf"),
     *("thickness", "merge"),
 )
-"""The options that ``--help`` lists."""
+"""Options listed by ``--help``."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -116,7 +116,7 @@ def run(options: argparse.Namespace) -> int:
     extents = np.ptp(surface.vertices, axis=0)
     if "size" in drawing:
         axis, drawing["size"] = drawing["size"]
-        if axis:  # the library takes the longest extent
+        if axis:  # the library expects the longest extent
             share = extents["xyz".index(axis)] / extents.max()
             if share < TINY:
                 raise UsageError(f"--size {axis}={drawing['size']:g}: the solid has no extent in {axis}")

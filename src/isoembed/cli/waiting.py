@@ -1,6 +1,6 @@
 """Elapsed time on the terminal while a command runs.
 
-Nothing is shown for the first two seconds, of what is piped, and while a command shows more itself.
+Nothing is shown during the first two seconds, in pipes, and while a command has its own display.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from typing import Any, TextIO
 
-PATIENCE, PERIOD = 2.0, 0.5  # seconds until it is shown, and between two
+PATIENCE, PERIOD = 2.0, 0.5  # seconds before the first display, and between updates
 ERASED = "\r\x1b[2K"
 
 
 class Waiting:
-    """The line, in a thread of its own."""
+    """Status line, updated by its own thread."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream, self._began = stream, time.monotonic()
@@ -26,7 +26,7 @@ class Waiting:
         self._held = self._shown = False
 
     def run(self) -> None:
-        """Show the line until `end`."""
+        """Update the line until `end`."""
         pause = PATIENCE
         while not self._over.wait(pause):
             pause = PERIOD
@@ -39,20 +39,20 @@ class Waiting:
         return f"isoembed: working, {time.monotonic() - self._began:.0f} s (Ctrl-C stops)"
 
     def erase(self) -> None:
-        """Take the line away, for what is printed instead."""
+        """Erase the line before other output."""
         with self._lock:
             if self._shown:
                 self._write(ERASED)
                 self._shown = False
 
     def end(self) -> None:
-        """Show it no more."""
+        """Erase the line and stop updates."""
         self._over.set()
         self.erase()
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Show nothing in the block, which shows something itself."""
+        """Suspend the line during a block with its own display."""
         with self._lock:
             self._held = True
             self.erase()
@@ -62,13 +62,13 @@ class Waiting:
             self._held = False
 
     def _write(self, text: str) -> None:
-        with suppress(OSError, ValueError):  # there is nobody left to tell
+        with suppress(OSError, ValueError):  # the terminal may be closed
             self._stream.write(text)
             self._stream.flush()
 
 
 class _Above:
-    """A stream that takes the line away before anything is written to it."""
+    """A stream that erases the status line before each write."""
 
     def __init__(self, stream: TextIO, line: Waiting) -> None:
         self._stream, self._line = stream, line
@@ -82,14 +82,14 @@ class _Above:
 
 
 def held(options: argparse.Namespace) -> AbstractContextManager[None]:
-    """Show nothing in the block: what a command that shows something itself does."""
+    """Suspend the status line during a block with its own display."""
     line: Waiting | None = options.waiting
     return nullcontext() if line is None else line.held()
 
 
 @contextmanager
 def waiting(*, quiet: bool) -> Iterator[Waiting | None]:
-    """Show the line while the block runs, if there is a terminal to show it on."""
+    """Show the status line during the block, if there is a terminal."""
     out, err = sys.stdout, sys.stderr
     if quiet or err is None or not err.isatty():
         yield None

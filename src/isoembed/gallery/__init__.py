@@ -1,8 +1,8 @@
 """Closed-form surfaces.
 
-``SURFACES`` offers them by name; the fields of each dataclass are its options. A closed surface of genus 0
-knows its points and curvatures exactly, and its area, volume and int H dA to rounding, for meshes to be
-compared with; a surface with boundary, and a torus, its points, area, and integrals of H^2 and k1^2 + k2^2.
+``SURFACES`` contains them by name; the fields of each dataclass are its options. For comparison with meshes,
+a closed surface of genus 0 has exact points and curvatures, and area, volume and int H dA to rounding; a
+surface with boundary, or a torus, has points, area, and the integrals of H^2 and k1^2 + k2^2.
 """
 
 from isoembed.gallery.bent import Bean, BentTube
@@ -23,7 +23,7 @@ SURFACES: dict[str, type[Surface | ZoneSurface]] = {
         *(Cap, Cone, Catenoid, Enneper, Torus),
     )
 }
-"""The surfaces by the names that the command line uses."""
+"""Surfaces by their command-line names."""
 
 __all__ = [
     "SURFACES",

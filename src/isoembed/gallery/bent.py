@@ -15,7 +15,7 @@ from isoembed.gallery.surface import MAX_ASPECT, SurfaceWithAxes, option, positi
 class Bean(MappedSurface, SurfaceWithAxes):
     """The ellipsoid bent along a parabola: z rises by h (x/a)^2, and the ends by h.
 
-    It keeps the ellipsoid's volume; K < 0 on its inner side once the bend is sharper than the girth.
+    Its volume is that of the ellipsoid; K < 0 on its inner side if the bend is sharper than the girth.
     """
 
     name: ClassVar[str] = "bean"
@@ -47,9 +47,9 @@ class Bean(MappedSurface, SurfaceWithAxes):
 class BentTube(MappedSurface, SurfaceWithAxes):
     """The ellipsoid bent around a circle of radius R, on which its x-axis is wound.
 
-    The circle of radius R lies in the plane of x and z and touches the x-axis from below; a point at x goes
-    to the angle x/R at the distance R + z from the center. It keeps the ellipsoid's volume; K < 0 on its
-    inner side.
+    The circle of radius R lies in the plane of x and z and touches the x-axis from below; a point at x is
+    mapped to the angle x/R at the distance R + z from the center. The volume is that of the ellipsoid; K < 0
+    on the inner side.
     """
 
     name: ClassVar[str] = "bent-tube"
@@ -62,7 +62,7 @@ class BentTube(MappedSurface, SurfaceWithAxes):
             raise ValueError(f"{self.name}: radius must be at least {least:.6g}, not {self.radius}")
 
     def _polar(self, u: Floats) -> tuple[float, Floats, Floats, Floats, Floats]:
-        """The turn a/R, sine and cosine of the angle, the distance from the center and its excess over R."""
+        """Angle a/R, sine and cosine of the angle, distance from the center and its excess over R."""
         R = self.radius / self._unit
         turn, excess = self._semiaxes[0] / R, self._semiaxes[2] * u[:, 2]
         return turn, np.sin(turn * u[:, 0]), np.cos(turn * u[:, 0]), R + excess, excess

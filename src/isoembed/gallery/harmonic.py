@@ -15,14 +15,14 @@ from isoembed.gallery.surface import integer, option, positive
 Complex = NDArray[np.complex128]
 
 MAX_DEGREE = 16
-"""Each bump takes tens of vertices, and there are up to l^2 / 2 of them."""
+"""Each bump requires tens of vertices, and there are up to l^2 / 2 of them."""
 
 
 @dataclass(frozen=True)
 class HarmonicSurface(MappedSurface):
     """The sphere with a spherical harmonic Y on it, r = R (1 + A Y) with max |Y| = 1.
 
-    Y is P_l^m(cos theta) cos(m phi) up to a factor. Degree 2, order 2, Y = x^2 - y^2, makes a saddle-shaped
+    Y is proportional to P_l^m(cos theta) cos(m phi). Degree 2, order 2, Y = x^2 - y^2, yields a saddle-shaped
     body; degree 3, order 3, Y = x^3 - 3 x y^2, a trefoil. K < 0 between the bumps unless A is small.
     """
 
@@ -48,10 +48,10 @@ class HarmonicSurface(MappedSurface):
 
     @cached_property
     def _zonal(self) -> tuple[Legendre, Legendre, Legendre]:
-        """The factor d^m P_l / dz^m of Y and its derivatives, scaled so that |Y| <= 1 is sharp."""
+        """Factor d^m P_l / dz^m of Y and its derivatives, scaled to max |Y| = 1."""
         m = self.order
         p = Legendre.basis(self.degree).deriv(m) if m else Legendre.basis(self.degree)
-        # |Y| on a meridian is |p| (1 - z^2)^(m/2): it is largest at an end or where its derivative vanishes.
+        # |Y| on a meridian is |p| (1 - z^2)^(m/2), maximal at an end or where its derivative vanishes.
         z = Legendre.cast(Polynomial([0.0, 1.0]))
         stationary = (p.deriv() * (1.0 - z * z) - m * z * p).roots()
         z = np.clip(np.concatenate([[-1.0, 1.0], stationary.real]), -1.0, 1.0)
@@ -66,7 +66,7 @@ class HarmonicSurface(MappedSurface):
         return w[m], m * w[max(m - 1, 0)], m * (m - 1) * w[max(m - 2, 0)]
 
     def _radii(self, u: Floats) -> tuple[Floats, Floats]:
-        """1 + A Y (n,) and A dY/du (n, 3), Y being a polynomial in u."""
+        """1 + A Y (n,) and A dY/du (n, 3), with Y as a polynomial in u."""
         p, p_z, _ = (series(u[:, 2]) for series in self._zonal)
         w, w_x, _ = self._powers(u)
         gradient = np.stack([p * w_x.real, -p * w_x.imag, p_z * w.real], axis=1)

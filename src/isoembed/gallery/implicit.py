@@ -16,8 +16,8 @@ from isoembed.gallery.surface import SurfaceWithAxes, Triple, option, positive, 
 class ImplicitSurface(SurfaceWithAxes):
     """The level set g = 1 of g = sum |x_i / s_i|^p_i, with s the semi-axes and every p_i >= 2.
 
-    A direction u names the point s t(u) u: the axes stretch the radial projection of the sphere. The
-    surface is symmetric in the three coordinate planes, and is integrated over one octant.
+    A direction u is mapped to the point s t(u) u: the radial projection of the sphere, stretched by the axes.
+    The surface is symmetric in the three coordinate planes, and integrals are computed over one octant.
     """
 
     @property
@@ -26,11 +26,11 @@ class ImplicitSurface(SurfaceWithAxes):
         return 2.0, 2.0, 2.0
 
     def _stretch(self, u: Floats) -> Floats:
-        """The factor t > 0 (n,) with sum |t u_i|^p_i = 1, by default that of an ellipsoid."""
+        """Factor t > 0 (n,) with sum |t u_i|^p_i = 1, by default that of an ellipsoid."""
         return np.ones(len(u))
 
     def _gradient(self, u: Floats) -> tuple[Floats, Floats]:
-        """The factor t (n,) and the gradient (n, 3) of g with respect to x_i / s_i."""
+        """Factor t (n,) and gradient (n, 3) of g with respect to x_i / s_i."""
         t, p = self._stretch(u), np.array(self._powers)
         y = t[:, None] * u
         return t, p * np.sign(y) * np.abs(y) ** (p - 1.0)
@@ -88,7 +88,7 @@ class Ellipsoid(ImplicitSurface):
 
     @cached_property
     def _integrals(self) -> Floats:
-        # Carlson's symmetric integral R_G gives both (DLMF 19.33.2 and Minkowski's duality).
+        # Carlson's symmetric integral R_G yields both (DLMF 19.33.2 and Minkowski's duality).
         a2, b2, c2 = self._semiaxes**2
         area, imc = 4.0 * pi * elliprg(a2 * b2, a2 * c2, b2 * c2), 4.0 * pi * elliprg(a2, b2, c2)
         return np.array([area, 4.0 / 3.0 * pi * prod(self._semiaxes), imc])

@@ -3,7 +3,7 @@
 Section 3.2 of the paper with s = sin^2(theta) as the variable, in units of the mass.
 """
 
-# ruff: noqa: N802, N806 (R, Sigma, Delta, P, Q as the paper and the field write them)
+# ruff: noqa: N802, N806 (R, Sigma, Delta, P, Q are standard notation, also in the paper)
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,7 +19,7 @@ from isoembed.gallery.surface import option, positive
 
 
 class Radius(NamedTuple):
-    """R over M as a function of s, its first two derivatives in s, and Delta over M^2, Eq. (delta)."""
+    """R/M as a function of s, its first two derivatives with respect to s, and Delta/M^2, Eq. (delta)."""
 
     R: Floats
     R_s: Floats
@@ -30,7 +30,7 @@ class Radius(NamedTuple):
 class Squares(NamedTuple):
     """The 2-metric in units of M: h_thth, P = h_phph / s and q^2 = (h_thth - rho_th^2) / s, Eq. (f).
 
-    Derivatives are in s. Where q^2 is negative there is no surface of revolution.
+    Derivatives are with respect to s. Where q^2 is negative, no surface of revolution exists.
     """
 
     h_thth: Floats
@@ -42,14 +42,14 @@ class Squares(NamedTuple):
 
 
 def horizon_radius(spin: float, charge: float, s: Floats) -> Radius:
-    """The outer horizon r_+ of spin a and charge Q over the mass, a^2 + Q^2 at most 1."""
+    """Outer horizon r_+ for spin a and charge Q in units of the mass, a^2 + Q^2 <= 1."""
     r_plus = 1.0 + sqrt(max(0.0, 1.0 - hypot(spin, charge) ** 2))
     zero = np.zeros_like(s)
     return Radius(zero + r_plus, zero, zero, zero)
 
 
 def ergosphere_radius(epsilon: float, spin: float, charge: float, s: Floats) -> Radius:
-    """The distorted ergosphere, Eq. (rtheta), with charge; Delta is free of cancellation."""
+    """Distorted ergosphere, Eq. (rtheta), with charge; Delta is free of cancellation."""
     a2 = spin**2
     W = np.sqrt((1.0 - a2 - charge**2) + a2 * s)
     Delta = a2 * s + epsilon * (2.0 * W + epsilon)
@@ -57,14 +57,14 @@ def ergosphere_radius(epsilon: float, spin: float, charge: float, s: Floats) -> 
 
 
 def smarr_limit(charge: float) -> float:
-    """The largest spin over the mass at which the horizon of charge Q over the mass embeds in R^3."""
-    # r_+ = 1 + sqrt(1 - a^2 - Q^2) >= sqrt(3) a, solved for a; from Q^2 = 2/3 on it always holds.
+    """Largest spin, in units of the mass, for which the horizon with charge Q embeds in R^3."""
+    # r_+ = 1 + sqrt(1 - a^2 - Q^2) >= sqrt(3) a, solved for a; always satisfied for Q^2 >= 2/3.
     Q2 = charge**2
     return (sqrt(3.0) + sqrt(3.0 - 4.0 * Q2)) / 4.0 if Q2 < 2.0 / 3.0 else sqrt(1.0 - Q2)
 
 
 def squares(radius: Radius, spin: float, charge: float, s: Floats) -> Squares:
-    """The 2-metric, Eq. (twosurf), of r = R(theta) at s = sin^2(theta); spin and charge over the mass."""
+    """2-metric, Eq. (twosurf), of r = R(theta) at s = sin^2(theta); spin and charge in units of the mass."""
     a2, Q2 = spin**2, charge**2
     R, R_s, R_ss, Delta = radius
     c2 = 1.0 - s
@@ -78,7 +78,7 @@ def squares(radius: Radius, spin: float, charge: float, s: Floats) -> Squares:
     P = R**2 + a2 + a2 * s * w  # Eq. (gpp)
     P_s = 2.0 * R * R_s + a2 * (w + s * w_s)
     P_ss = Sigma_ss + a2 * (2.0 * w_s + s * w_ss)
-    # q^2 = (h_thth - rho_th^2) / s, Eq. (f), with the 0/0 of the poles divided out by hand:
+    # q^2 = (h_thth - rho_th^2) / s, Eq. (f), with the 0/0 at the poles canceled analytically:
     # Sigma - P = -a^2 s (1 + w) and R_th^2 = 4 s c^2 R_s^2.
     if np.any(R_s):
         g = Sigma * R_s**2 / Delta
@@ -95,7 +95,7 @@ def squares(radius: Radius, spin: float, charge: float, s: Floats) -> Squares:
 class KerrSurface(SurfaceOfRevolution):
     """A surface t = const, r = R(theta) of the Kerr-Newman geometry in Boyer-Lindquist coordinates.
 
-    Directions are the Boyer-Lindquist angles. With a the spin and Q the charge over the mass, the
+    Directions are the Boyer-Lindquist angles. With the spin a and charge Q in units of the mass, the
     2-metric, Eq. (twosurf), is h_thth = Sigma (1 + R_th^2 / Delta) and h_phph = P sin^2(theta).
     """
 
@@ -117,13 +117,13 @@ class KerrSurface(SurfaceOfRevolution):
         p = np.sqrt(P)
         p_s = P_s / (2.0 * p)
         q = np.sqrt(np.maximum(q2, 0.0))
-        # q = 0 happens only at the poles of a horizon at its spin limit, where q_s is multiplied by s = 0.
+        # q = 0 only at the poles of a horizon at its spin limit, where q_s is multiplied by s = 0.
         q_s = np.divide(q2_s, 2.0 * q, out=np.zeros_like(q), where=q > 0.0)
         return Profile(p, p_s, (P_ss - 2.0 * p_s**2) / (2.0 * p), q, q_s)
 
     @cached_property
     def _height_series(self) -> Chebyshev:
-        """The primitive of sin(theta) q on [0, pi/2]: minus z, up to a constant."""
+        """Antiderivative of sin(theta) q on [0, pi/2]: -z up to a constant."""
         degree, quarter = 32, [0.0, 0.5 * np.pi]
         while True:
             series = Chebyshev.interpolate(
@@ -142,7 +142,7 @@ class KerrSurface(SurfaceOfRevolution):
 class KerrHorizon(KerrSurface):
     """The outer horizon r = r_+ of a Kerr-Newman black hole.
 
-    It embeds while its curvature at the poles is not negative, r_+ >= sqrt(3) a (Smarr 1973):
+    It embeds while its curvature at the poles is nonnegative, r_+ >= sqrt(3) a (Smarr 1973):
     a <= sqrt(3)/2 M without charge.
     """
 
@@ -170,8 +170,8 @@ class KerrHorizon(KerrSurface):
 class Ergosphere(KerrSurface):
     """The distorted ergosphere of a Kerr black hole, r = r_ergo(theta) + epsilon M, Eq. (rtheta).
 
-    At epsilon = 0 the poles are cones; for the paper's spin, K < 0 near them until epsilon = 1.29773.
-    Beyond the bounds on epsilon and the spin the tips are cones to rounding.
+    At epsilon = 0 the poles are conical; for the paper's spin, K < 0 near them until epsilon = 1.29773.
+    Outside the bounds on epsilon and the spin, the tips are conical to rounding.
     """
 
     name: ClassVar[str] = "ergosphere"

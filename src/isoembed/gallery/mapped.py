@@ -1,4 +1,4 @@
-"""Images of the unit sphere under a smooth map, by its first and second derivatives."""
+"""Images of the unit sphere under a smooth map, from its first and second derivatives."""
 
 from abc import abstractmethod
 from functools import cached_property
@@ -27,9 +27,9 @@ def _frames(u: Floats) -> Floats:
 
 
 class MappedSurface(Surface):
-    """The image of the unit sphere under a map X of R^3 that keeps its orientation.
+    """The image of the unit sphere under an orientation-preserving map X of R^3.
 
-    Only the values on the sphere matter: X may be extended from it in any smooth way.
+    Only the values on the sphere matter: any smooth extension of X may be used.
     """
 
     @abstractmethod
@@ -38,7 +38,7 @@ class MappedSurface(Surface):
 
     @abstractmethod
     def _second_differential(self, u: Floats, normals: Floats) -> Floats:
-        """The component of the second derivatives along given vectors: n . d^2 X / du_j du_k (n, 3, 3)."""
+        """Components of the second derivatives along given vectors: n . d^2 X / du_j du_k (n, 3, 3)."""
 
     def _images(self, u: Floats) -> tuple[Floats, Floats, Floats]:
         """Frames a, b, u, their images dX(a), dX(b), dX(u), and the cross product of the first two."""
@@ -59,7 +59,7 @@ class MappedSurface(Surface):
         normals = cross / density[:, None]
         second = self._second_differential(u, normals)
         second_a, second_b = (np.einsum("nij,nj->ni", second, v) for v in (a, b))
-        # Along the great circle u cos t + a sin t, X'' is the second derivative in a less dX(u).
+        # Along the great circle u cos t + a sin t, X'' is the second derivative in a minus dX(u).
         height = _dot(normals, x_u)
         e, f, g = height - _dot(a, second_a), -_dot(a, second_b), height - _dot(b, second_b)
         E, F, G = _dot(x_a, x_a), _dot(x_a, x_b), _dot(x_b, x_b)
@@ -77,7 +77,7 @@ class MappedSurface(Surface):
     def _integrals(self) -> Floats:
         def sphere(n: int) -> Floats:
             u, weight = gauss_rule(n, 2 * n)
-            u = np.roll(u, 1, axis=1)  # about x: long bodies are long in x
+            u = np.roll(u, 1, axis=1)  # polar axis x, along which long bodies extend
             cross = self._images(u)[2]
             element = weight * np.linalg.norm(cross, axis=1)
             volume = weight @ _dot(self._points(u), cross) / 3.0

@@ -12,8 +12,8 @@ COARSEST = 48  # nodes of the first rule
 def tanh_sinh(n: int) -> tuple[Floats, Floats]:
     """Nodes and weights (n,) on [0, pi/2].
 
-    The nodes crowd doubly exponentially at both ends, so that integrands which are not smooth there,
-    or nearly singular just beyond (the tips of an ergosphere), converge exponentially all the same.
+    The nodes cluster doubly exponentially at both ends, so that integrals converge exponentially even if the
+    integrand is not smooth there, or nearly singular just beyond (at the tips of an ergosphere).
 
     References
     ----------
@@ -26,17 +26,17 @@ def tanh_sinh(n: int) -> tuple[Floats, Floats]:
 
 
 def integrate(integrand: Callable[[int], Floats]) -> Floats:
-    """Integrals with more and more nodes, until they settle to rounding.
+    """Evaluate integrals with increasing numbers of nodes, until they converge to rounding.
 
     Parameters
     ----------
     integrand
-        Maps a number of nodes to the vector of integrals it gives.
+        Maps a number of nodes to a vector of integrals.
     """
     n, value = COARSEST, integrand(COARSEST)
-    while n < 768:  # nodes: the integral of such a rule is returned as it is
+    while n < 768:  # limit of nodes; the last value is returned without convergence
         n, last = 2 * n, value
         value = integrand(n)
-        if np.all(np.abs(value - last) <= 3e-14 * np.abs(value)):  # the change is rounding
+        if np.all(np.abs(value - last) <= 3e-14 * np.abs(value)):  # converged to rounding
             break
     return value

@@ -18,7 +18,7 @@ from isoembed.gallery.surface import Surface, option, positive
 
 
 class Profile(NamedTuple):
-    """The functions p and q of s = sin^2(theta) with their derivatives in s, each (n,)."""
+    """Functions p and q of s = sin^2(theta) and their derivatives with respect to s, each (n,)."""
 
     p: Floats
     p_s: Floats
@@ -30,19 +30,19 @@ class Profile(NamedTuple):
 class SurfaceOfRevolution(Surface):
     """A surface of revolution about z that is symmetric under z -> -z.
 
-    The direction with polar angles (theta, phi) names the point (rho cos phi, rho sin phi, z).
+    The direction with polar angles (theta, phi) is mapped to the point (rho cos phi, rho sin phi, z).
     """
 
     @abstractmethod
     def _profile(self, s: Floats) -> Profile:
-        """The profile at s = sin^2(theta)."""
+        """Profile at s = sin^2(theta)."""
 
     @abstractmethod
     def _height(self, theta: Floats) -> Floats:
-        """The coordinate z (n,) for theta in [0, pi/2]."""
+        """Coordinate z (n,) for theta in [0, pi/2]."""
 
     def _meridian(self, u: Floats) -> tuple[Floats, Profile, Floats, Floats, Floats]:
-        """The terms s, profile at s, c^2 = 1 - s, B = d(rho)/d(theta) / cos(theta) and the speed v."""
+        """s, profile at s, c^2 = 1 - s, B = d(rho)/d(theta) / cos(theta) and the speed v."""
         s = u[:, 0] ** 2 + u[:, 1] ** 2
         profile = self._profile(s)
         c2 = u[:, 2] ** 2
@@ -77,7 +77,7 @@ class SurfaceOfRevolution(Surface):
         outward = np.einsum("ij,ij->i", displacement[:, :2], radial)
         around = displacement[:, 1] * radial[:, 0] - displacement[:, 0] * radial[:, 1]
         d_theta = (u[:, 2] * B * outward - sin * profile.q * displacement[:, 2]) / v**2
-        d_phi = around / profile.p  # times sin(theta)
+        d_phi = around / profile.p  # multiplied by sin(theta)
         tangent = np.stack(
             [
                 d_theta * u[:, 2] * radial[:, 0] - d_phi * radial[:, 1],
@@ -107,8 +107,8 @@ class SurfaceOfRevolution(Surface):
 class CassiniPeanut(SurfaceOfRevolution):
     """The Cassini oval with foci (0, 0, +-a) and product of distances b^2, revolved about its long axis.
 
-    It is one closed piece for a < b, a peanut with a waist (K < 0) for a > b / sqrt(2); at a = b two drops
-    touch in a point.
+    It is connected for a < b, and a peanut with a waist (K < 0) for a > b / sqrt(2); at a = b two drops touch
+    in a point.
     """
 
     name: ClassVar[str] = "cassini-peanut"
@@ -126,7 +126,7 @@ class CassiniPeanut(SurfaceOfRevolution):
         return self.b
 
     def _radii(self, s: Floats) -> tuple[Floats, Floats, Floats]:
-        """Distance r from the center and its first two derivatives in s."""
+        """Distance r from the center and its first two derivatives with respect to s."""
         # r^2 = a^2 cos(2 theta) + w, w^2 = 1 - a^4 sin^2(2 theta), with b = 1.
         a2 = (self.a / self.b) ** 2
         w = np.sqrt(1.0 - 4.0 * a2**2 * s * (1.0 - s))

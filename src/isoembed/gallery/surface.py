@@ -1,7 +1,7 @@
 """Closed-form surfaces: points, curvatures and integrals.
 
-A surface is a map from the unit sphere: a unit vector, its *direction*, names a point. Surfaces are
-computed in their own unit of length, so that 1e-150 and 1e12 are ordinary sizes.
+A surface is a map from the unit sphere: each unit vector, or *direction*, is mapped to a point. Computations
+use a unit of length intrinsic to the surface, so that 1e-150 and 1e12 are ordinary sizes.
 """
 
 from abc import ABC, abstractmethod
@@ -20,11 +20,11 @@ from isoembed.arrays import Floats
 Triple = tuple[float, float, float]
 
 MAX_ASPECT = 1e4
-"""Longest over shortest axis: far beyond what can be triangulated well, and within what rounding allows."""
+"""Longest over shortest axis: far beyond reasonable triangulations, and within the limits of rounding."""
 
 
 def number(name: str, value: SupportsFloat | str) -> float:
-    """A finite float, or a ValueError that names the parameter and the value."""
+    """Convert to a finite float; a ValueError names parameter and value."""
     try:
         x = float(value)
     except (TypeError, ValueError):
@@ -35,7 +35,7 @@ def number(name: str, value: SupportsFloat | str) -> float:
 
 
 def positive(name: str, value: SupportsFloat | str) -> float:
-    """A positive finite float, or a ValueError that names the parameter and the value."""
+    """Convert to a positive finite float; a ValueError names parameter and value."""
     x = number(name, value)
     if x <= 0.0:
         raise ValueError(f"{name} must be positive, not {x}")
@@ -43,7 +43,7 @@ def positive(name: str, value: SupportsFloat | str) -> float:
 
 
 def integer(name: str, value: SupportsIndex) -> int:
-    """An integer, or a ValueError that names the parameter and the value."""
+    """Convert to an integer; a ValueError names parameter and value."""
     try:
         return index(value)
     except TypeError:
@@ -51,7 +51,7 @@ def integer(name: str, value: SupportsIndex) -> int:
 
 
 def semiaxes(name: str, axes: object) -> Triple:
-    """Three positive numbers of moderate aspect, or a ValueError that names the parameter and the value."""
+    """Convert to three positive numbers of moderate aspect; a ValueError names parameter and value."""
     values = tuple(axes) if isinstance(axes, tuple | list | np.ndarray) else (axes,)
     if len(values) != 3:
         raise ValueError(f"{name} must be three numbers, not {axes!r}")
@@ -62,7 +62,7 @@ def semiaxes(name: str, axes: object) -> Triple:
 
 
 def option(default: Any, meaning: str, check: Callable[[str, Any], Any] = number) -> Any:
-    """A field of a surface with its default, its meaning, and the function that checks a value."""
+    """Field of a surface with its default, its help text, and a function that checks values."""
     return field(default=default, metadata={"help": meaning, "check": check})
 
 
@@ -87,8 +87,8 @@ def unit_vectors(directions: ArrayLike) -> Floats:
 class ClosedForm(ABC):
     """A surface known in closed form, the image of the unit sphere or of a zone of it.
 
-    Subclasses are frozen dataclasses: their fields, made by `option`, are the surface's parameters. They
-    implement the underscored methods, all in units of ``_unit`` and for unit vectors that were checked.
+    Subclasses are frozen dataclasses whose fields, created by `option`, are the surface's parameters. They
+    implement the underscored methods, all in units of ``_unit`` and for checked unit vectors.
     """
 
     name: ClassVar[str]
@@ -99,25 +99,25 @@ class ClosedForm(ABC):
             object.__setattr__(self, each.name, value)
         self._check()
 
-    def _check(self) -> None:  # noqa: B027 - most parameters go with all others
-        """Raise a ValueError if the parameters do not go together."""
+    def _check(self) -> None:  # noqa: B027 - most parameters are independent
+        """Raise a ValueError if the parameters are inconsistent."""
 
     @property
     @abstractmethod
     def _unit(self) -> float:
-        """The surface's own unit of length."""
+        """Unit of length of the surface."""
 
     @abstractmethod
     def _points(self, u: Floats) -> Floats:
         """Points (n, 3)."""
 
     def point(self, directions: ArrayLike) -> Floats:
-        """Points (n, 3) of the surface named by directions (n, 3)."""
+        """Points (n, 3) of the surface in given directions (n, 3)."""
         return self._unit * self._points(unit_vectors(directions))
 
 
 class Surface(ClosedForm):
-    """A closed surface of genus zero known in closed form: the image of the unit sphere."""
+    """A closed surface of genus 0 known in closed form: the image of the unit sphere."""
 
     @abstractmethod
     def _normals(self, u: Floats) -> Floats:
@@ -129,11 +129,11 @@ class Surface(ClosedForm):
 
     @abstractmethod
     def _area_density(self, u: Floats) -> Floats:
-        """Area of the surface over area of the sphere of directions (n,)."""
+        """Area element relative to that of the unit sphere of directions (n,)."""
 
     @abstractmethod
     def _moved(self, u: Floats, displacement: Floats) -> Floats:
-        """Directions of the points displaced by tangent vectors, right to first order."""
+        """Directions of points displaced by tangent vectors, to first order."""
 
     @cached_property
     @abstractmethod
@@ -141,11 +141,11 @@ class Surface(ClosedForm):
         """Area, volume and int H dA."""
 
     def normal(self, directions: ArrayLike) -> Floats:
-        """Outward unit normals (n, 3) at the points named by directions (n, 3)."""
+        """Outward unit normals (n, 3) in given directions (n, 3)."""
         return self._normals(unit_vectors(directions))
 
     def gaussian_curvature(self, directions: ArrayLike) -> Floats:
-        """Gaussian curvature K (n,), in 1/length^2, at the points named by directions (n, 3)."""
+        """Gaussian curvature K (n,), in 1/length^2, in given directions (n, 3)."""
         return self._curvatures(unit_vectors(directions))[0] / self._unit / self._unit
 
     def mean_curvature(self, directions: ArrayLike) -> Floats:
@@ -153,7 +153,7 @@ class Surface(ClosedForm):
         return self._curvatures(unit_vectors(directions))[1] / self._unit
 
     def area_density(self, directions: ArrayLike) -> Floats:
-        """Area element dA/d(omega) (n,), in length^2, over that of the unit sphere of directions."""
+        """Area element dA/d(omega) (n,), in length^2, relative to the unit sphere of directions."""
         return self._area_density(unit_vectors(directions)) * self._unit * self._unit
 
     @property
@@ -163,7 +163,7 @@ class Surface(ClosedForm):
 
     @property
     def volume(self) -> float:
-        """Volume that the smooth surface encloses, in length^3."""
+        """Volume enclosed by the smooth surface, in length^3."""
         return float(self._integrals[1]) * self._unit * self._unit * self._unit
 
     @property
@@ -173,7 +173,7 @@ class Surface(ClosedForm):
 
     @property
     def _radius(self) -> float:
-        """Radius of the sphere of the same area, in units of ``_unit``."""
+        """Areal radius, in units of ``_unit``."""
         return sqrt(self._integrals[0] / (4.0 * pi))
 
 

@@ -11,11 +11,11 @@ from isoembed.arrays import Floats
 from isoembed.gallery.surface import ClosedForm, option, positive
 from isoembed.meshing.sphere import angles_of
 
-NEAREST = 1e-6  # sin(theta) to which derivatives by phi are taken at a pole
+NEAREST = 1e-6  # smallest sin(theta) at which derivatives with respect to phi are evaluated near a pole
 
 
 class ZoneSurface(ClosedForm):
-    """The image of a zone of the unit sphere, known in closed form: a disc, a band, or a torus.
+    """The image of a zone of the unit sphere, known in closed form: a disk, a band, or a torus.
 
     A direction is a pair of polar angles, theta within `zone` and phi.
     """
@@ -25,7 +25,7 @@ class ZoneSurface(ClosedForm):
     @property
     @abstractmethod
     def _zone(self) -> tuple[float, float]:
-        """The `zone`."""
+        """Range of theta; see `zone`."""
 
     @property
     @abstractmethod
@@ -34,7 +34,7 @@ class ZoneSurface(ClosedForm):
 
     @property
     def zone(self) -> tuple[float, float]:
-        """Range of theta: from 0 that of a disc."""
+        """Range of theta, starting at 0 for a disk."""
         return self._zone
 
     @property
@@ -54,7 +54,7 @@ class ZoneSurface(ClosedForm):
 
     @abstractmethod
     def _polar(self, theta: Floats, phi: Floats) -> tuple[Floats, Floats, Floats]:
-        """The points and their derivatives by theta and phi, each (n, 3)."""
+        """Points and their derivatives with respect to theta and phi, each (n, 3)."""
 
     def _points(self, u: Floats) -> Floats:
         return self._polar(*angles_of(u))[0]
@@ -80,11 +80,11 @@ class ZoneSurface(ClosedForm):
 
 
 class ZoneOfRevolution(ZoneSurface):
-    """The image of a zone that is symmetric about z."""
+    """The image of a zone that is a surface of revolution about z."""
 
     @abstractmethod
     def _meridian(self, theta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """Distance from the axis, height, and their derivatives by theta, each (n,)."""
+        """Distance from the axis, height, and their derivatives with respect to theta, each (n,)."""
 
     def _polar(self, theta: Floats, phi: Floats) -> tuple[Floats, Floats, Floats]:
         rho, z, rho_theta, z_theta = self._meridian(theta)
@@ -182,7 +182,7 @@ class Catenoid(ZoneOfRevolution):
 
     @property
     def _end(self) -> float:
-        """The height of a boundary over the waist, in units of its radius."""
+        """Height of a boundary above the waist, in units of the waist's radius."""
         return 0.5 * self.height / self.waist
 
     @property

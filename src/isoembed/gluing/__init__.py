@@ -1,7 +1,7 @@
-"""Paper nets: gluing of polygon sides to a polyhedral metric on the sphere, and unfolding of solids.
+"""Paper nets: gluing of polygon sides to a polyhedral metric, and unfolding of solids.
 
-`glue` is the main function and `Net` the main class; `unfold` leads back, from a solid to paper.  Zipped
-polygons, pita forms, D-forms and the search for all edge-to-edge gluings of a polygon use them.
+`glue` is the main function and `Net` the main class; `unfold` is the inverse, from a solid to a net.  Zipped
+polygons, pita forms, D-forms and the enumeration of edge-to-edge gluings build on them.
 """
 
 from isoembed.gluing.forms import dform, pita, zipped

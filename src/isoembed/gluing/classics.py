@@ -10,7 +10,7 @@ from isoembed.gluing.net import Net, glue
 from isoembed.gluing.outlines import Ellipse, Stadium, circle, rectangle, regular_polygon, triangle
 from isoembed.gluing.search import edge_gluings
 
-SIDES = 64  # of a curve
+SIDES = 64  # of a polygon inscribed in a curve
 
 LATIN_CROSS = np.array(
     [
@@ -19,12 +19,12 @@ LATIN_CROSS = np.array(
     ],
     dtype=np.float64,
 )  # fmt: skip
-"""The cross of six unit squares, shape (14, 2): a corner at the end of each unit side."""
+"""Cross of six unit squares, shape (14, 2), with a corner at each end of each unit side."""
 
 
 @dataclass(frozen=True)
 class Classic:
-    """A family of nets: what it is in a line, and a function that makes them with what tells them apart."""
+    """A family of nets: a one-line description, and a function that creates them with labels."""
 
     purpose: str
     make: Callable[[], list[tuple[str, Net]]]
@@ -42,21 +42,21 @@ def latin_cross() -> list[tuple[str, Net]]:
 
 
 def folded_triangle(a: float, b: float, c: float) -> Net:
-    """Triangle with each side folded at its middle: a tetrahedron with four faces alike, half as large.
+    """Triangle with each side folded at its midpoint: a tetrahedron with congruent faces of half its size.
 
-    Its faces are similar to the triangle if that is acute, and coincide two by two if it is right.
+    The faces are similar to the triangle if it is acute; if it is right, they coincide in pairs.
     """
     return glue([triangle(a, b, c)], [((0, k), (0, k)) for k in range(3)])
 
 
 def rolled_rectangle(width: float, height: float, twist: float) -> Net:
-    """Rectangle rolled to a cylinder, its ends folded shut, one turned by twist against the other.
+    """Rectangle rolled to a cylinder, with ends folded shut, one twisted relative to the other.
 
     Parameters
     ----------
     width, height : float
     twist : float
-        From 0 to below half the width.
+        Twist, from 0 to below half the width.
     """
     fold = 2 + 2 * twist / width
     top = [((0, 2, fold), (0, 2, fold)), ((0, fold, 3), (0, fold, 3))] if twist else [((0, 2), (0, 2))]
@@ -64,7 +64,7 @@ def rolled_rectangle(width: float, height: float, twist: float) -> Net:
 
 
 def tetramonohedra() -> list[tuple[str, Net]]:
-    """Tetrahedra with four faces alike, from triangles and rectangles."""
+    """Tetrahedra with congruent faces, from triangles and rectangles."""
     triangles = [(1.0, 1.0, 1.0), (4.0, 5.0, 6.0), (3.0, 4.0, 5.0), (4.0, 5.0, 8.0)]
     rectangles = [(2.0, 1.0, 0.0), (2.0, 1.0, 0.5), (2.0, 1.3, 0.3), (2.0, 3.0, 0.05)]
     return [
@@ -74,7 +74,7 @@ def tetramonohedra() -> list[tuple[str, Net]]:
 
 
 def pitas() -> list[tuple[str, Net]]:
-    """Outlines zipped shut from one of their points."""
+    """Outlines zipped shut from a boundary point."""
     forms: list[tuple[str, Outline, float]] = [
         ("circle", circle(), 0.0),
         ("ellipse 2:1 from its tip", Ellipse(2.0, 1.0), 0.0),
@@ -88,7 +88,7 @@ def pitas() -> list[tuple[str, Net]]:
 
 
 def dforms() -> list[tuple[str, Net]]:
-    """Pairs of outlines glued all around."""
+    """Pairs of outlines glued along their entire boundaries."""
     oval, square = Ellipse(2.0, 1.0), rectangle(1.0, 1.0)
     forms: list[tuple[str, Outline, Outline, float]] = [
         ("two circles", circle(), circle(), 0.0),
@@ -103,12 +103,12 @@ def dforms() -> list[tuple[str, Net]]:
 
 
 def regular_faces(loops: Sequence[Sequence[str | int]]) -> Net:
-    """Regular polygons of side 1, glued as the faces of a polyhedron are.
+    """Regular polygons of side 1, glued as the faces of a polyhedron.
 
     Parameters
     ----------
     loops : sequence of sequence of str or int
-        The names of the corners of each face, once around it.
+        Corner names around each face.
     """
     return glue([regular_polygon(len(loop)) for loop in loops], corners=loops)
 
@@ -145,4 +145,4 @@ CLASSICS = {
     "dforms": Classic("pairs of outlines of equal perimeter glued all around", dforms),
     "platonic": Classic("the Platonic solids from their faces", platonic),
 }
-"""The families by the names that the command line uses."""
+"""Families by their command-line names."""

@@ -20,29 +20,29 @@ from isoembed.gluing.thresholds import GLUING
 from isoembed.gluing.tolerance import Tolerance
 
 Term = tuple[int, int, float]
-"""A side of a polygon, and the part of it that counts, negative where it is subtracted."""
+"""Polygon, side, and signed fraction of the side's length in a sum."""
 
 
 @dataclass(frozen=True)
 class Correction:
-    """The change of the sheets by which their glued sides became equal.
+    """Displacement of the corners that made glued sides equal.
 
     Attributes
     ----------
     largest : float
-        The farthest that a corner was moved, in the unit of the sheets.
+        Largest displacement of a corner, in the unit of the sheets.
     rms : float
-        Root mean square over all corners.
+        Root mean square displacement over all corners.
     polygon, corner : int
-        The corner that was moved farthest, as given.
+        Corner with the largest displacement, in the given order.
     difference : float
-        The largest difference between two lengths that were glued.
+        Largest difference of two glued lengths before the correction.
     source : str
-        The tolerance that was used, and where it comes from.
+        Tolerance and its origin.
     flattened : int
-        Vertices whose total angle was made a full one.
+        Number of vertices whose total angle was corrected to 2 pi.
     largest_deficit : float
-        The largest deficit that one of them had, of either sign, radians.
+        Largest absolute deficit among them before the correction, in radians.
     """
 
     largest: float
@@ -66,30 +66,30 @@ class Correction:
 def corrected(
     sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]], tolerance: Tolerance, any_surface: bool
 ) -> tuple[list[Polygon], Correction | None]:
-    """Move the corners of sheets by the least sum of squares that makes glued lengths equal.
+    """Make glued lengths equal by the smallest displacements of the corners, in the sense of least squares.
 
-    Vertices whose total angle is a full one, as far as the errors of the corners tell, become flat.
+    Vertices whose total angle is 2 pi within the errors of the corners become flat.
 
     Parameters
     ----------
     sheets : sequence of Polygon
-        Of the plane; others are returned as they are.
+        Planar polygons; others are returned unchanged.
     runs : sequence of pairs of Run
-        Glued lengths, equal within the tolerance.
+        Glued runs, of equal length within the tolerance.
     tolerance : Tolerance
     any_surface : bool
-        Whether it may have a boundary or handles.
+        Whether a boundary and handles are permitted.
 
     Returns
     -------
     list of Polygon
     Correction or None
-        None where nothing but rounding was to be corrected.
+        None if only rounding errors had to be corrected.
 
     Raises
     ------
     InvalidMetric
-        No small change makes the lengths equal, or a polygon that is changed meets itself.
+        No small displacement makes the lengths equal, or a corrected polygon intersects itself.
     """
     if not sheets[0].space.is_euclidean:
         return list(sheets), None
@@ -129,7 +129,7 @@ def corrected(
 
 @dataclass(frozen=True, eq=False)
 class _Sides:
-    """Sums of lengths of sides that are to vanish: an entry for each side in each, shape (n,)."""
+    """Signed sums of side lengths required to vanish; each array, shape (n,), has one entry per term."""
 
     rows: Indices
     begins: Indices
@@ -152,7 +152,7 @@ class _Sides:
         return cast(Floats, np.bincount(self.rows, self.parts * lengths, minlength=self.n))
 
     def gradients(self, points: Floats) -> tuple[Indices, Indices, Floats]:
-        """Rows, points and derivatives with respect to these, (m, 2)."""
+        """Rows, points, and derivatives with respect to the points, (m, 2)."""
         steps = points[self.ends] - points[self.begins]
         units = self.parts[:, None] * steps / np.linalg.norm(steps, axis=1)[:, None]
         return (
@@ -164,14 +164,14 @@ class _Sides:
 
 @dataclass(frozen=True, eq=False)
 class _Flat:
-    """Vertices whose angles are to sum to 2 pi: their corners, with those before and after, shape (n,)."""
+    """Vertices whose angles must sum to 2 pi, as corners with their neighbors on the outline, shape (n,)."""
 
     rows: Indices
     corners: Indices
     before: Indices
     after: Indices
-    straight: Floats  # what points within sides contribute to each, radians
-    weights: Floats  # lengths, so that equations are of one size
+    straight: Floats  # contributions of points inside sides, radians
+    weights: Floats  # lengths, which give all equations the same dimension
 
     def values(self, points: Floats) -> Floats:
         angles = _angles(points, self.before, self.corners, self.after)
@@ -192,7 +192,7 @@ class _Flat:
 
 
 def _equations(runs: Sequence[tuple[Run, Run]], tolerance: Tolerance) -> list[list[Term]]:
-    """Sums of lengths that vanish where the corners that meet do."""
+    """Signed sums of lengths that vanish if glued corners coincide."""
     equations = []
     for one, other in runs:
         ours, theirs = cut(one, other, tolerance)
@@ -211,7 +211,7 @@ def _equations(runs: Sequence[tuple[Run, Run]], tolerance: Tolerance) -> list[li
 
 
 def _terms(run: Run, positions: Sequence[float], sign: float) -> list[Term]:
-    """The parts of sides between positions along a run, each within a side."""
+    """Terms of the side pieces between positions along a run, each within one side."""
     terms = []
     for a, b in itertools.pairwise(positions):
         k = int(a)
@@ -227,7 +227,7 @@ def _flat_vertices(
     errors: Floats,
     any_surface: bool,
 ) -> _Flat:
-    """The vertices that are flat if corners are off by no more than the errors, by polygon."""
+    """Vertices that are flat within the errors of the corners, given per polygon."""
     first, after, points = outlines
     stops, mates = cut_outlines(sheets, runs, tolerance)
     starts = np.cumsum([0, *map(len, stops)])
@@ -246,7 +246,7 @@ def _flat_vertices(
     inverse = sum(1 / np.linalg.norm(points[end] - points[corners], axis=1) for end in (before, following))
     off = np.bincount(of_corner, np.sqrt(2) * errors[owners[at_corner]] * inverse, minlength=n)
     flat = (np.abs(total - 2 * np.pi) <= off) & (off > 0)
-    flat[vertices[mates == np.arange(len(mates))]] = False  # on a boundary
+    flat[vertices[mates == np.arange(len(mates))]] = False  # boundary vertices
     number = np.cumsum(flat) - 1
     kept = flat[of_corner]
     count = np.bincount(of_corner, minlength=n)
@@ -257,7 +257,7 @@ def _flat_vertices(
 
 
 def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
-    """The points nearest to these at which both vanish."""
+    """Nearest points at which both systems of equations vanish."""
     shape = sides.n + len(flat.straight), 2 * len(start)
     points, least, best = start, np.inf, start
     for _ in range(50):  # Newton steps; five are usual
@@ -280,7 +280,7 @@ def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
         wanted = jacobian @ (points - start).ravel() - values
         step = lsqr(jacobian, wanted, atol=1e-15, btol=1e-15, iter_lim=8 * max(shape))[0]
         points = start + step.reshape(-1, 2)
-    if least > 1e-13:  # sizes of the largest sheet: rounding
+    if least > 1e-13:  # rounding, relative to the size of the largest sheet
         raise InvalidMetric(
             "no small change of the polygons makes all sides that are glued equal: a difference of "
             f"{least:.2g} of the size of the largest remains"
@@ -289,7 +289,7 @@ def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
 
 
 def _angles(points: Floats, before: Indices, corners: Indices, after: Indices) -> Floats:
-    """Interior angles, radians."""
+    """Interior angles in radians."""
     (x, y), (u, v) = ((points[end] - points[corners]).T for end in (after, before))
     return np.arctan2(x * v - y * u, x * u + y * v) % (2 * np.pi)
 

@@ -1,4 +1,4 @@
-"""Folding of a crease pattern by its fold angles to a solid."""
+"""Folding of crease patterns by their fold angles."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class CreaseThresholds:
-    """Thresholds of crease patterns that are folded up."""
+    """Thresholds of folded crease patterns."""
 
     meets: float = threshold(
         1e-4, "size of the sheet", "Corners as near in space are one, and sides that differ by as much equal."
@@ -29,21 +29,21 @@ Side = tuple[int, int]
 def meeting_corners(
     places: Floats, faces: Sequence[Sequence[int]], sheets: Indices, tolerance: float
 ) -> Indices:
-    """Names of the vertices of a folded sheet, the same for those on its boundary that meet, shape (V,).
+    """Vertex labels of a folded sheet, equal for coincident boundary vertices, shape (V,).
 
     Parameters
     ----------
     places : ndarray, shape (V, 3)
     faces : sequence of sequences of int
     sheets : ndarray of int, shape (F,)
-        With the places, from `fold_up`.
+        Sheets and places from `fold_up`.
     tolerance : float
-        Corners as near as this in space are one.
+        Corners within this distance in space are identified.
 
     Raises
     ------
     InvalidMetric
-        There are several sheets.
+        There are several sheets; corner names are required.
     """
     if sheets.any():
         raise InvalidMetric(
@@ -58,12 +58,12 @@ def meeting_corners(
 
 
 def meeting_tolerance(points: Floats) -> float:
-    """Distance within which corners of a folded sheet are the same point."""
+    """Distance in space within which corners of a folded sheet are identified."""
     return CREASES.meets * (float(np.ptp(points, axis=0).max()) or 1.0)
 
 
 def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, int]]]:
-    """The faces with each side, (smaller, larger vertex), and its ends as they are around the face."""
+    """Faces at each side (smaller, larger vertex), with its endpoints in the order around the face."""
     owners: dict[Side, list[tuple[int, int, int]]] = {}
     for f, face in enumerate(faces):
         for a, b in zip(face, [*face[1:], face[0]], strict=True):
@@ -74,35 +74,35 @@ def _owners(faces: Sequence[Sequence[int]]) -> dict[Side, list[tuple[int, int, i
 def fold_up(
     points: Floats, faces: Sequence[Sequence[int]], angles: Mapping[Side, float], tolerance: float
 ) -> tuple[Floats, Indices]:
-    """Fold sheets up: the first face of each stays, others follow across the creases.
+    """Fold sheets: the first face of each stays fixed, and the others follow across the creases.
 
     Parameters
     ----------
     points : ndarray, shape (V, 2)
     faces : sequence of sequences of int
-        The vertices around each, counterclockwise.
+        Vertices around each face, counterclockwise.
     angles : mapping
-        By how many radians each crease, (smaller, larger vertex), is folded: positive of valleys.
+        Fold angle of each crease (smaller, larger vertex) in radians, positive for valleys.
     tolerance : float
-        How far apart the places of a vertex in two faces may be.
+        Largest distance between the positions of a vertex computed from two faces.
 
     Returns
     -------
     places : ndarray, shape (V, 3)
-        The vertices in space, of each sheet by itself; NaN in no face.
+        Vertices in space, separately for each sheet; NaN for vertices in no face.
     sheets : ndarray of int, shape (F,)
-        The sheet of each face, from 0 on.
+        Sheet of each face, numbered from 0.
 
     Raises
     ------
     InvalidMetric
-        Faces have no angle between them, or come apart.
+        A crease has no angle, or the angles are inconsistent.
     """
-    size = float(np.ptp(points, axis=0).max()) or 1.0  # keeps the squares from under- and overflowing
+    size = float(np.ptp(points, axis=0).max()) or 1.0  # prevents underflow and overflow of squares
     points, tolerance, owners = points / size, tolerance / size, _owners(faces)
     flat = np.column_stack([points, np.zeros(len(points))])
     places = np.full_like(flat, np.nan)
-    turns: dict[int, tuple[Floats, Floats]] = {}  # x = R p + t
+    turns: dict[int, tuple[Floats, Floats]] = {}  # rigid motion x = R p + t of each face
     sheets = np.zeros(len(faces), dtype=np.int64)
     for first in range(len(faces)):
         if first in turns:
@@ -123,7 +123,7 @@ def fold_up(
                         raise InvalidMetric(
                             f"the edge {list(side)} between faces {f} and {g} has no fold angle"
                         )
-                    # The face on the right of a -> b is raised by a valley, which turns it about b -> a.
+                    # A valley raises the face on the right of a -> b, rotating it about b -> a.
                     own = turn @ _about(flat[a] - flat[b], angles[side])
                     moved = own, turn @ flat[a] + shift - own @ flat[a]
                     _put(places, faces[g], flat[faces[g]] @ own.T + moved[1], g, tolerance)
@@ -136,21 +136,21 @@ def fold_up(
 def put_together(
     places: Floats, faces: Sequence[Sequence[int]], sheets: Indices, corners: Sequence[Indices]
 ) -> Floats | None:
-    """The vertices of a solid whose sheets are folded: each is moved to where it meets those before it.
+    """Assemble folded sheets: each sheet is aligned with its common vertices with those placed before.
 
     Parameters
     ----------
     places : ndarray, shape (V, 3)
     faces : sequence of sequences of int
     sheets : ndarray of int, shape (F,)
-        As of `fold_up`.
+        Sheets and places from `fold_up`.
     corners : sequence of ndarray of int
-        The vertices of the solid around each face.
+        Vertices of the solid around each face.
 
     Returns
     -------
     ndarray, shape (n, 3), or None
-        NaN for vertices inside sides.  None if a sheet may turn about the line in which it meets the others.
+        NaN for vertices inside sides.  None if the common vertices of a sheet are collinear.
     """
     from scipy.spatial.transform import Rotation  # slow to import, and seldom needed
 
@@ -165,7 +165,7 @@ def put_together(
     found[vertices] = points
     while own:
         known = [np.isfinite(found[vertices, 0]) for vertices, _ in own]
-        # Three points that are not in line hold a sheet: the farther from a line, the better.
+        # Three noncollinear points fix a sheet, the better the farther they are from a line.
         widths = [
             np.linalg.svd(points[here] - points[here].mean(axis=0), compute_uv=False)[1]
             if here.sum() > 2
@@ -184,8 +184,8 @@ def put_together(
 
 
 def _put(places: Floats, face: Sequence[int], found: Floats, f: int, tolerance: float) -> None:
-    """Put the corners of a face where none are yet; those that are must be there."""
-    apart = np.linalg.norm(places[face] - found, axis=1)  # NaN of new ones
+    """Set the positions of a face's corners; corners already placed must agree."""
+    apart = np.linalg.norm(places[face] - found, axis=1)  # NaN for new corners
     if (apart > tolerance).any():
         v = face[int(np.nanargmax(apart))]
         raise InvalidMetric(f"the fold angles tear the sheet: vertex {v} of face {f} is in two places")
@@ -193,7 +193,7 @@ def _put(places: Floats, face: Sequence[int], found: Floats, f: int, tolerance: 
 
 
 def _about(axis: Floats, angle: float) -> Floats:
-    """Rotation by an angle, counterclockwise about an axis that points at us."""
+    """Rotation about an axis by an angle, counterclockwise as seen from the tip of the axis."""
     x, y, z = axis / (float(np.linalg.norm(axis)) or 1.0)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)

@@ -8,20 +8,19 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.gluing.drawn_lines import CUT, Line
 
-FEWEST = 3  # dashes of a fold: two of a length in line are as likely folds of two faces
+FEWEST = 3  # dashes of a fold: two collinear segments of equal length may be folds of two faces
 
 
 def undashed(lines: Sequence[Line], near: float) -> list[Line]:
-    """The lines, where those that follow one another as equal dashes in line are one.
+    """Join collinear, equally spaced dashes of equal length into single lines.
 
-    The paper is whole between two dashes and as far before the first and after the last, so that a line of
-    dashes ends beyond them.
+    The joined line extends by a gap beyond the first and the last dash, since the paper is uncut there, too.
 
     Parameters
     ----------
     lines : sequence of Line
     near : float
-        How far from in line or from equal they may be.
+        Tolerance for collinearity and equality.
     """
     found: list[Line] = []
     chain: list[Line] = []
@@ -40,7 +39,7 @@ def undashed(lines: Sequence[Line], near: float) -> list[Line]:
 
 
 def _goes_on(chain: Sequence[Line], line: Line, near: float) -> bool:
-    """Whether a line is the next dash of a chain."""
+    """Whether a line continues a chain of dashes."""
     last = chain[-1]
     if len(line.points) != 2 or line.purpose != last.purpose:
         return False

@@ -10,7 +10,7 @@ from isoembed.arrays import Floats
 from isoembed.metric.precision import PRECISION, last_digits
 
 CUT, FOLD, SEAM, GLUE, READ = "cut", "fold", "seam", "glue", "read"
-"""Purposes of lines: to be cut, folded, sewn on, glued over, or only read."""
+"""Purposes of lines: cutting, folding, sewing, gluing, or information only."""
 
 LAYERS = {
     **dict.fromkeys(("cut", "cuts", "outline", "outlines"), CUT),
@@ -19,28 +19,28 @@ LAYERS = {
     **dict.fromkeys(("glue", "tab", "tabs"), GLUE),
     **dict.fromkeys(("engrave", "notes", "legend", "solid"), READ),
 }
-"""Purpose of the lines of a layer or group, by its name in lower case."""
+"""Purpose of lines by the lower-case name of their layer or group."""
 NUMBERS = "numbers"
-"""The layer or group of the numbers of sides, where there is one."""
+"""Layer or group of the side numbers, if any."""
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A line of a drawing, with its corners; curves are sampled.
+    """A polyline of a drawing; curves are sampled.
 
     Attributes
     ----------
     points : ndarray, shape (n, 2)
-        Millimeters, y upward; of a closed line the first is the last, too.
+        Millimeters, y upward; the first and last points of a closed line are equal.
     purpose : str
-        `CUT`, `FOLD`, `SEAM`, `GLUE`, `READ`, or empty where the file does not tell.
+        `CUT`, `FOLD`, `SEAM`, `GLUE`, `READ`, or empty if unknown.
     color : str
-        Empty where there is none.
+        Empty if undefined.
     angle : float or None
-        By how much to fold, degrees, positive where the solid is convex.
+        Fold angle in degrees, positive where the solid is convex.
     is_circle : bool
     is_curve : bool
-        Whether parts of it are curves.
+        Whether the line has curved parts.
     """
 
     points: Floats
@@ -52,7 +52,7 @@ class Line:
 
     @property
     def is_closed(self) -> bool:
-        """Whether it ends where it begins."""
+        """Whether the line is closed."""
         return len(self.points) > 3 and bool((self.points[0] == self.points[-1]).all())
 
 
@@ -64,11 +64,11 @@ class Number:
     ----------
     text : str
     x, y : float
-        Its middle, mm.
+        Center of the text, mm.
     height : float
-        Of the letters, mm.
+        Height of the letters, mm.
     angle : float
-        Of its line, degrees counterclockwise.
+        Direction of the text, degrees counterclockwise.
     """
 
     text: str
@@ -80,20 +80,20 @@ class Number:
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """All lines and numbers of a drawing.
+    """Lines and numbers of a drawing.
 
     Attributes
     ----------
     lines : tuple of Line
     numbers : tuple of Number
     unit : float
-        Of the last digit of the coordinates, mm; 0 where these are doubles.
+        Unit of the last digit of the coordinates, mm; 0 if they have full double precision.
     kerf : float
-        By which the outlines were offset for a beam, its whole width, mm.
+        Beam width, by half of which the outlines were offset, mm.
     error : float
-        Of the points of the solid, where these were rounded, mm.
+        Rounding error of the points of the solid, mm.
     any_surface : bool
-        Whether sides without a number are a boundary, and there may be handles.
+        Whether sides without a number are a boundary, and handles are permitted.
     """
 
     lines: tuple[Line, ...]
@@ -105,6 +105,6 @@ class Lines:
 
 
 def last_unit(values: Floats) -> float:
-    """The unit of the last digit of coordinates; 0 of doubles, and of fewer digits than 4."""
+    """Unit of the last digit of coordinates; 0 for full precision, and for fewer than 4 digits."""
     found = last_digits(np.abs(values[values != 0]), 4, PRECISION.written)
     return 0.0 if found is None else float(found[1].max())

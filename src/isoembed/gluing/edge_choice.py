@@ -1,4 +1,4 @@
-"""Constraints of an edge unfolding: edges that must or must not be cut."""
+"""Constraints of edge unfoldings: edges that must or must not be cut."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from isoembed.errors import InvalidParameter
 from isoembed.gluing.faces import Faces
 
 Edges = Sequence[tuple[int, int]]
-"""Pairs of vertex numbers."""
+"""Pairs of vertex indices."""
 
 
 def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
-    """Read which edges are cut and which are kept.
+    """Mark the edges to be cut and those to be kept.
 
     Parameters
     ----------
     faces : Faces
     cut, keep : sequence of (int, int)
-        Edges by their vertices.
+        Edges by their endpoints.
 
     Returns
     -------
     cut : ndarray of bool, shape (S,)
-        The sides on both faces beside each edge that is cut.
+        Both sides of each edge to be cut.
     keep : ndarray of int
-        For each edge that is kept the side that comes first; no side twice.
+        First side of each edge to be kept, without repetitions.
 
     Raises
     ------
     InvalidParameter
-        Something is not an edge between two faces, an edge is in both, or edges that are kept lead around a
-        vertex, which cannot lie flat then, or in another ring.
+        A pair is not an edge between two faces, an edge is in both lists, or kept edges close a ring of
+        faces, as around a vertex, which cannot lie flat.
     """
     glued = np.flatnonzero(faces.twins != np.arange(len(faces.twins)))
     pairs = zip(faces.corners[glued].tolist(), faces.ends[glued].tolist(), strict=True)
@@ -79,7 +79,7 @@ def _pair(edge: Any, name: str) -> tuple[int, int]:
 
 
 def forest(faces: Faces, order: Indices) -> Indices:
-    """The sides that join faces to trees if they are taken in this order: those that close no ring."""
+    """Sides that form a spanning forest of the faces when added in this order without closing rings."""
     owner = np.repeat(np.arange(len(faces.first) - 1), np.diff(faces.first))
     pairs = np.column_stack([owner[order], owner[faces.twins[order]]]).tolist()
     root = list(range(len(faces.first) - 1))
@@ -99,7 +99,7 @@ def forest(faces: Faces, order: Indices) -> Indices:
 
 
 def _around(faces: Faces, sides: Sequence[int], keep: Edges) -> str:
-    """Clause on the first of the kept edges that closes a ring."""
+    """Clause about the first kept edge that closes a ring."""
     for k in range(len(sides)):
         kept = np.unique(sides[: k + 1])
         if len(forest(faces, kept)) < len(kept):

@@ -1,4 +1,4 @@
-"""Flat faces of a surface as plane polygons, with the gluing of their sides."""
+"""Flat faces of a surface as planar polygons, with the gluing of their sides."""
 
 from typing import NamedTuple
 
@@ -15,20 +15,20 @@ from isoembed.surface.measures import face_areas, face_normals
 
 
 class Faces(NamedTuple):
-    """Simple polygons, counterclockwise seen from outside, as tables over the sides of all in a row.
+    """Simple polygons, counterclockwise seen from outside, as tables of the concatenated sides.
 
     Attributes
     ----------
     first : ndarray of int, shape (n + 1,)
-        The first side of each face, and the number of sides.
+        Index of the first side of each face, followed by the number of sides.
     corners : ndarray of int, shape (S,)
-        The vertex at which each side begins.
+        Start vertex of each side.
     points : ndarray, shape (S, 2)
-        Where that lies, in the plane of the face.
+        Position of the start vertex in the plane of the face.
     twins : ndarray of int, shape (S,)
-        The side that each is glued to, which runs the other way; itself on a boundary.
+        Side glued to each, in opposite direction; itself on a boundary.
     angles : ndarray, shape (S,)
-        The exterior dihedral angle there: positive where the surface is convex, 0 where it is flat.
+        Exterior dihedral angle at each side: positive where the surface is convex, 0 where it is flat.
     """
 
     first: Indices
@@ -39,30 +39,30 @@ class Faces(NamedTuple):
 
     @property
     def ends(self) -> Indices:
-        """The vertex at which each side ends, shape (S,)."""
+        """End vertex of each side, shape (S,)."""
         after = np.arange(1, len(self.corners) + 1)
         after[self.first[1:] - 1] = self.first[:-1]
         return self.corners[after]
 
 
 def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.0) -> Faces:
-    """The faces of a surface: triangles joined where it is flat, sides where two of them end in line.
+    """Polygonal faces of a surface: coplanar triangles are joined, and so are collinear sides.
 
-    A face that has holes, or whose outline meets itself, stays in triangles.  On a boundary every vertex is a
+    Faces with holes or self-intersecting outlines stay divided into triangles.  Every boundary vertex is a
     corner.
 
     Parameters
     ----------
     triangulation : Triangulation
     vertices : ndarray, shape (V, 3)
-        So scaled that nothing under- or overflows.
+        Scaled to prevent underflow and overflow.
     error : float, optional
-        Of each vertex, as of `coplanar_faces`.
+        Error of each vertex, as in `coplanar_faces`.
 
     Raises
     ------
     InvalidMetric
-        A face is so thin that it lies in no plane.
+        A face is so thin that its plane is undefined.
     """
     t = triangulation
     across = np.where(t.sides_across < 0, np.arange(t.faces.size), t.sides_across)
@@ -78,7 +78,7 @@ def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.
     start, upward = t.faces.ravel(), _upward(t, vertices, faces)
     straight = _straight(t, vertices, creased, error)
     for way in ways:
-        if (~straight[start[way]]).sum() < 3:  # a sliver stays what it is
+        if (~straight[start[way]]).sum() < 3:  # slivers are not simplified
             straight[start[way]] = False
     sides: list[int] = []
     first, last, points = [0], [], []
@@ -95,7 +95,7 @@ def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.
 
 
 def _no_polygons(t: Triangulation, vertices: Floats, creased: Mask, faces: Indices) -> Mask:
-    """Mask of faces that have holes or an outline that meets itself."""
+    """Mask of faces that have holes or a self-intersecting outline."""
     start, upward, ways = t.faces.ravel(), _upward(t, vertices, faces), outlines(t, creased)
     owners = np.array([faces[way[0] // 3] for way in ways])
     wrong = np.bincount(owners, minlength=len(upward)) != 1
@@ -109,13 +109,13 @@ def _no_polygons(t: Triangulation, vertices: Floats, creased: Mask, faces: Indic
 
 
 def _upward(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:
-    """The normals of faces, as long as twice their areas."""
+    """Vector areas of faces, times two."""
     normals = face_normals(t.faces, vertices)
     return np.column_stack([np.bincount(faces, normals[:, k]) for k in range(3)])
 
 
 def _straight(t: Triangulation, vertices: Floats, creased: Mask, error: float) -> Mask:
-    """Vertices at which two creases end that are in line, shape (V,)."""
+    """Vertices at which exactly two, collinear creases end, shape (V,)."""
     start, end = t.faces.ravel(), np.roll(t.faces, -1, axis=1).ravel()
     rim = np.flatnonzero(creased)
     rim = rim[np.argsort(start[rim], kind="stable")]

@@ -1,4 +1,4 @@
-"""Solids folded from a family of nets, in congruence classes."""
+"""Convex polyhedra folded from a family of nets, in congruence classes."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ HEADINGS = ("", "net", "solid", "vertices", "edges", "faces", "area", "volume")
 
 @dataclass(frozen=True)
 class Folded:
-    """Solid of one net of a family.
+    """Solid folded from one net of a family.
 
     Attributes
     ----------
     number, kind : int
-        Place of the net in the family, and of the solid among the kinds that are not congruent, from 1.
+        Index of the net in the family, and of the solid's congruence class, from 1.
     label : str
-        What tells the net from the others.
+        Label of the net.
     polyhedron : ConvexPolyhedron
     solid : Solid
     """
@@ -37,7 +37,7 @@ class Folded:
 
 @dataclass(frozen=True)
 class Folding:
-    """Solids of a family of nets, and why some have none; as a string, a table.
+    """Solids of a family of nets, and reasons for failures; as a string, a table.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Folding:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Contents of the table for JSON: ``solids``, a list, and ``failures``, sentences."""
+        """Table for JSON: ``solids``, a list, and ``failures``, sentences."""
         solids = [
             {
                 "net": one.number,
@@ -74,7 +74,7 @@ class Folding:
             sizes = (f"{size:.9g}" for size in (one.polyhedron.area, one.polyhedron.volume))
             table.append((str(one.number), one.label, f"{one.kind}: {one.solid.name}", *counts, *sizes))
         widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-        # Words to the left, numbers to the right.
+        # Text is left-aligned, numbers are right-aligned.
         lines = [
             "  ".join(
                 text.ljust(width) if 0 < k < 3 else text.rjust(width)
@@ -88,12 +88,12 @@ class Folding:
 
 
 def fold(nets: Iterable[tuple[str, Net]]) -> Folding:
-    """Solve nets, and sort their solids into kinds.
+    """Embed nets, and classify their solids by congruence.
 
     Parameters
     ----------
     nets : iterable of (str, Net)
-        Each with a label, as from ``CLASSICS["latin-cross"].make()``.
+        Labeled nets, such as ``CLASSICS["latin-cross"].make()``.
 
     Returns
     -------

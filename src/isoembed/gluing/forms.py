@@ -1,7 +1,7 @@
 """Zipped polygons, pita forms and D-forms.
 
-Zipping a convex outline shut from one of its points makes a pita form, gluing two convex outlines of equal
-perimeter a D-form: every point gets at most a full angle, so that both are convex metrics.
+Zipping a convex outline shut from a boundary point yields a pita form; gluing two convex outlines of equal
+perimeter yields a D-form.  The total angle at every point is at most 2 pi, so both are convex metrics.
 
 References
 ----------
@@ -19,25 +19,25 @@ from isoembed.gluing.polygon import Polygon, is_number, points_of_the_plane
 from isoembed.space.models import Model
 
 Outline = Curve | ArrayLike
-"""A curve, which becomes an inscribed polygon of n equal sides, or a polygon, which stays as it is."""
+"""A curve, replaced by an inscribed polygon of n equal sides, or a polygon, used as it is."""
 
 
 def zipped(polygon: ArrayLike, at: float, *, curvature: float = 0.0, model: Model = "ambient") -> Net:
-    """Polygon zipped shut: its boundary is glued to itself, both ways from one of its points.
+    """Zip a polygon shut: its boundary is glued to itself in both directions from a boundary point.
 
     Parameters
     ----------
     polygon : array_like, shape (n, 2)
-        Convex, if the metric is to be.
+        Corners, in convex position for a convex metric.
     at : float
-        Where the zip begins, counted in corners, from 0 to n: 2.5 is the middle of side 2.
+        Start of the zip, in corners from 0 to n: 2.5 is the midpoint of side 2.
     curvature, model : float and str
-        As of `glue`.
+        See `glue`.
 
     Raises
     ------
     InvalidMetric
-        As `glue`.
+        See `glue`.
     InvalidParameter
         `at` is out of range.
     """
@@ -48,22 +48,22 @@ def zipped(polygon: ArrayLike, at: float, *, curvature: float = 0.0, model: Mode
 
 
 def pita(outline: Outline, at: float = 0.0, n: int = 100) -> Net:
-    """Outline zipped shut.
+    """Zip an outline shut.
 
     Parameters
     ----------
     outline : Ellipse, Stadium or array_like, shape (m, 2)
-        A curve becomes the inscribed polygon of n equal sides that has a corner where the zip begins; a
-        polygon stays as it is.
+        A curve is replaced by the inscribed polygon of n equal sides with a corner at the start of the zip; a
+        polygon is used as it is.
     at : float
-        Where the zip begins: this part of the perimeter from the beginning of the outline, from 0 to below 1.
+        Start of the zip, as a fraction of the perimeter from the start of the outline, in [0, 1).
     n : int
-        Sides of a curve.
+        Number of sides for a curve.
 
     Raises
     ------
     InvalidMetric
-        As `glue`.
+        See `glue`.
     InvalidParameter
         `at` or `n` is out of range.
     """
@@ -71,22 +71,22 @@ def pita(outline: Outline, at: float = 0.0, n: int = 100) -> Net:
 
 
 def dform(first: Outline, second: Outline, offset: float = 0.0, n: int = 100) -> Net:
-    """Two outlines glued all around, back to back.
+    """Glue two outlines along their entire boundaries.
 
     Parameters
     ----------
     first, second : Ellipse, Stadium or array_like, shape (m, 2)
-        As of `pita`.  The second is scaled to the perimeter of the first.
+        Outlines, as in `pita`.  The second is scaled to the perimeter of the first.
     offset : float
-        The beginning of the first meets the point of the second at this part of its perimeter, from 0 to
-        below 1.
+        Point of the second outline glued to the start of the first, as a fraction of the perimeter, in
+        [0, 1).
     n : int
-        Sides of a curve.
+        Number of sides for a curve.
 
     Raises
     ------
     InvalidMetric
-        As `glue`.
+        See `glue`.
     InvalidParameter
         `offset` or `n` is out of range.
     """
@@ -97,7 +97,7 @@ def dform(first: Outline, second: Outline, offset: float = 0.0, n: int = 100) ->
 
 
 def _polygon(outline: Outline, name: str, part: float, n: int) -> tuple[Floats, float]:
-    """An outline as a polygon, and the position on it that this part of the perimeter is behind."""
+    """Outline as a polygon, and the position at the given fraction of the perimeter."""
     if not is_number(part) or not 0 <= part < 1:
         raise InvalidParameter(f"{name} is {part!r}, not a part of the perimeter from 0 to below 1")
     if isinstance(outline, Ellipse | Stadium):

@@ -19,19 +19,19 @@ Side = tuple[int, int]
 
 @dataclass(frozen=True, eq=False)
 class LineGraph:
-    """The faces that lines enclose, counterclockwise.
+    """Faces enclosed by lines, counterclockwise.
 
     Attributes
     ----------
     points : ndarray, shape (V, 2)
     faces : list of list of int
-        The vertices around each.
+        Vertices around each face.
     lines : dict
-        The line that each side ``(f, k)`` lies on.
+        Line that contains each side ``(f, k)``.
     twins : dict
-        The side on the other side of the line, of those that have one.
+        Opposite side of each side shared by two faces.
     loose : int
-        Lines between two points that enclose nothing.
+        Number of edges that enclose nothing.
     """
 
     points: Floats
@@ -41,16 +41,16 @@ class LineGraph:
     loose: int
 
     def ends(self, side: Side) -> Floats:
-        """End points of a side, (2, 2)."""
+        """Endpoints of a side, (2, 2)."""
         f, k = side
         return self.points[[self.faces[f][k], self.faces[f][(k + 1) % len(self.faces[f])]]]
 
     def folds(self, f: int) -> list[Side]:
-        """The sides of a face across which the paper goes on."""
+        """Sides of a face across which the sheet continues."""
         return [(f, k) for k in range(len(self.faces[f])) if (f, k) in self.twins]
 
     def without(self, left_out: Collection[int]) -> LineGraph:
-        """The other faces, whose sides at those left out are on the outline."""
+        """Graph without some faces; sides shared with them become part of the outline."""
         kept = [f for f in range(len(self.faces)) if f not in left_out]
         place = {f: k for k, f in enumerate(kept)}
         lines = {(place[f], k): line for (f, k), line in self.lines.items() if f in place}
@@ -61,20 +61,20 @@ class LineGraph:
 
     @classmethod
     def of(cls, lines: Sequence[Line], near: float) -> LineGraph:
-        """The faces that lines enclose.
+        """Graph of the faces enclosed by lines.
 
-        A line that is drawn twice counts once, and lines that enclose nothing count for nothing.
+        Duplicate lines are merged, and lines that enclose nothing are ignored.
 
         Parameters
         ----------
         lines : sequence of Line
         near : float
-            Points as near are one.
+            Distance within which points are merged.
 
         Raises
         ------
         InvalidMetric
-            Lines cross, a fold ends inside of a sheet, or an outline is inside of another.
+            Lines cross, a fold ends inside a sheet, or an outline is inside another.
         """
         points, every = _edges(lines, near)
         edges = _without_ends(points, every)
@@ -130,7 +130,7 @@ def _edges(lines: Sequence[Line], near: float) -> tuple[Floats, dict[Side, Line]
             length = float(np.hypot(*step))
             low, high = sorted([points[a, 0], points[b, 0]])
             some = by_x[np.searchsorted(x, low - near) : np.searchsorted(x, high + near, side="right")]
-            some = some[(some != a) & (some != b)]  # rounding may put b before itself
+            some = some[(some != a) & (some != b)]  # rounding may place b before itself
             away = points[some] - points[a]
             along = away @ step / length
             off = np.abs(away[:, 0] * step[1] - away[:, 1] * step[0])
@@ -151,7 +151,7 @@ def _check_crossings(points: Floats, edges: np.ndarray) -> None:
         u, v = b - a, c - a
         return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
-    # From left to right: those that cross an edge and begin no farther left begin before it ends.
+    # Sweep from left to right: a later edge that crosses an edge starts before that edge ends.
     left, right = np.minimum(starts[:, 0], ends[:, 0]), np.maximum(starts[:, 0], ends[:, 0])
     order = np.argsort(left, kind="stable")
     until = np.searchsorted(left[order], right[order], side="right")
@@ -169,7 +169,7 @@ def _check_crossings(points: Floats, edges: np.ndarray) -> None:
 
 
 def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:
-    """The edges that are on the boundary of something: those with a loose end are removed one by one."""
+    """Edges that bound a face; those with a loose end are removed one by one."""
     around: dict[int, set[Side]] = {}
     for edge in edges:
         for v in edge:
@@ -193,7 +193,7 @@ def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:
 
 
 def _check_apart(points: Floats, faces: list[list[int]], outer: list[list[int]]) -> None:
-    """Refuse an outline inside of a face."""
+    """Raise an error if an outline is inside a face."""
     firsts = points[[other[0] for other in outer]]
     for face in faces:
         corners = points[face]
@@ -209,7 +209,7 @@ def _check_apart(points: Floats, faces: list[list[int]], outer: list[list[int]])
 
 
 def is_inside(point: Floats, corners: Floats) -> bool:
-    """Whether a point is inside of a polygon: a ray from it crosses the boundary an odd number of times."""
+    """Whether a point is inside a polygon: a ray from it crosses the boundary an odd number of times."""
     a, b = corners - point, np.roll(corners, -1, axis=0) - point
     across = (a[:, 1] > 0) != (b[:, 1] > 0)
     a, b = a[across], b[across]

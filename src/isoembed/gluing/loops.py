@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled overlap tests of plane outlines, and growth of sheets face by face."""
+"""Compiled overlap tests of planar outlines, and growth of sheets face by face."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Int, Real
 from cython.cimports.isoembed.intrinsic.ear_loops import turn
 from cython.cimports.libc.math import hypot
 
-DIRECTIONS = 45  # within a right angle
+DIRECTIONS = 45  # in a right angle
 
 
 @cython.cfunc
@@ -32,38 +32,37 @@ def meet(a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1], d: ConstReal[:
 @cython.cfunc
 @cython.exceptval(check=False)
 def folds(a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1]) -> cython.bint:
-    """Whether the way from a to b is gone back to c."""
+    """Whether the segment from b to c reverses along the segment from a to b."""
     if (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) >= 0:
         return False
     return _turn(a, b, c) == 0
 
 
 def joined(faces, order: ConstInt[::1], most: Int, room: ConstReal[::1]):
-    """Join faces along sides, where the sheets that are there do not overlap or touch then.
+    """Join faces along sides as long as the sheets do not overlap or touch.
 
-    The outlines of two sheets, turned so that they have one side in common and lie on different sides of it,
-    do not meet elsewhere: then the sheets have nothing else in common, and the outline of both together is
-    simple again.
+    Two sheets are placed on different sides of a common side.  If their outlines do not meet elsewhere, the
+    sheets have nothing else in common, and the outline of their union is simple.
 
     Parameters
     ----------
     faces : Faces
-        Of the size of 1 at most, all in a row.
+        Faces, scaled to a size of at most 1.
     order : ndarray of int
-        Sides, in the order in which it is tried to join the faces beside them.
+        Sides in the order of the attempts to join the adjacent faces.
     most : int
-        How many others a face is joined to.
+        Largest number of faces to which a face is joined.
     room : ndarray, shape (2,)
-        Width and height of a rectangle that a sheet of several faces fits into; infinite without limit.
+        Width and height of a rectangle that contains each sheet of several faces; infinite without limit.
 
     Returns
     -------
     points : ndarray, shape (S, 2)
-        Where the sides begin in the plane of their sheet.
+        Start of each side in the plane of its sheet.
     after : ndarray of int, shape (S,)
-        The next side on the outline of the sheet; -1 for those inside.
+        Next side on the outline of the sheet; -1 for interior sides.
     sheets : ndarray of int, shape (S,)
-        A side that is the same for all sides of a sheet.
+        Representative side, common to all sides of a sheet.
     """
     first: ConstInt[::1] = faces.first
     twins: ConstInt[::1] = faces.twins
@@ -87,8 +86,8 @@ def joined(faces, order: ConstInt[::1], most: Int, room: ConstReal[::1]):
             nxt = s + 1 if s + 1 < high else low
             after[s], following[s], before[nxt] = nxt, nxt, s
             sheets[s], owner[s] = low, f
-            rest[s] = s + 1 if s + 1 < high else -1  # of the sides of the sheet
-    tail: Int[::1] = np.array(sheets)  # the last of them, by sheet
+            rest[s] = s + 1 if s + 1 < high else -1  # linked list of the sides of each sheet
+    tail: Int[::1] = np.array(sheets)  # last side of each list, by sheet
     for f in range(first.shape[0] - 1):
         tail[first[f]] = first[f + 1] - 1
     moved: Real[:, ::1] = np.empty((S, 2))
@@ -140,7 +139,7 @@ def joined(faces, order: ConstInt[::1], most: Int, room: ConstReal[::1]):
 def _set_motion(
     a: ConstReal[::1], b: ConstReal[::1], c: ConstReal[::1], d: ConstReal[::1], motion: Real[::1]
 ) -> cython.void:
-    """Fill in the motion of the plane that takes the segment from a to b to that from c to d."""
+    """Compute the rigid motion that takes the segment from a to b to that from c to d."""
     x, y, u, v = b[0] - a[0], b[1] - a[1], d[0] - c[0], d[1] - c[1]
     cosine, sine = x * u + y * v, x * v - y * u
     norm = hypot(cosine, sine)
@@ -171,9 +170,9 @@ def _apart(
     following: ConstInt[::1],
     moved: Real[:, ::1],
 ) -> cython.bint:
-    """Whether the outlines of s and t, this moved so that it lies on s, meet nowhere else.
+    """Whether the outlines of s and t meet only in s and t, after t is moved to s.
 
-    The sides after t begin where s begins, and the last one ends where s ends.
+    The sides after t start where s starts, and the last one ends where s ends.
     """
     left: Real
     right: Real
@@ -227,9 +226,9 @@ def _fits(
     compass: Real[:, ::1],
     room: ConstReal[::1],
 ) -> cython.bint:
-    """Whether the outlines of s and t fit into a rectangle together, turned against the side s by some angle.
+    """Whether the joined outlines of s and t fit into a rectangle at some angle to side s.
 
-    Those after t have been moved, as by `_apart`.
+    The points after t have been moved by `_apart`.
     """
     n: Int = 0
     u = after[t]
@@ -263,9 +262,9 @@ def _fits(
 
 
 def meeting(points: ConstReal[:, ::1], order: ConstInt[::1]):
-    """The first two sides that meet, other than at a corner between them; -1, -1 if none do.
+    """First two sides that meet other than at a common corner; -1, -1 if there are none.
 
-    The sides come in the order of their left ends, and each is compared with those that begin before it ends.
+    Sides are sorted by their left ends, and each is compared with those that start before it ends.
     """
     n = points.shape[0]
     for k in range(n):

@@ -16,12 +16,12 @@ Names = Sequence[Sequence[Hashable]]
 
 
 def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
-    """The names of the corners of each polygon, in the order in which these were given.
+    """Corner names of each polygon, in the given order.
 
     Raises
     ------
     InvalidParameter
-        They are not the names of these corners.
+        The names do not match the corners.
     """
     if not isinstance(given, list | tuple) or len(given) != len(sheets):
         raise InvalidParameter(f"the corners are not {len(sheets)} lists of names, one for each polygon")
@@ -41,12 +41,12 @@ def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
 def sides_of(
     corners: Names, sheets: Sequence[Polygon], tolerance: Tolerance, any_surface: bool
 ) -> list[tuple[Side, Side]]:
-    """Pairs of sides whose ends have the same names; of any surface, one may be alone.
+    """Pairs of sides whose endpoints have the same names; sides without a mate are a boundary if permitted.
 
     Raises
     ------
     InvalidMetric
-        A side is alone and may not be, or is one of three, or as long as its partner is not.
+        A side has no mate although it needs one, has several, or differs in length from its mate.
     """
     found: dict[frozenset[Hashable], list[Side]] = {}
     for p, names in enumerate(corners):
@@ -90,12 +90,12 @@ def sides_of(
 def faced_alike(
     corners: Names, sheets: Sequence[Polygon], sides: Sequence[tuple[Side, Side]]
 ) -> list[Polygon]:
-    """The polygons, turned over where that makes the sides that are glued run in opposite directions.
+    """Reverse polygons such that glued sides run in opposite directions.
 
     Raises
     ------
     InvalidMetric
-        The surface has but one side.
+        The surface is not orientable.
     """
     neighbors: list[list[tuple[int, bool]]] = [[] for _ in sheets]
     for one, other in sides:
@@ -124,7 +124,7 @@ def faced_alike(
 
 
 def check_together(corners: Names, vertices: Sequence[Indices]) -> None:
-    """Refuse corners of one name that became different vertices.
+    """Raise an error if corners with the same name became different vertices.
 
     Raises
     ------
@@ -146,5 +146,5 @@ def _ends(corners: Names, side: Side) -> tuple[Hashable, Hashable]:
 
 
 def _length(sheet: Polygon, k: int) -> float:
-    """Length of the side that was given as the k-th."""
+    """Length of the k-th side in the given order."""
     return float(sheet.sides[(-k - 1 if sheet.turned else k) % sheet.n])

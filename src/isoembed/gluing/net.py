@@ -29,30 +29,30 @@ from isoembed.thresholds import rounded_up
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Net(GluedMetric):
-    """The metric glued from planar polygons, which remembers them: `glue` makes it.
+    """A metric glued from planar polygons, stored with the polygons; created by `glue`.
 
     On a solid with this metric, corner k of polygon p is ``vertices[corners[p][k]]``, and the outline of the
-    polygon leads through ``vertices[outlines[p]]`` along its `seams`.
+    polygon passes through ``vertices[outlines[p]]`` along its `seams`.
 
     Attributes
     ----------
     polygons : tuple of ndarray, shape (m, 2)
-        The outline of each polygon, counterclockwise: its corners and the points where corners of others are
-        glued into its sides; on the sphere and in the hyperbolic plane in ambient coordinates.
+        Outline of each polygon, counterclockwise: its corners and the points to which corners of others are
+        glued; in ambient coordinates on the sphere and in the hyperbolic plane.
     outlines : tuple of ndarray of int64, shape (m,)
-        The vertex that each point of the outline becomes.
+        Vertex of each outline point.
     corners : tuple of ndarray of int64, shape (n,)
-        The vertex that each corner becomes, in the order in which the corners were given.
+        Vertex of each corner, in the given order of the corners.
     face_polygons : ndarray of int64, shape (F,)
-        The polygon that each face lies in.
+        Polygon that contains each face.
     places : ndarray, shape (F, 3, 2)
-        Where the corners of each face lie in the plane of its polygon.
+        Positions of the corners of each face in the plane of its polygon.
     seams : ndarray of bool, shape (3F,)
-        Half-edges on an outline, as of every `GluedMetric`.
+        Half-edges on an outline, as for every `GluedMetric`.
     correction : Correction or None
-        The change of the corners by which sides that differed became equal, and which the polygons have.
+        Displacement of the corners that made unequal sides equal, already applied to the polygons.
     folded : ndarray, shape (V, 3), or None
-        The vertices as the fold angles of the file place them, if it has such.
+        Vertices positioned by the fold angles of the file, if given.
     """
 
     polygons: tuple[Floats, ...]
@@ -74,7 +74,7 @@ class Net(GluedMetric):
         stops, mates = cut_outlines(sheets, runs, Tolerance.exact(len(sheets)))
         space = sheets[0].space
         polygons = tuple(frozen(sheet.points(some)) for sheet, some in zip(sheets, stops, strict=True))
-        first = np.cumsum([0, *map(len, stops)])  # of each outline among the points of all
+        first = np.cumsum([0, *map(len, stops)])  # offsets of the outlines among all points
         corners = [
             start + np.searchsorted(some, np.arange(sheet.n) * (-1 if sheet.turned else 1) % sheet.n)
             for start, some, sheet in zip(first, stops, sheets, strict=False)
@@ -105,7 +105,7 @@ class Net(GluedMetric):
             object.__setattr__(self, name, value)
 
     def knowing(self, *, precision: Precision | None = None, folded: Floats | None = None) -> "Net":
-        """Copy with other folds and another precision, the error of a length in the unit of the sheets."""
+        """Copy with given folded vertices and precision (error of a length in the unit of the sheets)."""
         changed = copy(self)
         changed.__dict__.pop("_normalized", None)
         if precision is not None:
@@ -129,74 +129,74 @@ def glue(
 
     The polygons lie on a table, face up; side k of a polygon runs from its corner k to the next.  An
     identification is a pair of sides ``((p, k), (q, m))`` or of runs ``((p, a, b), (q, c, d))``: the boundary
-    of polygon p from position a to position b, counted in corners, so that 2.5 is the middle of side 2.  A
-    run goes on past the last corner if b <= a, and all around if b == a.  The two are glued as paper is,
-    without turning it over: of polygons given counterclockwise the start of each run meets the end of the
-    other, a = d and b = c.  A run or a side that is glued to itself is folded at its middle.  Where the
-    corner of one meets the inside of a side of the other, that becomes a vertex.
+    of polygon p from position a to position b, counted in corners, so that 2.5 is the midpoint of side 2.  A
+    run continues past the last corner if b <= a, and all around if b == a.  The two are glued like paper,
+    without turning it over: for counterclockwise polygons the start of each run meets the end of the other,
+    a = d and b = c.  A run or a side glued to itself is folded at its midpoint.  A point inside a side that
+    is glued to a corner becomes a vertex.
 
     Parameters
     ----------
     polygons : sequence of array_like, shape (n, 2)
-        The corners of each, in either orientation.  Polygons are simple; they need not be convex,
-        consecutive sides may be in line, and where in the plane they lie is all the same.
+        Corners of each polygon, in either orientation.  Polygons must be simple but not necessarily convex;
+        consecutive sides may be collinear, and the position in the plane is irrelevant.
     sides : sequence of pairs
-        Every point of every boundary is glued exactly once, unless `any_surface` is true.
+        Identifications that cover every boundary exactly once, or at most once if `any_surface` is true.
     corners : sequence of sequence of str or int
-        Instead of `sides`, what each polygon's corners are called: sides whose ends have the same two names
-        are glued, as they are in a list of the faces of a polyhedron.  A polygon is turned over where its
-        names run the wrong way.
+        Alternative to `sides`: names of the corners of each polygon.  Sides whose endpoints have the same two
+        names are glued, as in a list of the faces of a polyhedron.  Polygons are reversed as needed for
+        opposite directions of glued sides.
     tolerance : float, optional
-        Lengths that differ by no more are glued, in the unit of the polygons, which are of the plane.  By
-        default what the digits of their corners explain, if these have 4 to 11, and 1e-9 of the length
-        otherwise.  The corners are moved by the least sum of squares that makes glued lengths equal
-        (`Net.correction`), and vertices whose total angle is then a full one within the errors become flat.
+        Largest difference of glued lengths, in the unit of the polygons, which must be planar.  By default
+        the difference explained by the digits of the corners, if these have 4 to 11 digits, and otherwise
+        1e-9 of the length.  A least-squares displacement of the corners makes glued lengths equal
+        (`Net.correction`), and vertices whose total angle is then 2 pi within the errors become flat.
     curvature : float, optional
-        Of the hyperbolic plane (negative) or of the sphere (positive) that the polygons are cut from, in
-        1/length^2, and of the metric.
+        Curvature in 1/length^2 of the metric, and of the hyperbolic plane (negative) or sphere (positive)
+        from which the polygons are cut.
     model : {"ambient", "conformal", "projective"}
-        The coordinates of corners there: those on the hyperboloid or on the sphere, of Poincare's disk or
-        stereographic projection, of Klein's disk or gnomonic projection.  On the sphere a polygon is in the
-        open half about the origin.
+        Coordinates of the corners there: hyperboloid or sphere, Poincare disk or stereographic projection,
+        Klein disk or gnomonic projection.  On the sphere each polygon must lie in the open hemisphere about
+        the origin of the coordinates.
     any_surface : bool, optional
-        Whether the surface may have a boundary, which is what is glued to nothing, and handles.  Such metrics
-        are embedded with a condition at the boundary, as of `isoembed.embed`.
+        Whether the surface may have a boundary, consisting of the unglued sides, and handles.  Such metrics
+        are embedded with a boundary condition; see `isoembed.embed`.
 
     Returns
     -------
     Net
-        The metric.  Its vertices are those of the corners, in the order of the polygons, and then those that
-        corners of others and folds make within sides.
+        The metric.  Its vertices are first those of the corners, in the order of the polygons, then those
+        that other corners and folds create inside sides.
 
     Raises
     ------
     InvalidMetric
-        A polygon is not simple, two runs differ in length by more than the tolerance, a stretch is glued
-        twice or to nothing, or the result is not one sphere, or one surface.
+        A polygon is not simple, two runs differ in length by more than the tolerance, part of a boundary is
+        glued twice or not at all, or the result is not a single sphere, or not connected.
     InvalidParameter
-        An identification is not of the form above, there are both sides and corners, or neither, the
-        tolerance is not a length from 0 on, or there is no such curvature or model.
+        An identification does not have this form, both or neither of sides and corners are given, the
+        tolerance is not a nonnegative length, or the curvature or model is invalid.
 
     Warns
     -----
     MeshNote
-        Polygons are corrected by more than rounding.
+        The corners are moved by more than rounding errors.
 
     Examples
     --------
-    A square whose sides are folded at their middles is a doubly covered square of half its area:
+    A square with each side folded at its midpoint is a doubly covered square of half its area:
 
     >>> envelope = glue([[[0, 0], [1, 0], [1, 1], [0, 1]]], [((0, k), (0, k)) for k in range(4)])
     >>> envelope.corners[0].tolist(), envelope.n_vertices
     ([0, 0, 0, 0], 5)
 
-    A tetrahedron from the names of the corners of four triangles:
+    A tetrahedron from the corner names of four triangles:
 
     >>> from isoembed.gluing import regular_polygon
     >>> glue([regular_polygon(3)] * 4, corners=["abc", "abd", "acd", "bcd"]).n_vertices
     4
 
-    An octagon of the hyperbolic plane, sides folded together two by two:
+    An octagon in the hyperbolic plane, with sides folded together in pairs:
 
     >>> octagon = regular_polygon(8, 1.0, curvature=-1.0)
     >>> glue([octagon], [((0, k), (0, k + 1)) for k in range(0, 8, 2)], curvature=-1.0)
@@ -226,9 +226,9 @@ def glue_rounded(
     tolerance: float | None = None,
     any_surface: bool = False,
 ) -> Net:
-    """Glue the sheets of a solid whose coordinates have this precision, the error of a length in their unit.
+    """Glue the sheets of a solid whose coordinates have a given precision (error of a length in their unit).
 
-    Its flat faces are so only within that, and the sides between two of them differ as little.
+    The faces are flat, and glued sides equal, only up to this precision.
     """
     if precision is not None and tolerance is None:
         sheets = [Polygon.of(polygon, p, Space(0.0), "ambient") for p, polygon in enumerate(polygons)]
@@ -236,7 +236,7 @@ def glue_rounded(
             net = _glued(sheets, sides, None, Tolerance.of(sheets), any_surface)
         except UnequalLengths:
             allowed = Tolerance.of(sheets, precision.vertex_error)
-            with warnings.catch_warnings():  # the precision says it
+            with warnings.catch_warnings():  # the precision explains the correction
                 warnings.simplefilter("ignore", MeshNote)
                 net = _glued(sheets, sides, None, allowed, any_surface)
         return net.knowing(precision=precision)
@@ -245,7 +245,7 @@ def glue_rounded(
 
 
 def _remedy(sheets: Sequence[Polygon], sides: Any, corners: Any, difference: float, any_surface: bool) -> str:
-    """The tolerance with which sheets are glued whose sides differ by so much, if it helps."""
+    """Suggestion of a tolerance that permits the given difference of sides, if it helps."""
     word = rounded_up(difference)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MeshNote)
@@ -275,7 +275,7 @@ def _glued(
 
 
 def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance, any_surface: bool) -> Net:
-    """The net of the corrected sheets; a correction of more than rounding is said."""
+    """Net of the corrected sheets; warns of corrections above rounding."""
     runs = read_sides(sides, sheets, tolerance, any_surface)
     changed, correction = corrected(sheets, runs, tolerance, any_surface)
     if correction is None:
@@ -287,7 +287,7 @@ def _net(sheets: Sequence[Polygon], sides: Sequence[Any], tolerance: Tolerance, 
 
 
 def _triangles(polygons: Sequence[Floats], first: Indices, space: Space) -> tuple[Indices, Indices]:
-    """Triangles of the points of all outlines, shape (F, 3), and the polygon of each."""
+    """Triangulation of all outlines, shape (F, 3), and the polygon of each triangle."""
     triangles = []
     for p, polygon in enumerate(polygons):
         inside = triangulated(shape_of(polygon, space))
@@ -298,7 +298,7 @@ def _triangles(polygons: Sequence[Floats], first: Indices, space: Space) -> tupl
 
 
 def _sewn(triangles: Indices, mates: Indices) -> tuple[Indices, Mask]:
-    """The half-edge that each is glued to, and which lie on outlines."""
+    """Twin of each half-edge, and mask of half-edges on outlines."""
     twins, start = twins_inside(triangles), triangles.ravel()
     seams = twins < 0
     halfedges = np.empty(len(mates), dtype=np.int64)

@@ -8,37 +8,37 @@ from isoembed.errors import InvalidParameter
 from isoembed.gluing.polygon import meeting_sides
 
 REMEDY = "takes more sheets, another choice of cuts, a larger scale or a smaller offset"
-FLAT = 1e-9  # radians; sides that turn less are in line
+FLAT = 1e-9  # radians; sides at a smaller angle are collinear
 
 
 def offset(outline: Floats, distances: ArrayLike, name: str, limit: float = np.inf) -> Floats:
-    """Move the sides of a polygon outward, and let them meet again.
+    """Move the sides of a polygon outward, and intersect adjacent ones.
 
-    Where the result is simple and its sides have their directions, it winds once around every point that it
-    encloses, so that it is the boundary of what lies within the distance.
+    If the result is simple and the directions of its sides are unchanged, it winds once around each enclosed
+    point, and thus bounds the region within the distances.
 
     Parameters
     ----------
     outline : ndarray, shape (n, 2)
-        Counterclockwise and simple.
+        Simple polygon, counterclockwise.
     distances : float or array_like, shape (n,)
-        Of each side, negative inward.
+        Distance of each side, negative inward.
     name : str
-        What it is called in a message.
+        Name of the polygon, for messages.
     limit : float
-        A convex corner that would come to lie farther than so many distances from its place is cut off there,
-        across its bisector.
+        A convex corner that would move farther than this multiple of the distance is cut off there,
+        perpendicular to its bisector.
 
     Returns
     -------
     ndarray, shape (m, 2)
-        Corners that are cut off have become two, and so have those between sides in line whose distances
-        differ.
+        Corners of the result; a corner that is cut off, or lies between collinear sides of different
+        distances, is replaced by two.
 
     Raises
     ------
     InvalidParameter
-        A side would vanish, or the outline would meet itself, as where a notch is closed.
+        A side vanishes, or the outline intersects itself, as when a notch closes.
     """
     return moved_sides(outline, distances, name, limit)[0]
 
@@ -46,7 +46,7 @@ def offset(outline: Floats, distances: ArrayLike, name: str, limit: float = np.i
 def moved_sides(
     outline: Floats, distances: ArrayLike, name: str, limit: float = np.inf
 ) -> tuple[Floats, Indices, Indices]:
-    """The polygon of `offset`, and which of its corners each side begins and ends at, shape (n,) each."""
+    """Polygon of `offset`, and the start and end corner of each side in it, shape (n,) each."""
     n = len(outline)
     steps = np.roll(outline, -1, axis=0) - outline
     along = steps / np.hypot(*steps.T)[:, None]

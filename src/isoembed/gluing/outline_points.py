@@ -1,4 +1,4 @@
-"""Subdivision of glued outlines, and identification of their points with vertices."""
+"""Subdivision of glued outlines, and assignment of their points to vertices."""
 
 import itertools
 from collections.abc import Sequence
@@ -16,15 +16,15 @@ from isoembed.mesh.components import components
 def cut_outlines(
     sheets: Sequence[Polygon], runs: Sequence[tuple[Run, Run]], tolerance: Tolerance
 ) -> tuple[list[Floats], Indices]:
-    """Cut the outlines at their corners and wherever a corner of another is glued.
+    """Subdivide outlines at their corners and at points glued to corners of others.
 
     Returns
     -------
     list of ndarray
-        The positions on each outline, from corner 0 on.
+        Positions on each outline, from corner 0.
     ndarray of int
-        For each step between two of them, all outlines in a row, the one that it is glued to, which runs
-        the other way; itself where it is glued to nothing.
+        For each segment of the concatenated outlines, the segment glued to it in opposite direction; itself
+        if it is not glued.
     """
     cuts = [(one.polygon, other.polygon, *cut(one, other, tolerance)) for one, other in runs]
     positions = [{float(k) for k in range(sheet.n)} for sheet in sheets]
@@ -42,12 +42,12 @@ def cut_outlines(
 
 
 def glued_points(first: Indices, mates: Indices, corners: Indices, any_surface: bool) -> Indices:
-    """The vertex that each point of the outlines becomes; those of corners first.
+    """Vertex of each outline point, with the vertices of corners numbered first.
 
     Raises
     ------
     InvalidMetric
-        The polygons do not make one surface, or it is not a sphere and is to be one.
+        The surface is not connected, or not a sphere although it must be.
     """
     n = len(mates)
     owners = np.repeat(np.arange(len(first) - 1), np.diff(first))

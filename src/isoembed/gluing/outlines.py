@@ -19,7 +19,7 @@ from isoembed.space.trigonometry import angle_between, apex
 
 @dataclass(frozen=True)
 class Ellipse:
-    """An ellipse with semi-axes a and b, from the end (a, 0) of the first.
+    """An ellipse with semi-axes a and b, starting at (a, 0).
 
     Raises
     ------
@@ -34,24 +34,24 @@ class Ellipse:
         _check_positive("ellipse", a=self.a, b=self.b)
 
     def points(self, u: Floats) -> Floats:
-        """The points at these parts of the full angle."""
+        """Points at given fractions of the full eccentric angle."""
         return np.column_stack([self.a * np.cos(2 * np.pi * u), self.b * np.sin(2 * np.pi * u)])
 
     def parameter(self, part: float) -> float:
-        """Invert Legendre's integral."""
+        """Parameter at a fraction of the perimeter, by inversion of the elliptic integral."""
         m = (1 - self.a / self.b) * (1 + self.a / self.b)
         target = part * ellipeinc(2 * np.pi, m)
         return float(brentq(lambda u: ellipeinc(2 * np.pi * u, m) - target, 0.0, 1.0, xtol=1e-15))
 
 
 def circle(radius: float = 1.0) -> Ellipse:
-    """The circle of this radius."""
+    """Circle of the given radius."""
     return Ellipse(radius, radius)
 
 
 @dataclass(frozen=True)
 class Stadium:
-    """Two half circles joined by two straight sides, from the middle of the right half circle.
+    """Two half circles joined by two straight sides, starting at the middle of the right half circle.
 
     Raises
     ------
@@ -66,22 +66,22 @@ class Stadium:
         _check_positive("stadium", length=self.length, radius=self.radius)
 
     def points(self, u: Floats) -> Floats:
-        """The points at these parts of the perimeter."""
+        """Points at given fractions of the perimeter."""
         half, bow = self.length / 2, math.pi * self.radius / 2
         quarter = half + bow
-        lap, s = np.divmod(4 * quarter * u, 2 * quarter)  # the second half is the first one turned by pi
+        lap, s = np.divmod(4 * quarter * u, 2 * quarter)  # the second half is the first one rotated by pi
         angle = np.minimum(s, bow) / self.radius + np.maximum(s - bow - self.length, 0.0) / self.radius
         x = half - np.clip(s - bow, 0.0, self.length) + self.radius * np.cos(angle)
         sign = np.where(lap % 2 == 0, 1.0, -1.0)
         return np.column_stack([sign * x, sign * self.radius * np.sin(angle)])
 
     def parameter(self, part: float) -> float:
-        """The parameter is that part."""
+        """Parameter at a fraction of the perimeter, which is the fraction itself."""
         return part
 
 
 Curve = Ellipse | Stadium
-"""Smooth convex outlines, counterclockwise: ``points(u)`` once around from u = 0 to 1."""
+"""Smooth convex outlines, counterclockwise: ``points(u)`` goes around once for u from 0 to 1."""
 
 
 def rectangle(width: float, height: float) -> Floats:
@@ -97,15 +97,15 @@ def rectangle(width: float, height: float) -> Floats:
 
 
 def triangle(a: float, b: float, c: float, *, curvature: float = 0.0) -> Floats:
-    """Corners of the triangle with these sides, from (0, 0) along a; b follows.
+    """Corners of a triangle with given sides, starting at (0, 0) along a, followed by b.
 
-    With a curvature it is a triangle of the hyperbolic plane or of the sphere about the origin, in ambient
+    With a curvature, the triangle lies in the hyperbolic plane or on the sphere, about the origin, in ambient
     coordinates.
 
     Raises
     ------
     InvalidParameter
-        The sides are not those of a triangle.
+        The sides violate the triangle inequality.
     """
     _check_positive("triangle", a=a, b=b, c=c)
     if not max(a, b, c) < a + b + c - max(a, b, c):
@@ -120,14 +120,14 @@ def triangle(a: float, b: float, c: float, *, curvature: float = 0.0) -> Floats:
 
 
 def regular_polygon(n: int, side: float = 1.0, *, curvature: float = 0.0) -> Floats:
-    """Corners of the regular n-gon with sides of this length.
+    """Corners of a regular n-gon with sides of the given length.
 
-    With a curvature it lies in the hyperbolic plane or on the sphere, in ambient coordinates.
+    With a curvature, it lies in the hyperbolic plane or on the sphere, in ambient coordinates.
 
     Raises
     ------
     InvalidParameter
-        `n` is not a whole number from 3 on, or the side is not positive and finite, or too long for the
+        `n` is not an integer of at least 3, or the side is not positive and finite, or too long for the
         sphere.
     """
     check_count("n", n)
@@ -141,30 +141,30 @@ def regular_polygon(n: int, side: float = 1.0, *, curvature: float = 0.0) -> Flo
 
 
 def from_sides(sides: ArrayLike, angles: ArrayLike, *, curvature: float = 0.0) -> Floats:
-    """Corners of a polygon from its sides and the angles between them; a last side closes it.
+    """Corners of a polygon from its sides and the angles between them; the last side closes it.
 
     Parameters
     ----------
     sides : array_like, shape (n - 1,)
-        Lengths of all sides but the last, one after the other, counterclockwise.
+        Lengths of all sides but the last, counterclockwise.
     angles : array_like, shape (n - 2,)
-        The interior angles between them, radians.
+        Interior angles between them, radians.
     curvature : float, optional
-        Of the hyperbolic plane (negative) or of the sphere (positive) that it is to lie in.
+        Curvature of the hyperbolic plane (negative) or sphere (positive) that contains the polygon.
 
     Returns
     -------
     ndarray, shape (n, 2)
-        From (0, 0) along the first side; with a curvature about the origin, in ambient coordinates.
+        Corners, from (0, 0) along the first side; with a curvature about the origin, in ambient coordinates.
 
     Raises
     ------
     InvalidParameter
-        The sides and angles are not such numbers, or the polygon is not within half a sphere.
+        The sides or angles are invalid, or the polygon does not fit into a hemisphere.
 
     Examples
     --------
-    A pentagon of the hyperbolic plane with five right angles, of which three are given:
+    A pentagon in the hyperbolic plane with five right angles, three of which are given:
 
     >>> side = 2 * np.arccosh(np.cos(np.pi / 5) / np.sin(np.pi / 4))
     >>> pentagon = from_sides([side] * 4, [np.pi / 2] * 3, curvature=-1.0)
@@ -173,7 +173,7 @@ def from_sides(sides: ArrayLike, angles: ArrayLike, *, curvature: float = 0.0) -
     """
     try:
         steps, turns = (np.asarray(given, dtype=np.float64) for given in (sides, angles))
-    except (TypeError, ValueError):  # words, or rows of different sizes
+    except (TypeError, ValueError):  # strings, or rows of different sizes
         raise InvalidParameter("the sides and the angles are not lists of numbers") from None
     if steps.ndim != 1 or steps.size < 2 or turns.shape != (steps.size - 1,):
         raise InvalidParameter(
@@ -202,12 +202,12 @@ def from_sides(sides: ArrayLike, angles: ArrayLike, *, curvature: float = 0.0) -
 
 
 def _about_the_origin(points: Floats, space: Space) -> Floats:
-    """Ambient coordinates (n, 2) of points (n, 3) of sphere or hyperboloid whose sum is moved above it.
+    """Ambient coordinates (n, 2) of points (n, 3) of sphere or hyperboloid, with their sum moved to the axis.
 
     Raises
     ------
     InvalidParameter
-        On the sphere they are not all in the half about there.
+        The points on the sphere do not lie in the hemisphere about their sum.
     """
     k = space.curvature
     total = points.sum(axis=0)
@@ -216,7 +216,7 @@ def _about_the_origin(points: Floats, space: Space) -> Floats:
     if not (heights > 0).all():
         k = int(np.argmin(heights > 0))
         raise InvalidParameter(f"corner {k} of the polygon is not in one half of the sphere with the others")
-    # The translation along the line through both.
+    # Translation along the geodesic through both.
     share = (points[:, 2] + heights) / (1 + w)
     return np.asarray(points[:, :2] - share[:, None] * [x, y])
 
@@ -228,19 +228,19 @@ def inscribed(curve: Curve, n: int, part: float) -> Floats:
     ----------
     curve : Ellipse or Stadium
     n : int
-        Corners, at least 3.
+        Number of corners, at least 3.
     part : float
-        Where corner 0 lies: this part of the perimeter from the beginning of the curve, from 0 to below 1.
+        Position of corner 0 as a fraction of the perimeter from the start of the curve, in [0, 1).
 
     Returns
     -------
     ndarray, shape (n, 2)
-        Counterclockwise.
+        Corners, counterclockwise.
 
     Raises
     ------
     InvalidParameter
-        The curve is so long and thin that n equal sides do not come close to it.
+        The curve is too elongated for an approximation by n equal sides.
     """
     u = curve.parameter(part) + np.arange(n + 1) / n
     aim = np.arange(n + 1) / n
@@ -255,7 +255,7 @@ def inscribed(curve: Curve, n: int, part: float) -> Floats:
 
 
 def check_count(name: str, value: int) -> None:
-    """Raise `InvalidParameter` unless a value is a number of sides of a polygon."""
+    """Raise `InvalidParameter` unless a value is a valid number of sides of a polygon."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 3:
         raise InvalidParameter(f"{name} is {value!r}, not a whole number of sides, at least 3")
 

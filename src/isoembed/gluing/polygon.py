@@ -1,4 +1,4 @@
-"""Simple polygons, the sheets of paper, and positions on their boundaries counted in corners."""
+"""Simple polygons as sheets of paper, and positions on their boundaries counted in corners."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from isoembed.space.models import Model, from_model, to_model
 
 @dataclass(frozen=True, eq=False)
 class Polygon:
-    """A simple polygon with straight sides, counterclockwise, with corner 0 the first that was given.
+    """A simple polygon with straight sides, counterclockwise, starting at the first given corner.
 
-    A position on the boundary is counted in corners: 2.5 is the middle of side 2, which runs from corner 2
-    to corner 3.  Positions beyond the last corner go on with the first.
+    A position on the boundary is counted in corners: 2.5 is the midpoint of side 2, which runs from corner 2
+    to corner 3.  Positions are periodic.
 
     Attributes
     ----------
     corners : ndarray, shape (n, 2)
-        Ambient coordinates: those of the plane, or the first two on the sphere or hyperboloid.
+        Ambient coordinates: those of the plane, or the first two of the sphere or hyperboloid.
     space : Space
-        Of the curvature of the plane, sphere or hyperbolic plane that it lies in.
+        Space with the curvature of the plane, sphere or hyperbolic plane that contains the polygon.
     turned : bool
-        The corners were given clockwise: the one called k is ``-k % n`` here.
+        Whether the corners were given clockwise; given corner k is then ``-k % n``.
     arcs : ndarray, shape (n + 1,)
-        Length of the boundary from corner 0 to each corner, and all around.
+        Arc length from corner 0 to each corner, and the perimeter.
     """
 
     corners: Floats
@@ -43,24 +43,24 @@ class Polygon:
 
     @classmethod
     def of(cls, given: ArrayLike, index: int, space: Space = EUCLIDEAN, model: Model = "ambient") -> Polygon:
-        """The polygon with these corners in either orientation, checked.
+        """Polygon with given corners in either orientation, checked.
 
         Parameters
         ----------
         given : array_like of float, shape (n, 2)
-            Consecutive sides may be in line.
+            Corners; consecutive sides may be collinear.
         index : int
-            What it is called in a message.
+            Index of the polygon, for messages.
         space : Space
-            Of the curvature of the plane that it lies in.
+            Space with the curvature of the polygon's plane.
         model : {"ambient", "conformal", "projective"}
-            Which coordinates are given, where that is not a plane.
+            Coordinates of the corners if the space is curved.
 
         Raises
         ------
         InvalidMetric
-            It has fewer than three corners, a corner that is not a point of the plane or of the model, a side
-            without length, or it meets itself.
+            The polygon has fewer than three corners, an invalid corner, a side of length zero, or
+            self-intersections.
         """
         corners = points_of_the_plane(given, f"polygon {index}").copy()
         try:
@@ -86,18 +86,18 @@ class Polygon:
         return cls(frozen(corners), space, turned, frozen(arcs))
 
     def moved_to(self, corners: Floats, index: int) -> Polygon:
-        """The polygon of this number with its corners, counterclockwise, elsewhere nearby.
+        """Polygon with displaced corners, given counterclockwise; `index` is for messages.
 
         Raises
         ------
         InvalidMetric
-            It meets itself there.
+            The polygon intersects itself.
         """
         _checked(corners, self.space, index, "no longer simple when corrected")
         return Polygon._made(corners.copy(), self.space, self.turned)
 
     def turned_over(self) -> Polygon:
-        """The sheet as seen from its back, with the same corner 0."""
+        """Mirror image of the polygon, with the same corner 0."""
         corners = np.roll((self.corners * [-1.0, 1.0])[::-1], 1, axis=0)
         return Polygon._made(corners, self.space, not self.turned)
 
@@ -118,27 +118,27 @@ class Polygon:
 
     @property
     def angles(self) -> Floats:
-        """The interior angle at each corner, radians, shape (n,)."""
+        """Interior angle at each corner, radians, shape (n,)."""
         (x, y), (u, v) = (
             self.space.seen_from(self.corners, np.roll(self.corners, k, axis=0)).T for k in (-1, 1)
         )
         return np.arctan2(x * v - y * u, x * u + y * v) % (2 * np.pi)
 
     def arc(self, position: float) -> float:
-        """Length of the boundary from corner 0 to a position from 0 to below n."""
+        """Arc length from corner 0 to a position in [0, n)."""
         side = int(position)
         start, end = self.arcs[side : side + 2]
         return float(start + (position - side) * (end - start))
 
     def position(self, arc: float) -> float:
-        """The position at this length from corner 0, the inverse of `arc`; from 0 to below n."""
+        """Position in [0, n) at an arc length from corner 0; the inverse of `arc`."""
         arc %= self.perimeter
         side = min(int(np.searchsorted(self.arcs, arc, side="right")), self.n) - 1
         part = (arc - self.arcs[side]) / (self.arcs[side + 1] - self.arcs[side])
         return (side + float(part)) % self.n
 
     def points(self, positions: Floats) -> Floats:
-        """Points of the boundary at positions from 0 to below n, shape (m, 2); corners are exact."""
+        """Boundary points at positions in [0, n), shape (m, 2); corners are exact."""
         side = positions.astype(np.int64)
         part = (positions - side)[:, None]
         start, end = self.corners[side], self.corners[(side + 1) % self.n]
@@ -150,7 +150,7 @@ class Polygon:
 
 
 def _checked(corners: Floats, space: Space, index: int, what: str) -> Floats:
-    """The shape of an outline that does not meet itself, as of `shape_of`."""
+    """Shape of an outline, as from `shape_of`; raises an error if it intersects itself."""
     shape = shape_of(corners, space)
     first, second = meeting_sides(shape)
     if first >= 0:
@@ -166,7 +166,7 @@ def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
     Raises
     ------
     InvalidMetric
-        Naming the first corner that is not two finite numbers.
+        A corner is not a pair of finite numbers; the message names the first.
     """
     try:
         points = np.asarray(given)
@@ -183,12 +183,12 @@ def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value is a real number, and not a truth value."""
+    """Whether a value is a real number other than a Boolean."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def signed_area(corners: Floats) -> float:
-    """Area of a polygon in the plane, (n, 2), negative if its corners are clockwise."""
+    """Signed area of a planar polygon (n, 2), negative if clockwise."""
     x, y = (corners - corners[0]).T
     return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2
 
@@ -206,15 +206,15 @@ def distances(a: Floats, b: Floats, space: Space) -> Floats:
 
 
 def shape_of(points: Floats, space: Space) -> Floats:
-    """The points of an outline in the plane and of the size of 1, where its sides are straight."""
+    """Outline points in a plane in which geodesic sides are straight, scaled to size 1."""
     points = to_model(space, points, "projective")
     return (points - points.min(axis=0)) / float(np.ptp(points, axis=0).max())
 
 
 def meeting_sides(points: Floats) -> tuple[int, int]:
-    """Two sides of a closed polygon, of the size of 1 at most, that meet elsewhere than in a common corner.
+    """Two sides of a closed polygon, of size at most 1, that meet other than at a common corner.
 
-    Those that fold back there meet, too; (-1, -1) if none do, and the polygon is simple.
+    Sides that fold back at a common corner count; (-1, -1) if the polygon is simple.
     """
     left_ends = np.minimum(points[:, 0], np.roll(points[:, 0], -1))
     return meeting(points, np.argsort(left_ends, kind="stable"))

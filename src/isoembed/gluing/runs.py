@@ -1,4 +1,4 @@
-"""Glued stretches of polygon boundaries: parsing, checks, and subdivision at corners."""
+"""Glued runs of polygon boundaries: parsing, checks, and subdivision at corners."""
 
 import math
 import sys
@@ -16,17 +16,17 @@ from isoembed.gluing.tolerance import Tolerance, UnequalLengths
 
 @dataclass(frozen=True)
 class Run:
-    """A stretch of the boundary of a polygon, counterclockwise.
+    """A part of the boundary of a polygon, counterclockwise.
 
     Attributes
     ----------
     polygon : int
     sheet : Polygon
-        The polygon of this number.
+        The polygon with this index.
     start, stop : float
-        Positions, from 0 to below n; all around if they are the same.
+        Positions, from 0 to below n; the entire boundary if they are equal.
     name : str
-        What the user called it.
+        Description in the user's terms, for messages.
     """
 
     polygon: int
@@ -37,22 +37,22 @@ class Run:
 
     @property
     def span(self) -> tuple[float, float]:
-        """Arc lengths along the boundary where it starts and stops; the stop counts on past corner 0."""
+        """Arc lengths at start and stop; the stop continues past corner 0."""
         first, last = self.sheet.arc(self.start), self.sheet.arc(self.stop)
         return first, last if self.stop > self.start else last + self.sheet.perimeter
 
     @property
     def length(self) -> float:
-        """Length."""
+        """Arc length of the run."""
         first, last = self.span
         return last - first
 
     def at(self, part: float) -> float:
-        """The position this part of the way along."""
+        """Position at a fraction of the run's length."""
         return self.sheet.position(self.span[0] + part * self.length)
 
     def parts(self) -> tuple[list[float], list[float]]:
-        """Positions of its ends and of the corners between, and how far along it each is, from 0 to 1."""
+        """Positions of the ends and of the corners between them, and their fractions of the length."""
         n, (first, _) = self.sheet.n, self.span
         end = self.stop if self.stop > self.start else self.stop + n
         positions, along = [self.start], [0.0]
@@ -66,12 +66,12 @@ class Run:
 def read_sides(
     sides: Sequence[Any], polygons: Sequence[Polygon], tolerance: Tolerance, any_surface: bool
 ) -> list[tuple[Run, Run]]:
-    """The identifications of `glue`, checked to glue every boundary exactly once, or of any surface at most.
+    """Parse the identifications of `glue`, which must cover every boundary once (any surface: at most once).
 
     Parameters
     ----------
     sides : sequence of pairs
-        Each of the two a side ``(p, k)`` or a run ``(p, a, b)``.
+        Pairs of sides ``(p, k)`` or runs ``(p, a, b)``.
     polygons : sequence of Polygon
     tolerance : Tolerance
     any_surface : bool
@@ -79,15 +79,15 @@ def read_sides(
     Returns
     -------
     list of pairs of Run
-        Of equal length within the tolerance.  The start of one is glued to the end of the other.  A run
-        glued to itself is two of half its length.
+        Runs of equal length within the tolerance; the start of one is glued to the end of the other.  A run
+        glued to itself is split into halves.
 
     Raises
     ------
     InvalidParameter
-        An identification is not of this form or refers to what is not there.
+        An identification does not have this form, or refers to a nonexistent polygon or side.
     InvalidMetric
-        Two runs differ in length, or a stretch is glued twice or not at all.
+        Two runs differ in length, or part of a boundary is glued twice or not at all.
     """
     if not _is_list(sides):
         raise InvalidParameter(f"the sides are {_shown(sides)}, not a list of pairs")
@@ -103,7 +103,7 @@ def read_sides(
 
 
 def cut(one: Run, other: Run, tolerance: Tolerance) -> tuple[list[float], list[float]]:
-    """Positions of the corners of both along one run, ends included, and where they meet the other."""
+    """Positions on both runs of the corners of either, including the ends, in the order along the first."""
     same = slack(one, other, tolerance) / one.length
     here, along = one.parts()
     there, back = (part[::-1] for part in other.parts())
@@ -127,7 +127,7 @@ def cut(one: Run, other: Run, tolerance: Tolerance) -> tuple[list[float], list[f
 
 
 def slack(one: Run, other: Run, tolerance: Tolerance) -> float:
-    """The tolerance for the lengths of two runs."""
+    """Tolerance for the lengths of two runs."""
     sides = sum(len(run.parts()[0]) - 1 for run in (one, other))
     return tolerance.between(one.polygon, other.polygon, (one.length, other.length), sides)
 
@@ -175,7 +175,7 @@ def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
 
 
 def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
-    """Give ends that are one position up to rounding the same number."""
+    """Merge endpoints whose positions are equal up to rounding."""
     ends: dict[int, list[float]] = {}
     for run in (run for pair in runs for run in pair):
         ends.setdefault(run.polygon, []).extend((run.start, run.stop))
@@ -209,14 +209,14 @@ def _check_lengths(runs: list[tuple[Run, Run]], tolerance: Tolerance) -> None:
 
 
 def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon], any_surface: bool) -> None:
-    """Refuse what is glued twice or, unless it may be a boundary, not at all."""
+    """Raise an error if a part is glued twice or, unless a boundary is permitted, not at all."""
     for p, polygon in enumerate(polygons):
         own = [(i, run) for i, pair in enumerate(runs) for run in dict.fromkeys(pair) if run.polygon == p]
         stops = sorted({x for _, run in own for x in (run.start, run.stop)})
         if not own and not any_surface:
             raise InvalidMetric(f"polygon {p} is glued to nothing")
         place = {x: k for k, x in enumerate(stops)}
-        glued = [-1] * len(stops)  # by which identification, from each stop to the next
+        glued = [-1] * len(stops)  # identification that glues the part from each stop to the next
         for i, run in own:
             k, last = place[run.start], place[run.stop]
             while True:
@@ -232,7 +232,7 @@ def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon], any_s
 
 
 def _stretch(p: int, polygon: Polygon, stops: list[float], k: int) -> str:
-    """Description for the user of the boundary from a stop to the next."""
+    """Description for messages of the boundary between consecutive stops."""
     a, b = stops[k], stops[(k + 1) % len(stops)]
     if polygon.turned:
         a, b = -b % polygon.n, -a % polygon.n
@@ -242,7 +242,7 @@ def _stretch(p: int, polygon: Polygon, stops: list[float], k: int) -> str:
 
 
 def _folded(run: Run, tolerance: Tolerance) -> tuple[Run, Run]:
-    """The two halves of a run."""
+    """Halves of a run."""
     off = max(slack(run, run, tolerance) / 2, GLUING.same_length * run.sheet.perimeter)
     middle = _snapped(run.at(0.5), run.sheet, off) % run.sheet.n
     return replace(run, stop=middle), replace(run, start=middle)
@@ -258,7 +258,7 @@ def _shown(value: Any) -> str:
 
 
 def _snapped(position: float, polygon: Polygon, most: float) -> float:
-    """A corner, if the position is so near to one."""
+    """Nearest corner, if the position is close enough; otherwise the position."""
     side = math.floor(position) % polygon.n
     off = abs(position - round(position)) * (polygon.arcs[side + 1] - polygon.arcs[side])
     return float(round(position)) if off <= most else position

@@ -21,36 +21,36 @@ def edge_gluings(
     curvature: float = 0.0,
     model: Model = "ambient",
 ) -> list[Sides]:
-    """Edge-to-edge gluings of a polygon to a sphere: each side is glued to another of its length.
+    """Enumerate the edge-to-edge gluings of a polygon to a sphere; glued sides have equal lengths.
 
-    The sphere leaves no pairs that cross: with 2 m sides of one length there are Catalan(m) gluings.  Those
-    of a boundary stretch are found from those of the two stretches into which the partner of its first side
-    divides it, and only the convex ones are kept, stretch by stretch.
+    On a sphere the pairs do not cross: 2 m sides of equal length have Catalan(m) gluings.  Dynamic
+    programming: the gluings of a part of the boundary combine those of the two parts into which the mate of
+    its first side divides it, and only convex ones are kept at every step.
 
     Parameters
     ----------
     polygon : array_like, shape (n, 2)
-        A side in the sense of the gluing runs from one given corner to the next; corners may be flat.
+        Corners; each side runs from one given corner to the next, and corners may be flat.
     convex : bool
-        Leave out gluings in which more than a full angle comes together at a vertex, which are metrics of no
-        convex polyhedron.
+        Whether to omit gluings with a total angle above 2 pi at a vertex, which are not metrics of convex
+        polyhedra.
     tolerance : float, optional
-        As of `glue`.
+        See `glue`.
     curvature, model : float and str
-        Of the polygon, as of `glue`.
+        Curvature and model of the polygon; see `glue`.
 
     Returns
     -------
     list
-        Each the ``sides`` of `glue`, for ``glue([polygon], sides)``, in lexicographic order.  Gluings that a
-        symmetry of the polygon takes into each other are all there.
+        Arguments ``sides`` for ``glue([polygon], sides)``, in lexicographic order.  Gluings equivalent by a
+        symmetry of the polygon are all included.
 
     Raises
     ------
     InvalidMetric
         The polygon is invalid.
     InvalidParameter
-        As `glue`, of the tolerance.
+        The tolerance is invalid; see `glue`.
 
     References
     ----------
@@ -66,7 +66,7 @@ def edge_gluings(
     allowed = Tolerance.of([sheet], tolerance)
     n, lengths, angles = sheet.n, sheet.sides, sheet.angles
     most = 2 * np.pi + GLUING.full_angle + 4 * (tolerance or 0.0) / lengths.min() if convex else np.inf
-    # By stretch of sides i .. j - 1: its gluings, and the angles that its two ends are glued to in between.
+    # By range of sides i .. j - 1: its gluings, and the angles glued between its two ends.
     known: dict[tuple[int, int], list[tuple[Pairs, float]]] = {(i, i): [((), 0.0)] for i in range(n + 1)}
     for size in range(2, n + 1, 2):
         for i in range(n - size + 1):
@@ -85,6 +85,6 @@ def edge_gluings(
 
 
 def _as_given(pair: tuple[int, int], sheet: Polygon) -> tuple[int, int]:
-    """The sides by their numbers in the order of the corners as given."""
+    """Indices of the sides in the given order of the corners."""
     i, k = ((-1 - side) % sheet.n for side in pair) if sheet.turned else pair
     return min(i, k), max(i, k)

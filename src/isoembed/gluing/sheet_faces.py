@@ -1,4 +1,4 @@
-"""Nets with one polygon for each face: sheets cut along their folds, which are glued again."""
+"""Nets with one polygon per face: sheets cut along their folds, which are glued again."""
 
 from collections.abc import Sequence
 
@@ -12,16 +12,16 @@ def glued_faces(
     sides: Sequence[tuple[Side, Side]],
     counts: Sequence[int],
 ) -> list[tuple[Side, Side]]:
-    """Pairs of sides of the faces of all sheets in a row: those that are glued, and those of folds.
+    """Pairs of glued sides of the faces of all sheets, numbered consecutively, including folds.
 
     Parameters
     ----------
     faces : sequence of sequence of sequence of int
-        Of each sheet the corners of the sheet around each face, counterclockwise.
+        Corners of the sheet around each of its faces, counterclockwise.
     sides : sequence of pairs
-        Which sides of sheets are glued.
+        Glued sides of the sheets.
     counts : sequence of int
-        How many corners each sheet has.
+        Number of corners of each sheet.
     """
     place: dict[tuple[int, int, int], Side] = {}
     f = 0

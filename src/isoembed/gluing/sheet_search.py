@@ -16,12 +16,12 @@ from isoembed.thresholds import threshold
 
 Objective = Literal["sheets", "length", "strips", "faces"]
 Sheets = tuple[Floats, Indices, Indices]
-"""Joined sheets, as `joined` returns them."""
+"""Joined sheets, as returned by `joined`."""
 
 
 @dataclass(frozen=True)
 class UnfoldingThresholds:
-    """Thresholds of the search for a net without overlaps."""
+    """Thresholds of the search for nets without overlaps."""
 
     directions: int = threshold(50, "count", "Directions that are tried to unfold a surface into one sheet.")
     exchanges: int = threshold(450, "count", "Attempts afterwards to get a better net from the best one.")
@@ -40,24 +40,24 @@ def found_sheets(
     objective: Objective,
     room: Floats,
 ) -> Sheets:
-    """The best sheets that are found.
+    """Search for the best sheets.
 
     Parameters
     ----------
     faces : Faces
-        Of the size of 1 at most.
+        Faces, scaled to a size of at most 1.
     steps : ndarray, shape (S, 3)
-        From the beginning of each side to its end, in space.
+        Vector along each side, in space.
     chosen : ndarray of bool, ndarray of int
-        As of `chosen_sides`.
+        Cut and kept sides, from `chosen_sides`.
     objective : str
     room : ndarray, shape (2,)
-        As of `joined`.
+        Rectangle, as in `joined`.
 
     Raises
     ------
     InvalidParameter
-        Faces that are kept together overlap or are not a strip, or there is no such objective.
+        Faces kept together overlap or are not a strip, or the objective is unknown.
     """
     if objective not in get_args(Objective):
         raise InvalidParameter(f"objective is {objective!r}, not one of {', '.join(get_args(Objective))}")
@@ -93,17 +93,17 @@ def found_sheets(
     order = start(one_start)
     best = tried(order)
     least = cost(best)
-    # If nothing overlapped, faces would be joined to trees, along long sides where the cuts are to be short.
+    # Without overlaps, faces would be joined to trees, along long sides if the cuts are to be short.
     tree = forest(faces, np.concatenate([kept, order]))
     bound = float(len(faces.first) - 1 - len(tree))
     if objective == "length":
         bound = float(lengths.sum() - 2 * lengths[tree].sum()) * (1 + 1e-12)
-    last = UNFOLDING.directions  # start, by length
+    last = UNFOLDING.directions  # attempt that starts with sides ordered by length
     for k in range(last + 1 if one_start else 1, last + 1 + UNFOLDING.exchanges):
         if least <= bound:
             break
         exchange = k > last
-        if exchange:  # join two sheets first that did not come together, or faces that were cut apart
+        if exchange:  # first join two sheets that stayed separate, or faces that were cut apart
             between = np.flatnonzero(best[2][order] != best[2][faces.twins[order]])
             if not len(between):
                 between = np.flatnonzero(best[1][order] >= 0)
@@ -129,13 +129,13 @@ def _check_kept(faces: Faces, kept: Indices, limits: tuple[int, Floats], why: st
 
 
 def _order(faces: Faces, directions: Floats, up: Floats) -> Indices:
-    """Sides, those first across which the faces should stay together."""
+    """Sides ordered by preference for joining the faces across them."""
     slopes = directions @ (up / np.linalg.norm(up))
     sharp = np.abs(faces.angles) > UNFOLDING.sharp
     faceted = np.bincount(faces.corners, sharp) > 0
     boundary = np.zeros(len(faceted), dtype=np.bool_)
     boundary[faces.corners[faces.twins == np.arange(len(slopes))]] = True
-    # Of the sides that lead up from a vertex inside the steepest is cut, and no diagonal of a face.
+    # The steepest ascending side at each interior vertex is cut; diagonals of flat faces are not.
     climb = np.where((sharp | ~faceted[faces.corners]) & ~boundary[faces.corners], slopes, 0.0)
     by_climb = np.lexsort([climb, faces.corners])
     steepest = by_climb[np.append(np.diff(faces.corners[by_climb]) != 0, True)]

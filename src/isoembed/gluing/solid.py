@@ -1,4 +1,4 @@
-"""Embedding of nets: chooses between folding by fold angles and the convex polyhedron."""
+"""Embedding of nets, by their fold angles or as convex polyhedra."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem
 
 MOST_SAID = 5
-"""Places in a message."""
+"""Positions listed in a message."""
 
 
 def embed_net(
@@ -30,27 +30,27 @@ def embed_net(
     progress: Listener | None = None,
     resume: Checkpoint | None = None,
 ) -> Embedding:
-    """Find the solid that a net is folded to.
+    """Embed a net.
 
     Parameters
     ----------
     net : Net
     tolerance, progress, resume
-        As of `isoembed.embed`, which calls this for a net without a method.
+        See `isoembed.embed`, which calls this function for a net without a method.
 
     Returns
     -------
     Embedding
-        Where the net says how it is folded and that is not convex, the solid folded so.  Otherwise the convex
-        polyhedron of its metric, by the method ``"alexandrov"``.  Where there is none, or fold angles are far
-        off, what ``"aim"`` finds with flat polygons between the folds.  With boundary or handles, the surface
-        that the net is folded to, a `SheetEmbedding`.
+        The folded solid, if the net has fold angles and is not convex.  Otherwise the convex polyhedron of
+        its metric, by the method ``"alexandrov"``.  If there is none, or the fold angles are inaccurate, a
+        solution of ``"aim"`` with flat polygons between the folds.  With boundary or handles, the folded
+        surface as a `SheetEmbedding`.
 
     Raises
     ------
     InvalidMetric
-        The net has a boundary or handles and does not say how it is folded; or the metric is not convex, the
-        net does not say it either, and no solid was found whose faces are its polygons.
+        The net has a boundary or handles but no fold angles; or its metric is not convex, it has no fold
+        angles, and no solid was found whose faces are its polygons.
     NotEmbedded
         No surface was found.
     """
@@ -79,15 +79,15 @@ def embed_net(
 
 
 def _places(net: Net, v: int) -> str:
-    """The points of the sheets that become a vertex, each by the first polygon that has it."""
+    """Points of the sheets that are glued to a vertex, as text."""
     points = np.concatenate(net.polygons)[np.concatenate(net.outlines) == v]
     places = list(dict.fromkeys(f"[{', '.join(f'{x:.6g}' for x in point)}]" for point in points))
     return ", ".join(places[:MOST_SAID]) + f" and {len(places) - MOST_SAID} more" * (len(places) > MOST_SAID)
 
 
 def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -> Embedding | None:
-    """The solid whose faces are the polygons, or parts of such, if one is found."""
-    if len(net.polygons) < 4:  # a sheet that is folded: its triangles are none of the faces of the solid
+    """Solid whose faces are the polygons or parts of them, if one is found."""
+    if len(net.polygons) < 4:  # folded sheets: their triangles are not faces of the solid
         return None
     try:
         found = solve(net.simplicial(), as_method("aim"), tolerance=tolerance, progress=progress)
@@ -104,7 +104,7 @@ def _with_flat_polygons(net: Net, tolerance: float, progress: Listener | None) -
 
 
 def unknown_folding(net: Net) -> str:
-    """Reason why a net with boundary or handles does not say how it is folded; empty if it does."""
+    """Reason why a net with boundary or handles lacks folding data; empty if it has them."""
     if net.folded is None:
         return (
             "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "
@@ -119,7 +119,7 @@ def unknown_folding(net: Net) -> str:
 
 
 def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> SheetEmbedding:
-    """The surface with boundary or handles that a net is folded to.
+    """Folded surface of a net with boundary or handles.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> Shee
     metric = net.simplicial()
     t = metric.triangulation
     if net.precision is not None and t.n_edges > 3 * t.n_vertices - 6:
-        # Rounding leaves no surface that has all lengths, as there are more of these than unknowns.
+        # With more lengths than unknowns, rounded lengths cannot all be satisfied.
         tolerance = max(tolerance, net.precision.vertex_error)
     log = Log(progress)
     with log.stage("folding") as recorder:
@@ -151,13 +151,13 @@ def _folded_sheet(net: Net, tolerance: float, progress: Listener | None) -> Shee
 
 
 def _folded(net: Net, tolerance: float, progress: Listener | None) -> Embedding | None:
-    """The folded vertices moved until they have the lengths of the net; None if they do not come to that."""
+    """Solid from the folded vertices, corrected to the lengths of the net; None if this fails."""
     metric = net.simplicial()
     if net.folded is None or len(net.folded) != metric.triangulation.n_vertices:
         return None
     log = Log(progress)
     with log.stage("folding") as recorder:
-        # Angles are known to a few digits at least: Newton's method gains as many at each of a few steps.
+        # Angles have at least a few digits, and each Newton step doubles their number.
         vertices = length_newton(
             LengthSystem(metric.triangulation, work=log.work),
             net.folded / metric.unit,

@@ -7,7 +7,7 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class GluingThresholds:
-    """Thresholds of what is glued, and of the search for gluings."""
+    """Thresholds of gluing, and of the enumeration of gluings."""
 
     same_length: float = threshold(
         1e-9, "relative", "Difference of one length in coordinates whose digits tell no other."

@@ -17,7 +17,7 @@ from isoembed.metric.precision import PRECISION, Precision, last_digits
 
 
 class UnequalLengths(InvalidMetric):
-    """Lengths that are glued differ by more than the tolerance, in all by up to `difference`."""
+    """Glued lengths that differ by more than the tolerance; `difference` is the largest difference."""
 
     def __init__(self, message: str, difference: float) -> None:
         super().__init__(message)
@@ -26,16 +26,16 @@ class UnequalLengths(InvalidMetric):
 
 @dataclass(frozen=True, eq=False)
 class Tolerance:
-    """Largest difference between two lengths that are glued, by the digits of the corners or as given.
+    """Largest difference of two glued lengths, derived from the digits of the corners or as given.
 
     Attributes
     ----------
     units : ndarray, shape (n,)
-        Unit of the last digit of the corners of each polygon; 0 where they are exact or doubles.
+        Unit of the last digit of each polygon's corners; 0 if they are exact or have full double precision.
     digits : str
-        The digits by name, as ``"6 digits"``; empty where none are recognized.
+        Description of the digits, such as ``"6 digits"``; empty if none are recognized.
     given : float or None
-        A length, instead of what the digits tell.
+        A length that replaces the tolerance derived from the digits.
     """
 
     units: Floats
@@ -44,25 +44,25 @@ class Tolerance:
 
     @classmethod
     def of(cls, sheets: Sequence[Polygon], given: float | None = None) -> Tolerance:
-        """The tolerance for these polygons.
+        """Tolerance for the given polygons.
 
         Raises
         ------
         InvalidParameter
-            The given one is not a non-negative length, or the polygons are not of the plane.
+            The given tolerance is not a nonnegative length, or the polygons are not planar.
         """
         if given is not None and (
             isinstance(given, bool) or not isinstance(given, numbers.Real) or not 0 <= given < math.inf
         ):
             raise InvalidParameter(f"the tolerance is {given!r}, not a non-negative length")
-        if not sheets[0].space.is_euclidean:  # where coordinates are no lengths
+        if not sheets[0].space.is_euclidean:  # coordinates are not lengths
             if given is not None:
                 raise InvalidParameter("a tolerance requires polygons in the plane, which can be corrected")
             return cls.exact(len(sheets))
         side = min(float(sheet.sides.mean()) for sheet in sheets)
         values = [np.abs(sheet.corners[sheet.corners != 0]) for sheet in sheets]
         found = _rounding(np.concatenate(values))
-        if found is not None:  # all were typed with the same number of digits, or of decimals
+        if found is not None:  # all have the same number of digits or of decimals
             name, quanta = found
             ends = np.cumsum([some.size for some in values])[:-1]
             units = np.array([some.max(initial=0.0) for some in np.split(quanta, ends)])
@@ -70,42 +70,42 @@ class Tolerance:
             alone = [_rounding(some) for some in values]
             name = next((one[0] for one in alone if one is not None), "")
             units = np.array([0.0 if one is None else float(one[1].max()) for one in alone])
-        # Sides must have four digits, too: whole numbers far from the origin are exact.
+        # Sides must have four digits, too: integers far from the origin are exact.
         if units.max() > 1e-3 * side:
             return cls(np.zeros(len(sheets)), "", given)
         return cls(units, name, given)
 
     @classmethod
     def exact(cls, n: int) -> Tolerance:
-        """The tolerance for n polygons whose glued sides are equal up to rounding."""
+        """Tolerance for n polygons whose glued sides are equal up to rounding."""
         return cls(np.zeros(n))
 
     def between(self, p: int, q: int, lengths: tuple[float, float], sides: int = 2) -> float:
-        """The tolerance for two lengths on the outlines of polygons p and q, made of a number of sides."""
+        """Tolerance for two lengths on polygons p and q, consisting of a total number of sides."""
         least = GLUING.same_length * max(lengths)
         if self.given is not None:
             return max(least, self.given)
-        # Rounded or cut off, a coordinate of one end is off by at most a unit against that of the other;
-        # over many sides such errors grow with the root of their number.
+        # Rounded or truncated, the coordinates of two endpoints have a relative error of at most a unit; over
+        # many sides such errors grow with the square root of their number.
         return max(least, math.sqrt(sides) * float(self.units[p] + self.units[q]))
 
     def errors(self, difference: float) -> Floats:
-        """Errors of the coordinates of each polygon, where lengths that are glued differ by up to so much."""
+        """Coordinate errors of each polygon, given the largest difference of glued lengths."""
         return self.units if self.given is None else np.maximum(self.units, difference / 2**1.5)
 
     def precision(self, difference: float) -> Precision:
-        """The precision of the corners, the error of a length in their unit."""
+        """Precision of the corners, with the error of a length in their unit."""
         name = self.digits if self.given is None else f"a tolerance of {self.given:g}"
-        # An error is spread evenly over a unit of the last digit, and a side has two ends.
+        # The error is uniformly distributed over a unit of the last digit, and a side has two endpoints.
         return Precision(name, float(self.errors(difference).max()) / math.sqrt(6))
 
     def said(self, most: float) -> str:
-        """The end of a sentence about lengths that differ by more."""
+        """Description of the tolerance, for messages."""
         return f"tolerance {most:.2g} ({self.source})"
 
     @property
     def source(self) -> str:
-        """Origin of the tolerance, as the end of a sentence."""
+        """Origin of the tolerance, for messages."""
         if self.given is not None:
             return "as given"
         if self.digits:
@@ -114,5 +114,5 @@ class Tolerance:
 
 
 def _rounding(values: Floats) -> tuple[str, Floats] | None:
-    # Corners typed with fewer than four digits are exact: their sides are equal or are not glued.
+    # Corners with fewer than four digits are exact: their sides are equal or not glued.
     return last_digits(values, 4, PRECISION.written) if values.size else None

@@ -1,4 +1,4 @@
-"""Unfolding of a surface into sheets without overlap (edge unfolding)."""
+"""Edge unfolding of surfaces into sheets without overlap."""
 
 from __future__ import annotations
 
@@ -26,32 +26,32 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Unfolding:
-    """The surface of a solid cut into sheets of paper: `unfold` makes it.
+    """The surface of a solid cut into sheets of paper; created by `unfold`.
 
     Attributes
     ----------
     sheets : tuple of ndarray, shape (n, 2)
-        The outline of each, counterclockwise, as one sees it from outside, in the unit of the solid.
+        Outline of each sheet, counterclockwise seen from outside, in the unit of the solid.
     corners : tuple of ndarray of int64, shape (n,)
-        The vertex of the surface that each corner is.
+        Surface vertex of each corner.
     sides : tuple of pairs
-        Which sides ``((p, k), (q, m))`` were cut apart, as `isoembed.glue` takes them.
+        Pairs of sides ``((p, k), (q, m))`` that were cut apart, in the form of `isoembed.glue`.
     folds : tuple of ndarray, shape (m, 2, 2)
-        The ends of the folds of each sheet.
+        Endpoints of the folds of each sheet.
     angles : tuple of ndarray, shape (m,)
-        By how much to fold, radians: positive where the solid is convex.
+        Fold angles in radians, positive where the solid is convex.
     precision : Precision or None
-        Of the coordinates of the solid, the error of a length in their unit.
+        Precision of the coordinates of the solid, with the error of a length in their unit.
     faces : tuple of tuples of ndarray of int64
-        The faces of each sheet: the corners of the sheet around each, counterclockwise.
+        Faces of each sheet, as corners of the sheet around each face, counterclockwise.
     numbers : tuple of ndarray of int64, shape (f,)
-        The numbers of these faces on the solid: flat faces are counted in the order of their first triangles.
+        Indices of these faces on the solid; flat faces are numbered by their first triangles.
     vertices : ndarray, shape (V, 3), or None
-        Of the solid.
+        Vertices of the solid.
     kept : frozenset of (int, int)
-        Edges that are not to be cut, by the vertices at their ends, in either order.
+        Edges that must not be cut, as pairs of vertices in either order.
     any_surface : bool
-        Whether the surface has a boundary, whose sides are glued to nothing, or handles.
+        Whether the surface has a boundary, with unglued sides, or handles.
     """
 
     sheets: tuple[Floats, ...]
@@ -79,15 +79,15 @@ class Unfolding:
 
     @cached_property
     def fold_corners(self) -> tuple[Indices, ...]:
-        """The corners of the sheet at the ends of its `folds`, shape (m, 2)."""
+        """Sheet corners at the endpoints of its `folds`, shape (m, 2)."""
         return tuple(map(_nearest, self.sheets, self.folds))
 
     @cached_property
     def net(self) -> Net:
-        """The sheets glued: the metric of the solid, from paper.
+        """The glued sheets: the metric of the solid.
 
-        That of a surface with boundary or handles, which its metric does not determine, has the faces for
-        polygons and knows how they are folded.
+        For a surface with boundary or handles, which its metric does not determine, the polygons are the
+        faces, and the folded vertices are stored.
         """
         if not self.any_surface:
             return glue_rounded(self.sheets, self.sides, self.precision)
@@ -113,33 +113,32 @@ class Unfolding:
         numbers: bool = False,
         material: Material | None = None,
     ) -> None:
-        """Write the net, by the ending of the file: on pages to print and cut out, or to be glued again.
+        """Write the net on pages for printing and cutting, or for gluing again, depending on the file ending.
 
         Parameters
         ----------
         path : path
-            ``.svg``, ``.pdf`` or ``.dxf`` for pages, as `isoembed.papercraft.write_sheets` writes them;
-            ``.html`` for a page that shows how it is folded, with the net beside it; ``.json`` or ``.fold``
-            for the net alone, in the unit of the solid.  `isoembed.glue` reads all of these but ``.pdf`` and
-            ``.html``.
+            ``.svg``, ``.pdf`` or ``.dxf`` for pages, as from `isoembed.papercraft.write_sheets`; ``.html``
+            for a page with an animation of the folding beside the net; ``.json`` or ``.fold`` for the net
+            alone, in the unit of the solid.  `isoembed.glue` reads all but ``.pdf`` and ``.html``.
         paper, scale, size, numbers
-            Of pages, as of `isoembed.papercraft.write_sheets`: ``"A4"``, another format,
-            ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``; millimeters a unit of the solid, or the millimeters of its
-            longest extent, by default what fits; whether faces are numbered.
+            Options of `isoembed.papercraft.write_sheets`: ``"A4"``, another format, ``"WIDTHxHEIGHT"`` or
+            ``"roll:WIDTH"``; millimeters per unit of the solid, or its longest extent in millimeters, by
+            default as large as fits; whether faces are numbered.
         material : isoembed.papercraft.Material, optional
-            Of pages: what the net is cut from and with; by default paper, with tabs.
+            Material and tools for pages; by default paper with tabs.
 
         Raises
         ------
         FileError
-            The ending is not known, the file cannot be written, or matplotlib for PDF or ezdxf for DXF is not
-            installed.
+            The ending is unknown, the file cannot be written, or matplotlib (for PDF) or ezdxf (for DXF) is
+            not installed.
         InvalidMetric
-            The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
+            Faces or sides are so thin or small that the sheets cannot be glued in floating point.
         InvalidParameter
-            There is no such paper, a face does not fit on it, or an allowance or the kerf closes a notch.
+            The paper is unknown, a face does not fit on it, or an allowance or the kerf closes a notch.
         """
-        # As those of `isoembed.embedding.embedding`, this import is upward, and named in the contract.
+        # An upward import, listed in the contract like those of `isoembed.embedding.embedding`.
         from isoembed.papercraft.sheets import save_unfolding
 
         save_unfolding(self, path, paper=paper, scale=scale, size=size, numbers=numbers, material=material)
@@ -155,24 +154,23 @@ def unfold(
 ) -> Unfolding:
     """Cut a surface along edges and unfold it into the plane, in one sheet if such a net is found.
 
-    For the fewest sheets the cuts lead from every vertex along its steepest edge upward, for one direction
-    after the other, until the sheet does not overlap; for a convex body one of the first few does.  Where
-    none does, faces are joined as long as nothing overlaps, and sides that were left out come first the next
-    time, as long as that makes fewer sheets.  The cuts are shortest as a minimum spanning tree of the
-    vertices, which is then changed in the same way until nothing overlaps.  The same surface has the same net
-    every time.
+    For the fewest sheets, each vertex is cut along its steepest ascending edge, for random directions in
+    turn, until the sheet does not overlap; for convex bodies one of the first few attempts succeeds.
+    Otherwise, faces are joined as long as nothing overlaps, and sides that were rejected are tried first in
+    the next attempt, as long as the number of sheets decreases.  The shortest cuts start from a minimum
+    spanning tree of the vertices, changed in the same way until nothing overlaps.  Results are reproducible.
 
     Parameters
     ----------
     surface : Embedding
-        Its vertices count, not its metric.  Triangles in one plane are one face.
+        Surface; only its vertices are used, not its metric.  Coplanar triangles form one face.
     cut, keep : sequence of (int, int), optional
-        Edges, by their vertices, that are cut, and that are not.
+        Edges, as pairs of vertices, that must and must not be cut.
     objective : {"sheets", "length", "strips", "faces"}, optional
-        Few sheets; cuts that are short in all; sheets in which no face is joined to more than two others, as
-        few as are found; or every face by itself, but for those that `keep` joins.
+        Fewest sheets; shortest total length of cuts; few sheets in which each face is joined to at most two
+        others; or separate faces, except those joined by `keep`.
     within : (float, float), optional
-        Width and height of a rectangle that each sheet of several faces fits into, turned in some way, in the
+        Width and height of a rectangle that contains each sheet of several faces, in some orientation, in the
         unit of the surface.
 
     Returns
@@ -182,12 +180,11 @@ def unfold(
     Raises
     ------
     InvalidMetric
-        A face is so thin that it lies in no plane, a side is so short that rounding hides it, or the surface
+        A face is so thin that its plane is undefined, a side is shorter than rounding errors, or the surface
         is in hyperbolic or spherical space.
     InvalidParameter
-        Something is not an edge between two faces, an edge is both cut and kept, edges that are kept lead
-        around a vertex, faces that they join overlap or do not fit, or there is no such objective or
-        rectangle.
+        A pair is not an edge between two faces, an edge is both cut and kept, kept edges close a ring around
+        a vertex, faces joined by them overlap or do not fit, or the objective or rectangle is invalid.
 
     References
     ----------
@@ -234,7 +231,7 @@ def unfold(
 
 
 def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> Unfolding:
-    """Unfolding after the cuts: outlines, identified sides and folds."""
+    """Unfolding from the cuts: outlines, identified sides and folds."""
     outlines = []
     place: dict[int, tuple[int, int]] = {}
     every = np.unique(sheets).tolist()
@@ -258,7 +255,7 @@ def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> U
     following = ends.tolist()
 
     def corner(s: int) -> int:
-        """The corner of the sheet where a side begins: around it to the next side on the outline."""
+        """Sheet corner at the start of a side, found by rotating about it to the next side on the outline."""
         while s not in place:
             s = following[twins[s]]
         return place[s][1]
@@ -282,7 +279,7 @@ def _cut_out(faces: Faces, points: Floats, after: Indices, sheets: Indices) -> U
 
 
 def _nearest(sheet: Floats, folds: Floats) -> Indices:
-    """The corners at the ends of the folds, shape (m, 2)."""
-    size = np.ptp(sheet, axis=0).max()  # keeps the squares from under- and overflowing
+    """Corners at the endpoints of the folds, shape (m, 2)."""
+    size = np.ptp(sheet, axis=0).max()  # prevents underflow and overflow of squares
     apart = np.linalg.norm(folds[:, :, None] / size - sheet / size, axis=3)
     return np.argmin(apart, axis=2)

@@ -1,6 +1,6 @@
 """File input and output: metrics, surfaces, nets, reports and checkpoints.
 
-Every file is read, or refused in one clear sentence; what is written is written whole or not at all.
+A file that cannot be read raises an error of one sentence; writing is atomic.
 """
 
 from isoembed.io.checkpoint import (

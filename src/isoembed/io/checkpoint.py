@@ -15,7 +15,7 @@ from isoembed.progress.fingerprint import Fingerprint
 
 CHECKPOINT_ENDINGS = (".npz",)
 
-KEPT, STATE = "kept/", "state/"  # before the names of the arrays, which are the method's own
+KEPT, STATE = "kept/", "state/"  # prefixes of the array names, which the method chooses
 TEXTS = ("key", "metric", "method", "version")
 TOLERANCE = "tolerance"
 FACTORIZATIONS = "factorizations"
@@ -36,7 +36,7 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     Raises
     ------
     FileError
-        The file cannot be read, or holds no checkpoint or one of an earlier version.
+        The file cannot be read, holds no checkpoint, or was written by an earlier version.
     """
     check_ending(path, CHECKPOINT_ENDINGS)
     with InputFile(path) as file:
@@ -59,7 +59,7 @@ def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
     Raises
     ------
     ValueError
-        It does not say which computation it belongs to, as those that `isoembed.embed` hands out do.
+        The checkpoint has no fingerprint; those handed out by `isoembed.embed` have one.
     """
     fingerprint = checkpoint.fingerprint
     if fingerprint is None:
@@ -73,28 +73,28 @@ def checkpoint_writer(checkpoint: Checkpoint) -> Writer:
 
 
 def write_checkpoint(path: str | os.PathLike[str], checkpoint: Checkpoint) -> None:
-    """Write a checkpoint, whole or not at all.
+    """Write a checkpoint atomically.
 
     Parameters
     ----------
     path : path
         Ends with ``.npz``.
     checkpoint : Checkpoint
-        Of an `isoembed.Interrupted`.
+        Checkpoint, such as that of an `isoembed.Interrupted`.
 
     Raises
     ------
     FileError
-        The ending is another one or the file cannot be written.
+        The ending is not ``.npz`` or the file cannot be written.
     ValueError
-        The checkpoint does not say which computation it belongs to.
+        The checkpoint has no fingerprint.
     """
     check_output(path, CHECKPOINT_ENDINGS)
     write_atomically({Path(path): checkpoint_writer(checkpoint)})
 
 
 def _scalar(tables: Tables, name: str, kind: str, file: InputFile) -> Any:
-    """A single value of this kind of type."""
+    """Scalar entry of the given dtype kind."""
     value = tables.get(name)
     if not isinstance(value, np.ndarray) or value.shape != () or value.dtype.kind != kind:
         raise FileError(f"{file} is not a checkpoint: it has no {name!r}")

@@ -1,4 +1,4 @@
-"""`isoembed.read`: the net, the surface or the metric in a file, whichever it holds."""
+"""`isoembed.read`: the net, surface or metric stored in a file."""
 
 import os
 
@@ -11,32 +11,32 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 
 
 def read(path: str | os.PathLike[str], *, merge: float | None = None) -> Embedding | PolyhedralMetric | Net:
-    """Read what a file holds.
+    """Read a net, a surface or a metric, whichever the file holds.
 
     Parameters
     ----------
     path : path
-        Of any format that is read: see `isoembed.io.read_metric` and `isoembed.io.read_net`.
+        File in any readable format: see `isoembed.io.read_metric` and `isoembed.io.read_net`.
     merge : float, optional
-        Of a mesh, as of `isoembed.io.read_metric`.
+        Merging distance of mesh vertices; see `isoembed.io.read_metric`.
 
     Returns
     -------
     Embedding, PolyhedralMetric or Net
-        Of a file with vertices the surface, as `isoembed.io.read_surface` reads it; of one with lengths alone
-        the metric; of polygons that are glued the net.
+        The surface if the file has vertices (see `isoembed.io.read_surface`), the metric if it has only
+        lengths, or the net if it has polygons to glue.
 
     Raises
     ------
     FileError
-        The file cannot be read, or its ending is not known.
+        The file cannot be read, or its ending is unknown.
     InvalidMetric, InvalidParameter
-        It holds none of these.
+        The contents are none of these.
 
     Warns
     -----
     MeshNote
-        Vertices or faces are merged or left out, or polygons are not planar.
+        Vertices or faces are merged or omitted, or polygons are not planar.
     """
     if holds_net(path):
         return read_net(path)

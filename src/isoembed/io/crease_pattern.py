@@ -1,7 +1,8 @@
 """Nets in FOLD format: crease patterns with the vertex identifications of the solid.
 
-FOLD has no word for what is glued.  The corners have names, in a field of our own: sides whose ends have the
-same two names are glued.  Where there are none, the sheet is folded up by its fold angles, and what meets is.
+FOLD has no standard field for gluings.  Corner names are stored in a custom field: sides whose endpoints have
+the same two names are glued.  Without names, the sheet is folded by its fold angles and coinciding sides are
+glued.
 """
 
 import math
@@ -26,20 +27,20 @@ from isoembed.metric.precision import Precision
 from isoembed.version import __version__
 
 ANGLES = "edges_foldAngle"  # in degrees
-PRECISION = "file_isoembed:precision"  # of the coordinates of the solid
-ANY_SURFACE = "file_isoembed:any_surface"  # true where sides without a mate are a boundary
-GAP = 0.1  # between sheets, of the width of the one before
+PRECISION = "file_isoembed:precision"  # precision of the coordinates of the solid
+ANY_SURFACE = "file_isoembed:any_surface"  # true if unglued sides are a boundary
+GAP = 0.1  # between sheets, relative to the width of the previous one
 
 
 def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
-    """Read the faces of a crease pattern and glue them by the names of their corners, or as they fold up.
+    """Read the faces of a crease pattern and glue them by corner names or by folding.
 
-    The tolerance is that of `isoembed.glue`; where the pattern is folded up, corners are matched by it, too.
+    The tolerance is that of `isoembed.glue`; it also matches the corners of a folded pattern.
 
     Raises
     ------
     FileError
-        It has no faces, points of the plane, or neither names nor fold angles.
+        The file lacks faces, planar points, or both names and fold angles.
     InvalidMetric, InvalidParameter
         The faces make no metric, or the fold angles tear them apart.
     """
@@ -91,14 +92,14 @@ def read_crease_pattern(file: InputFile, tolerance: float | None = None) -> Net:
 
 
 def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str) -> Net:
-    """Glue the ``polygons`` of a document with ``folds``, as of `creases`, along whole ``sides``.
+    """Glue the ``polygons`` of a document along whole ``sides``, with ``folds`` as from `creases`.
 
     Raises
     ------
     FileError
-        Something in the file of this name is not of the form that `isoembed unfold` writes.
+        An entry of the named file does not have the form written by `isoembed unfold`.
     InvalidMetric, InvalidParameter
-        As `glue`.
+        See `glue`.
     """
     sides, folds = document["sides"], document["folds"]
     outlines = [points_of_the_plane(sheet, f"polygon {p}") for p, sheet in enumerate(document["polygons"])]
@@ -141,7 +142,7 @@ def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str)
 
 
 def said_any_surface(document: Mapping[str, Any], name: str) -> bool:
-    """Whether sides of the net in a file of this name that are glued to nothing are a boundary."""
+    """Whether the unglued sides of the net in the named file are a boundary."""
     said = document.get("any_surface", False)
     if not isinstance(said, bool):
         raise FileError(f"{name}: any_surface is {str(said)[:40]}, not true or false")
@@ -149,7 +150,7 @@ def said_any_surface(document: Mapping[str, Any], name: str) -> bool:
 
 
 def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
-    """The folds of each sheet, [corner, corner, degrees], positive where the solid is convex."""
+    """Folds of each sheet as [corner, corner, degrees], positive where the solid is convex."""
     return [
         [[*ends, angle] for ends, angle in zip(folds.tolist(), bends, strict=True)]
         for folds, bends in zip(unfolding.fold_corners, map(np.degrees, unfolding.angles), strict=True)
@@ -157,13 +158,13 @@ def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
 
 
 def solid_entries(unfolding: Unfolding, precision: str, any_surface: str) -> dict[str, Any]:
-    """Entries with the precision of the solid, where it has one, and whether it is any surface."""
+    """Entries for the precision of the solid, if known, and for surfaces with boundary or handles."""
     known = {} if unfolding.precision is None else {precision: asdict(unfolding.precision)}
     return {**known, any_surface: True} if unfolding.any_surface else known
 
 
 def _is_fold(fold: Any, n: int) -> bool:
-    """Whether it is [corner, corner, degrees] of a polygon of n corners."""
+    """Whether the fold is a valid [corner, corner, degrees] of an n-gon."""
     if not isinstance(fold, list) or len(fold) != 3 or not all(type(k) is int for k in fold[:2]):
         return False
     a, b, angle = fold
@@ -172,7 +173,7 @@ def _is_fold(fold: Any, n: int) -> bool:
 
 
 def _precision(said: Any, name: str) -> Precision | None:
-    """The precision that the file of this name says, if any."""
+    """Precision stored in the named file, if any."""
     if said is None:
         return None
     error = said.get("length_error") if isinstance(said, dict) else None
@@ -182,7 +183,7 @@ def _precision(said: Any, name: str) -> Precision | None:
 
 
 def with_places(net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None) -> Net:
-    """The net with the places of the vertices, if its file has the angles."""
+    """Net with the positions of its folded vertices, if the file has fold angles."""
     if folded is not None:
         places, sheets = folded
         vertices = put_together(places, faces, sheets, net.corners)
@@ -192,14 +193,14 @@ def with_places(net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, 
 
 
 def _angles(edges: Any, degrees: Any, file: InputFile) -> dict[tuple[int, int], float]:
-    """The fold angles in radians by the ends of the edges, the smaller first."""
+    """Fold angles in radians, keyed by the endpoints of the edges in increasing order."""
     if not isinstance(degrees, list) or len(degrees) != len(edges):
         raise FileError(f"{file}: {ANGLES} is not a list of {len(edges)} angles, one for each edge")
     angles = {}
     for e, (edge, angle) in enumerate(zip(edges, degrees, strict=True)):
         if len(edge) != 2 or not np.isfinite(edge).all():
             raise FileError(f"{file}: edge {e} does not have two ends")
-        if angle is None:  # of a boundary
+        if angle is None:  # boundary edge
             continue
         if isinstance(angle, bool) or not isinstance(angle, int | float) or not abs(angle) <= 180:
             raise FileError(f"{file}: the fold angle of edge {e} is {angle!r}, not from -180 to 180")
@@ -209,7 +210,7 @@ def _angles(edges: Any, degrees: Any, file: InputFile) -> dict[tuple[int, int], 
 
 
 def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
-    """The sheets beside one another, as an object of FOLD; mountains bend away from who sees the outside."""
+    """FOLD object with the sheets side by side; mountain folds bend away from an outside viewer."""
     points, edges, faces = [], [], []
     letters, angles = [], []
     first, right = 0, 0.0
@@ -241,7 +242,7 @@ def crease_pattern(unfolding: Unfolding) -> dict[str, Any]:
 
 
 def _faces(n: int, chords: Indices) -> list[list[int]]:
-    """The parts of a polygon of n corners that chords which do not cross cut it into."""
+    """Faces into which non-crossing chords divide a polygon of n corners."""
     ways = [[(k + 1) % n, (k - 1) % n] for k in range(n)]
     for a, b in chords.tolist():
         ways[a].append(b)

@@ -1,4 +1,4 @@
-"""Digests of files and arrays, and detection of files that change while they are read."""
+"""Digests of files and arrays, and detection of files that change during reading."""
 
 import contextlib
 import hashlib
@@ -13,23 +13,23 @@ from numpy.typing import NDArray
 
 from isoembed.io.files import FileError, open_input
 
-BLOCK = 1 << 20  # bytes that are hashed at once
+BLOCK = 1 << 20  # bytes hashed at once
 
 
 def file_digest(path: str | os.PathLike[str]) -> str:
-    """Hash of the bytes of a file, kept as long as its size and its time of change are the same.
+    """SHA-256 digest of a file, cached until its size or modification time changes.
 
     Raises
     ------
     FileError
-        It cannot be read, or changes meanwhile.
+        The file cannot be read, or changes during reading.
     """
     with unchanged(path):
         return _hashed(Path(path), file_state(path))
 
 
 def arrays_digest(arrays: Iterable[tuple[str, NDArray[Any]]]) -> str:
-    """Hash of named arrays: their names, types, shapes and bytes."""
+    """SHA-256 digest of named arrays: names, types, shapes and bytes."""
     sha = hashlib.sha256()
     for name, array in arrays:
         sha.update(f"{name} {array.dtype.str} {array.shape} ".encode())
@@ -39,18 +39,18 @@ def arrays_digest(arrays: Iterable[tuple[str, NDArray[Any]]]) -> str:
 
 @contextlib.contextmanager
 def unchanged(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Block in which a file is read, and must not be changed by others.
+    """Context manager that checks that a file does not change while it is read.
 
     Raises
     ------
     FileError
-        Its size or its time of change are not the same afterward.  This is said, too, instead of what was
-        wrong with a file that has changed.
+        The size or modification time has changed.  This error replaces any `ValueError` raised in the
+        block.
     """
     before = file_state(path)
     try:
         yield
-    except ValueError:  # the errors of files and of what is in them
+    except ValueError:  # errors of files and of their contents
         if file_state(path) == before:
             raise
     if file_state(path) != before:
@@ -58,7 +58,7 @@ def unchanged(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def file_state(path: str | os.PathLike[str]) -> tuple[int, int] | None:
-    """Size in bytes and time of change in nanoseconds of a file; None if there is none."""
+    """Size in bytes and modification time in nanoseconds of a file; None if there is none."""
     try:
         there = os.stat(path)
     except OSError:

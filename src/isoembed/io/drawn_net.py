@@ -22,44 +22,44 @@ from isoembed.io.crease_pattern import with_places
 from isoembed.io.files import FileError
 from isoembed.thresholds import rounded_up
 
-SNAP = 1e-6  # of the drawing: ends as near are one where they do not meet to the digits
-UNITS = 4.0  # of the last digit, by which rounded points and lengths between them may differ
-NEAR = 3.0  # heights of a number: what is written farther from a side does not belong to it
-ALONG = 30.0  # heights: what is written along a side and across another as near belongs to the first
-SAME_PERIMETER = 1e-3  # curves of a D-form: they are sampled
-COARSE = 1e-3  # of a length: above, digits may be too few to tell sides apart
-MOST_SAID = 3  # numbers
-GAP = 0.01  # of the drawing, between lines that may be meant to meet
-MOST_POINTS = 2000  # of a drawing that is searched for gaps
-MOST_SIDES = 40  # of a sheet whose gluings are searched
+SNAP = 1e-6  # of the size of the drawing: distance at which ends are joined if not all coincide
+UNITS = 4.0  # of the last digit: possible difference of rounded points and of lengths between them
+NEAR = 3.0  # text heights: a number farther from a side does not belong to it
+ALONG = 30.0  # text heights: penalty for numbers written across a side
+SAME_PERIMETER = 1e-3  # relative, between the two sampled curves of a D-form
+COARSE = 1e-3  # relative to a length: above, the digits may be too few to distinguish sides
+MOST_SAID = 3  # numbers listed in a message
+GAP = 0.01  # of the size of the drawing, between lines that may be meant to meet
+MOST_POINTS = 2000  # of a drawing searched for gaps
+MOST_SIDES = 40  # of a sheet whose gluings are enumerated
 
 Pair = tuple[Side, Side]
 
 
 def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
-    """Glue what is drawn.
+    """Glue a drawn net.
 
-    Outlines are cut, and lines between are folded.  Tabs, which have glue on them, are left away.  Sides are
-    glued that have the same number; then those of the same color, if it has no third; those that meet when
-    the sheet is folded by its angles; those of the same length, if it has no third; and the only convex way
-    that is left.  Where the drawing says that the surface may have a boundary, sides without a number are
-    there.  Two curves are a D-form: they are glued all around, from their first points on.
+    Outlines are cut, and lines between faces are folded.  Tabs, marked by glue areas, are discarded.  Sides
+    are paired by equal numbers; then by a color that exactly two sides share; by coincidence after folding
+    with the given angles; by a length that exactly two sides share; and finally by the unique convex gluing.
+    If the drawing allows a boundary, sides without a number are boundary sides.  Two closed curves are glued
+    into a D-form, starting at their first points.
 
     Parameters
     ----------
     drawing : Lines
     name : str
-        Of the file, for messages.
+        File name, for messages.
     tolerance : float, optional
-        Lengths that differ by no more are glued, mm; by default four units of the last digit, or by how much
-        the points of the solid were rounded, if the file says it.
+        Largest difference of glued lengths, mm; by default four units of the last digit, or the rounding
+        error of the points if the file states it.
 
     Raises
     ------
     FileError
-        There are no outlines.
+        The drawing has no outlines.
     InvalidMetric, InvalidParameter
-        Lines do not make sheets, a side has no mate, or as `isoembed.glue`.
+        The lines make no sheets, a side has no mate, or `isoembed.glue` fails.
     """
     try:
         return _drawn_net(drawing, name, tolerance)
@@ -70,7 +70,7 @@ def drawn_net(drawing: Lines, name: str, tolerance: float | None = None) -> Net:
 
 
 def _joining(drawing: Lines, name: str, tolerance: float | None) -> str:
-    """The end of a message: the line that ends nearest to another, if a tolerance that joins them helps."""
+    """End of an error message: the smallest gap between lines, if a tolerance that closes it helps."""
     lines = [line.points for line in drawing.lines if line.purpose in ("", CUT, FOLD)]
     if not lines or sum(map(len, lines)) > MOST_POINTS:
         return ""
@@ -84,7 +84,7 @@ def _joining(drawing: Lines, name: str, tolerance: float | None) -> str:
     apart[apart <= max(SNAP * size, tolerance or 0.0)] = np.inf
     p = int(np.argmin(nearest := apart.min(axis=1)))
     gap, (x, y) = float(nearest[p]), points[p].tolist()
-    for share in (1.1, 2.2) if gap <= GAP * size else ():  # that of points, and of lengths between them
+    for share in (1.1, 2.2) if gap <= GAP * size else ():  # gap of points, and of lengths between them
         word = f"{float(rounded_up(share * gap)):g}"
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", MeshNote)
@@ -97,12 +97,12 @@ def _joining(drawing: Lines, name: str, tolerance: float | None) -> str:
 
 
 def _drawn_net(drawing: Lines, name: str, tolerance: float | None) -> Net:
-    """See `drawn_net`, which says more where this fails."""
+    """Implementation of `drawn_net`, without the remedies in error messages."""
     lines = [line for line in drawing.lines if line.purpose != READ]
     glued = [line.points[:-1] for line in lines if line.purpose == GLUE and line.is_closed]
     lines = [line for line in lines if line.purpose != GLUE]
     seams = [replace(line, purpose=CUT) for line in lines if line.purpose == SEAM]
-    if seams:  # what is cut is wider, by the allowance
+    if seams:  # the cut outline is wider, by the seam allowance
         lines = seams + [line for line in lines if line.purpose not in (CUT, SEAM)]
     if not lines:
         raise FileError(f"{name} has no lines to cut")
@@ -113,7 +113,7 @@ def _drawn_net(drawing: Lines, name: str, tolerance: float | None) -> Net:
     if len(curves) == len(lines) == 2:
         return _dform(curves[0], curves[1], tolerance)
     lines = undashed(_without_kerf(_without_holes(lines), 0.0 if seams else drawing.kerf), near)
-    if not any(line.purpose == FOLD for line in lines):  # layers do not tell what is cut and what folded
+    if not any(line.purpose == FOLD for line in lines):  # layers do not distinguish cuts from folds
         lines = [replace(line, purpose="") for line in lines]
     graph = _graph(lines, max(UNITS * drawing.unit, tolerance or 0.0), near)
     if not graph.faces:
@@ -128,7 +128,7 @@ def _drawn_net(drawing: Lines, name: str, tolerance: float | None) -> Net:
     pairs, by_length = _mates(sheets, drawing, folded, allowed)
     pairs += [(side, twin) for side, twin in sheets.twins.items() if side < twin]
     with warnings.catch_warnings():
-        if quiet:  # the digits of the file explain by how much sides differ; what it moves is said below
+        if quiet:  # differences of sides are explained by the digits; the correction is reported below
             warnings.simplefilter("ignore", MeshNote)
         polygons = [sheets.points[face] for face in sheets.faces]
         try:
@@ -146,7 +146,7 @@ def _drawn_net(drawing: Lines, name: str, tolerance: float | None) -> Net:
 
 
 def _graph(lines: Sequence[Line], least: float, near: float) -> LineGraph:
-    """The graph of lines whose ends meet to the digits; where they do not, of those that nearly meet."""
+    """Graph of lines whose ends coincide to the digits, or else nearly coincide."""
     if least < near:
         try:
             graph = LineGraph.of(lines, least)
@@ -158,7 +158,7 @@ def _graph(lines: Sequence[Line], least: float, near: float) -> LineGraph:
 
 
 def _dform(first: Floats, second: Floats, tolerance: float | None) -> Net:
-    """Two curved outlines glued all around, from their first points on."""
+    """D-form of two curved outlines, glued from their first points on."""
     around = [float(side_lengths(points).sum()) for points in (first, second)]
     allowed = SAME_PERIMETER * around[0] if tolerance is None else tolerance
     if abs(around[1] - around[0]) > allowed:
@@ -170,7 +170,7 @@ def _dform(first: Floats, second: Floats, tolerance: float | None) -> Net:
 
 
 def _without_holes(lines: Sequence[Line]) -> list[Line]:
-    """The lines but for circles inside of others, which are holes for stitches."""
+    """Lines without circles inside others, which are stitching holes."""
     around = [line.points[:-1] for line in lines if line.is_closed and not line.is_circle]
     return [
         line
@@ -180,7 +180,7 @@ def _without_holes(lines: Sequence[Line]) -> list[Line]:
 
 
 def _without_kerf(lines: Sequence[Line], kerf: float) -> list[Line]:
-    """The outlines of what is left when a beam has followed the lines."""
+    """Outlines of the material left after cutting with a beam of the given width."""
     if not kerf:
         return list(lines)
     found = []
@@ -193,7 +193,7 @@ def _without_kerf(lines: Sequence[Line], kerf: float) -> list[Line]:
 
 
 def _tabs(graph: LineGraph, glued: Sequence[Floats], numbers: Sequence[Number]) -> set[int]:
-    """The faces that are tabs: with glue on them, or, where no glue is drawn, at the end without a number."""
+    """Faces that are tabs: those with glue areas or, if none are drawn, end faces without a number."""
     ends = [f for f in range(len(graph.faces)) if len(graph.folds(f)) == 1]
     marks = [area.mean(axis=0) for area in glued] or [np.array([one.x, one.y]) for one in numbers]
     if not marks:
@@ -203,7 +203,7 @@ def _tabs(graph: LineGraph, glued: Sequence[Floats], numbers: Sequence[Number]) 
 
 
 def _folded(sheets: LineGraph, near: float) -> tuple[Floats, np.ndarray] | None:
-    """The faces folded up by the angles of the lines between them; None if the drawing does not tell all."""
+    """Faces folded by the angles of the lines between them; None if angles are missing."""
     angles = {}
     for side in sheets.twins:
         angle = sheets.lines[side].angle
@@ -225,14 +225,14 @@ def _shared(sheets: LineGraph) -> int:
 def _mates(
     sheets: LineGraph, drawing: Lines, folded: tuple[Floats, np.ndarray] | None, tolerance: float
 ) -> tuple[list[Pair], bool]:
-    """The pairs of sides that are glued, and whether lengths decided some."""
+    """Pairs of glued sides, and whether some were matched by length."""
     left = [
         (f, k) for f, face in enumerate(sheets.faces) for k in range(len(face)) if (f, k) not in sheets.twins
     ]
     pairs: list[Pair] = []
 
     def match(key: Callable[[Side], Hashable | None]) -> None:
-        """Glue sides whose key exactly two have."""
+        """Pair the sides whose key is shared by exactly two."""
         nonlocal left
         by_key: dict[Hashable, list[Side]] = {}
         for side in left:
@@ -277,7 +277,7 @@ def _length(sheets: LineGraph, side: Side) -> float:
 def _numbered(
     sheets: LineGraph, numbers: Sequence[Number], sides: Sequence[Side], tolerance: float
 ) -> dict[Side, str]:
-    """Text at each side; texts that occur twice are assigned to sides near them."""
+    """Number at each side; numbers are assigned to nearby sides."""
     from scipy.optimize import linear_sum_assignment  # slow to import
 
     written = [one for one in numbers if one.text.strip()]
@@ -317,7 +317,7 @@ def _numbered(
 
 
 def _check_twice(numbered: dict[Side, str]) -> None:
-    """Say which numbers glue nothing, where others do."""
+    """Warn of unmatched numbers, if others match."""
     counts = Counter(numbered.values())
     odd = [
         f"{text} at {count} side{'' if count == 1 else 's'}" for text, count in counts.items() if count != 2
@@ -328,7 +328,7 @@ def _check_twice(numbered: dict[Side, str]) -> None:
 
 
 def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> dict[Side, int]:
-    """The class of each side, of those that have one length."""
+    """Length class of each side."""
     lengths = np.array([_length(sheets, side) for side in sides])
     order = np.argsort(lengths, kind="stable")
     classes = np.cumsum(np.diff(lengths[order], prepend=lengths[order[0]]) > tolerance)
@@ -336,7 +336,7 @@ def _by_length(sheets: LineGraph, sides: Sequence[Side], tolerance: float) -> di
 
 
 def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], tolerance: float) -> list[Pair]:
-    """The only convex gluing of one sheet in which sides are glued that are so already."""
+    """Pairs of the unique convex gluing of one sheet that extends the given pairs."""
     outline = _outline(sheets)
     if outline is None or len(outline) > MOST_SIDES:
         raise _no_mate(sheets, left, tolerance)
@@ -356,7 +356,7 @@ def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], to
 
 
 def _outline(sheets: LineGraph) -> list[Side] | None:
-    """The sides around one sheet, counterclockwise; None of several sheets."""
+    """Sides around a single sheet, counterclockwise; None if there are several sheets."""
     around: list[Side] = []
     side = first = next(
         (f, k) for f, face in enumerate(sheets.faces) for k in range(len(face)) if (f, k) not in sheets.twins

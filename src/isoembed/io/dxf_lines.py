@@ -17,17 +17,17 @@ from isoembed.io.input_file import InputFile
 from isoembed.io.svg_path import LARGEST
 
 APPLICATION = "ISOEMBED"
-"""Application name of the extended data of an entity: the angle of a fold."""
+"""Application name of an entity's extended data, which hold the fold angle."""
 PROPERTIES = ("kerf", "error")
-"""Properties of a drawing, mm: the kerf, by half of which outlines are offset; the error of the points."""
+"""Properties of a drawing in mm: the kerf (outlines are offset by half of it) and the error of the points."""
 ANY_SURFACE = "any_surface"
-"""Property that is set where sides without a number are a boundary."""
-FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
+"""Property of drawings in which sides without a number are a boundary."""
+FLATNESS = 1e-4  # distance between a curve and its chords, relative to its extent
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_NESTED = 10  # blocks
-MOST_READ = 100_000  # entities, each as often as it is inserted: a few blocks in blocks make billions
+MOST_READ = 100_000  # entities, counted once per insertion: nested blocks can make billions
 DAMAGED = (ValueError, KeyError, IndexError, AttributeError, TypeError, OverflowError)
-"""Exceptions that ezdxf raises for damaged files, besides its own."""
+"""Exceptions raised by ezdxf for damaged files, besides its own."""
 
 
 def ezdxf_for(what: str) -> Any:
@@ -36,7 +36,7 @@ def ezdxf_for(what: str) -> Any:
     Raises
     ------
     FileError
-        It is not installed.
+        The package is not installed.
     """
     try:
         import ezdxf
@@ -46,14 +46,14 @@ def ezdxf_for(what: str) -> Any:
 
 
 def read_dxf_lines(file: InputFile) -> Lines:
-    """Read what a DXF file draws in its model space.
+    """Read the lines of a DXF file's model space.
 
-    Names of layers tell what lines are for.  Curves are sampled; a drawing without a unit is in millimeters.
+    Layer names give the purpose of lines.  Curves are sampled; a drawing without a unit is in millimeters.
 
     Raises
     ------
     FileError
-        It is no DXF file, or ezdxf is not installed.
+        The file is not DXF, or ezdxf is not installed.
     """
     ezdxf = ezdxf_for(f"reading {file}")
     text = file.data.decode("utf-8", errors="surrogateescape")
@@ -66,8 +66,8 @@ def read_dxf_lines(file: InputFile) -> Lines:
 
 
 def _drawn(ezdxf: Any, document: Any, file: str) -> Lines:
-    """Lines of a document."""
-    # Of a drawing without a unit, as old programs write them, ezdxf says 0.
+    """Lines of a DXF document."""
+    # ezdxf gives 0 for a drawing without a unit, as old programs write them.
     unit = 1.0
     if document.units:
         unit = ezdxf.units.conversion_factor(document.units, ezdxf.units.MM)
@@ -92,7 +92,7 @@ def _drawn(ezdxf: Any, document: Any, file: str) -> Lines:
             raise FileError(
                 f"{file}: a {kind} of the layer {entity.dxf.layer} has numbers that are too large"
             )
-        if not path.has_curves:  # whose controls are computed
+        if not path.has_curves:  # control points of curves are computed
             values.append(corners.ravel())
         size = float(np.ptp(corners, axis=0).max())
         points = unit * np.array([vertex.vec2 for vertex in path.flattening(FLATNESS * size, segments=8)])
@@ -119,7 +119,7 @@ def _millimeters(properties: dict[str, str], name: str, file: str) -> float:
 
 
 def _entities(space: Any, depth: int, name: str) -> Iterator[Any]:
-    """Curves and texts, those of blocks where they are inserted."""
+    """Curves and texts of a layout; those of blocks at each insertion."""
     if depth > MOST_NESTED:
         raise FileError(f"{name} has blocks nested more than {MOST_NESTED} deep")
     for entity in space:
@@ -132,7 +132,7 @@ def _entities(space: Any, depth: int, name: str) -> Iterator[Any]:
 
 
 def _number(entity: Any, unit: float) -> Number:
-    """Text of an entity, placed by its middle."""
+    """Text of an entity, positioned by its center."""
     if entity.dxftype() == "MTEXT":
         text, height, point = entity.plain_text().strip(), entity.dxf.char_height, entity.dxf.insert
         column, row = (entity.dxf.attachment_point - 1) % 3, (entity.dxf.attachment_point - 1) // 3
@@ -145,13 +145,13 @@ def _number(entity: Any, unit: float) -> Number:
         across = 0.5 if name.endswith("LEFT") else -0.5 if name.endswith("RIGHT") else 0.0
         shift = np.array([across, 0.0 if "MIDDLE" in name else -0.5 if name.startswith("TOP") else 0.5])
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    size = np.array([0.78 * len(text) * height, height])  # a digit is narrower than high
+    size = np.array([0.78 * len(text) * height, height])  # width and height of the text
     x, y = unit * (np.array([point[0], point[1]]) + np.array([[c, -s], [s, c]]) @ (shift * size))
     return Number(text, float(x), float(y), unit * float(height), float(angle))
 
 
 def _angle(entity: Any) -> float | None:
-    """The angle of a fold, in degrees."""
+    """Fold angle of an entity in degrees, if any."""
     if not entity.has_xdata(APPLICATION):
         return None
     said = [tag.value for tag in entity.get_xdata(APPLICATION)]

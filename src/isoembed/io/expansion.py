@@ -1,4 +1,4 @@
-"""Decompression limits, against archives that expand without bound."""
+"""Decompression limits, against decompression bombs."""
 
 from dataclasses import dataclass
 
@@ -20,18 +20,19 @@ EXPANSION = ExpansionThresholds()
 
 
 def largest_expansion(stored: int) -> int:
-    """Largest number of bytes that a number of compressed ones may hold."""
+    """Largest permitted decompressed size of a given number of bytes."""
     return EXPANSION.spare + EXPANSION.ratio * stored
 
 
 def check_expansion(what: str, size: int, stored: int) -> None:
-    """Refuse what would expand too far.
+    """Raise an error if data expand too far.
 
     Parameters
     ----------
     what : str
+        Name of the data, for the message.
     size, stored : int
-        Its bytes, expanded and in the file.
+        Sizes in bytes, expanded and stored.
 
     Raises
     ------

@@ -12,20 +12,20 @@ from typing import Any, BinaryIO
 from isoembed.similar_names import did_you_mean
 
 Tables = Mapping[str, Any]
-"""Named arrays of a file: ``faces``, ``edges``, ``lengths``, ``vertices`` and data at the vertices."""
+"""Arrays of a file by name: ``faces``, ``edges``, ``lengths``, ``vertices`` and vertex data."""
 
 Writer = Callable[[Path], object]
-"""Writes one file under the (temporary) name that it is given."""
+"""Function that writes one file to the given (temporary) path."""
 
 
-QUOTED = 120  # characters of what another package says: it may quote all of a damaged file
-TRIAL = 4096  # bytes: a full disk takes an empty file
+QUOTED = 120  # characters quoted from another package's message, which may contain a whole damaged file
+TRIAL = 4096  # bytes: even a full disk accepts an empty file
 
 
 class FileError(ValueError):
-    """A file that cannot be read or written, or is not what its ending says.
+    """A file that cannot be read or written, or whose contents do not match its ending.
 
-    Control characters that the message quotes of a file are escaped.
+    Control characters in the message are escaped.
     """
 
     def __init__(self, message: str) -> None:
@@ -33,14 +33,14 @@ class FileError(ValueError):
 
 
 class AmbiguousFileError(FileError):
-    """A file that holds several of what one is wanted of.
+    """A file with several candidates for one requested object.
 
     Attributes
     ----------
     sentence : str
-        What it holds.
+        Description of the contents.
     parameter : str
-        The parameter that chooses one; the message ends with it.
+        Parameter that selects one; the message ends with it.
     """
 
     def __init__(self, sentence: str, parameter: str) -> None:
@@ -49,23 +49,23 @@ class AmbiguousFileError(FileError):
 
 
 def first_line(error: object) -> str:
-    """The beginning of what another package says of a file, on one line; bytes of the file are escaped."""
+    """First line of another package's error message, shortened, with control characters escaped."""
     line = printable(next(iter(str(error).splitlines()), ""))
     return line if len(line) <= QUOTED else line[: QUOTED - 3] + "..."
 
 
 def printable(text: str) -> str:
-    """Text with escape sequences for characters that cannot be printed."""
+    """Text with unprintable characters escaped."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def ending(path: str | os.PathLike[str]) -> str:
-    """Ending of a file name in lower case, with its dot."""
+    """Suffix of a file name in lower case, with its dot."""
     return Path(path).suffix.lower()
 
 
 def input_ending(path: str | os.PathLike[str]) -> str:
-    """Ending of the name of a file to read: that before ``.gz`` where there is one."""
+    """Suffix of an input file's name, ignoring ``.gz``."""
     return ending(Path(path).with_suffix("") if ending(path) == ".gz" else path)
 
 
@@ -74,12 +74,12 @@ def check_ending(
     known: Collection[str],
     of: Callable[[str | os.PathLike[str]], str] = input_ending,
 ) -> None:
-    """Refuse a file name whose ending is not among the known ones.
+    """Raise an error if a file name has an unknown ending.
 
     Raises
     ------
     FileError
-        Naming the endings that are known, or a file that has a similar name if there is none of this one.
+        The message names the known endings or, if the file does not exist, one with a similar name.
     """
     if (found := of(path)) not in known:
         if of is input_ending and not Path(path).exists() and (similar := _similar(Path(path))):
@@ -89,19 +89,19 @@ def check_ending(
 
 
 def _similar(path: Path) -> str:
-    """The end of a sentence about a file that is not there: one of a similar name in its folder."""
+    """Suggestion of a similarly named file in the same folder, as the end of a sentence."""
     there = [file.name for file in path.parent.iterdir()] if path.parent.is_dir() else []
     return did_you_mean(path.name, there, 0.8)
 
 
 def check_target(path: str | os.PathLike[str]) -> None:
-    """Refuse a file name under which nothing can be written.
+    """Raise an error if nothing can be written to a path.
 
     Raises
     ------
     FileError
-        The folder does not exist, is closed to us or full, or the name belongs to something that is not an
-        ordinary file, or to a file of somebody else in a folder where only its owner may replace it.
+        The folder does not exist, is not writable or is full, or the path is not a regular file, or it is
+        another user's file in a folder with the sticky bit.
     """
     target = _target(path)
     if target.exists() and not target.is_file():
@@ -122,7 +122,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
 
 
 def _may_replace(target: Path) -> bool:
-    """Whether the bit of folders like /tmp that protects files from all but their owners leaves it to us."""
+    """Whether the sticky bit of the folder permits replacing the file."""
     folder = target.parent.stat()
     protected = folder.st_mode & stat.S_ISVTX and hasattr(os, "geteuid")
     return not protected or os.geteuid() in (0, folder.st_uid, target.stat().st_uid)
@@ -134,7 +134,7 @@ def open_input(path: Path) -> BinaryIO:
     Raises
     ------
     FileError
-        There is no such file, it is a folder, or we may not read it.
+        The file does not exist, is a folder, or is not readable.
     """
     try:
         return path.open("rb", buffering=1 << 16)
@@ -147,18 +147,18 @@ def open_input(path: Path) -> BinaryIO:
 
 
 def write_atomically(writers: Mapping[Path, Writer]) -> None:
-    """Write several files, each whole, and none of them if any fails.
+    """Write several files atomically: all of them or, if any fails, none.
 
     Parameters
     ----------
     writers : mapping of path to Writer
-        Each is called with a temporary name in the same folder, with the same ending; when all have
-        returned, the temporary files take their places.
+        Each is called with a temporary path in the same folder, with the same ending; after all have
+        returned, the temporary files replace the targets.
 
     Raises
     ------
     FileError
-        The system refused: no space, no permission, no such folder.
+        The operating system refused: no space, no permission, no such folder.
     """
     temporaries = {
         path: _target(path).with_name(f".isoembed-{secrets.token_hex(8)}{Path(path).suffix}")
@@ -182,16 +182,16 @@ def write_atomically(writers: Mapping[Path, Writer]) -> None:
 
 
 def _target(path: str | os.PathLike[str]) -> Path:
-    """File behind symbolic links: the link stays, its file is replaced.
+    """Resolve symbolic links: the link stays, its target is replaced.
 
     Raises
     ------
     FileError
-        There can be no such file.
+        The path is invalid.
     """
     try:
         target = Path(path).resolve()
         target.exists()
-    except (OSError, RuntimeError) as error:  # a name too long, links in a circle
+    except (OSError, RuntimeError) as error:  # a name too long, a cycle of links
         raise FileError(f"cannot write {path}: {error}") from None
     return target

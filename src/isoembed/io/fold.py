@@ -1,7 +1,7 @@
 """FOLD, the origami format (https://github.com/edemaine/fold, specification 1.2): faces and folds in JSON.
 
-A frame with coordinates is read as a mesh, one with edge lengths alone as a metric.  The convex folds of a
-surface that is seen from outside are mountains.
+A frame with coordinates is read as a mesh, one with only edge lengths as a metric.  Convex folds, seen from
+outside, are mountain folds.
 """
 
 from collections import Counter
@@ -37,25 +37,25 @@ WHOLE = {
     **{"curvature": "isoembed:curvature", "model": "isoembed:model"},
     **{"precision": "isoembed:precision", "rounding_error": "isoembed:rounding_error"},
 }
-"""The space of the coordinates, and their precision."""
-CORNERS = "vertices_isoembed:corner"  # which corner of the solid a vertex of a net becomes
+"""FOLD names of the curvature, the model and the precision of the coordinates."""
+CORNERS = "vertices_isoembed:corner"  # the solid's vertex to which a net's corner belongs
 
 
 def read(file: InputFile) -> Tables:
-    """Read the first frame that is a closed surface, or the first that has faces.
+    """Read the first frame that is a closed surface, or else the first with faces.
 
     Raises
     ------
     FileError
-        It is not FOLD, has no faces, or is a flat sheet with a boundary.
+        The file is not FOLD, has no faces, or is a flat sheet with boundary.
     InvalidMetric
-        A table holds something else than numbers.
+        A table holds values other than numbers.
     """
     return json.parse(file.data, str(file), lambda document: _tables(document, str(file)))
 
 
 def _tables(document: Frame, name: str) -> Frame:
-    """The tables of a surface or a metric by our names."""
+    """Tables of a surface or a metric, with FOLD names replaced."""
     frames = [frame for frame in _frames(document, name) if frame.get(NAMES["faces"]) is not None]
     if not frames:
         raise FileError(
@@ -77,7 +77,7 @@ def _tables(document: Frame, name: str) -> Frame:
                     "closed form"
                 )
             tables["vertices"] = [[*point, 0.0] for point in points]
-        mesh = {key: tables[key] for key in ("vertices", "faces")}  # which the lengths are those of
+        mesh = {key: tables[key] for key in ("vertices", "faces")}  # these determine the lengths
         return mesh | {key: document[name] for key, name in WHOLE.items() if name in document}
     sizes = [len(face) if isinstance(face, list) else 0 for face in _list(tables["faces"])]
     if "lengths" in tables and max(sizes, default=0) > 3:
@@ -90,12 +90,12 @@ def _tables(document: Frame, name: str) -> Frame:
 
 
 def _list(given: Any) -> list[Any]:
-    """A list, which is empty if it is something else: that is refused where tables are checked."""
+    """The given list; empty if it is something else, which a later check rejects."""
     return given if isinstance(given, list) else []
 
 
 def _frames(document: Frame, name: str) -> Iterator[Frame]:
-    """All frames, with what they inherit."""
+    """All frames, with inherited entries."""
     others = document.get("file_frames") or []
     if not isinstance(others, list) or not all(isinstance(frame, dict) for frame in others):
         raise FileError(f"{name}: its file_frames are not a list of frames")
@@ -112,7 +112,7 @@ def _frames(document: Frame, name: str) -> Iterator[Frame]:
 
 
 def _open_side(frame: Frame) -> tuple[int, int] | None:
-    """A side that is in one face only; None if there is none, or the faces are not lists of numbers."""
+    """A side of only one face; None if there is none, or the faces are not lists of integers."""
     counts: Counter[tuple[int, int]] = Counter()
     for face in _list(frame[NAMES["faces"]]):
         if not isinstance(face, list) or not all(type(corner) is int for corner in face):
@@ -126,10 +126,10 @@ def _is_flat(points: Any) -> bool:
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write vertices, faces, and the edges between them: their lengths and folds."""
+    """Write vertices, faces, and edges with lengths and fold angles."""
     vertices, faces = np.asarray(tables["vertices"], dtype=np.float64), tables["faces"]
     edges, lengths, angles, inner = _edges(vertices, faces)
-    if "rounding_error" in tables and isinstance(faces, np.ndarray):  # polygons have no flat sides
+    if "rounding_error" in tables and isinstance(faces, np.ndarray):  # polygons have no flat edges inside
         error = Precision("", float(tables["rounding_error"])).vertex_error
         explained = FLAT_ANGLE + bend_errors(Triangulation(faces), vertices, error=error)
         angles[np.abs(angles) <= np.degrees(explained)] = 0.0
@@ -161,12 +161,12 @@ def write(path: Path, tables: Tables) -> None:
 
 
 def _edges(vertices: Floats, faces: Polygons) -> tuple[Indices, Floats, Floats, np.ndarray]:
-    """Edges, their lengths, their fold angles in degrees (mountains negative), and which are in two faces."""
+    """Edges, lengths, fold angles in degrees (mountains negative), and a mask of interior edges."""
     corners, sizes = flattened(faces)
     starts, ends, owners = corners, corners[next_corners(sizes)], np.repeat(np.arange(len(sizes)), sizes)
     rising = starts < ends
     edges, number = np.unique(np.sort(np.column_stack([starts, ends]), axis=1), axis=0, return_inverse=True)
-    number = number.ravel()  # numpy 2.0 made it a column
+    number = number.ravel()  # a column in NumPy 2.0
     left, right = np.full(len(edges), -1), np.full(len(edges), -1)
     left[number[rising]], right[number[~rising]] = owners[rising], owners[~rising]
     inner = (left >= 0) & (right >= 0)

@@ -17,7 +17,7 @@ from isoembed.io.input_file import InputFile
 Kind = TypeVar("Kind")
 
 Polygons = Indices | Sequence[Indices]
-"""The vertices around each face: a table (F, 3) of triangles, or arrays of any lengths."""
+"""Vertices around each face: a table (F, 3) of triangles, or arrays of varying lengths."""
 
 
 @dataclass(frozen=True)
@@ -27,20 +27,20 @@ class Format:
     Attributes
     ----------
     ending : str
-        Of the names of its files, in lower case, with its dot.
+        Suffix of file names in lower case, with its dot.
     read : callable
-        Takes an `InputFile` and returns its arrays by their names: ``vertices`` (V, 3) and ``faces`` (F, 3),
-        or ``faces``, ``edges`` (E, 2) and ``lengths`` (E,).  A surface in hyperbolic or spherical space has a
-        ``curvature``, too, and the ``model`` that its coordinates are of, by default ``"conformal"``.
+        Takes an `InputFile` and returns its arrays by name: ``vertices`` (V, 3) and ``faces`` (F, 3), or
+        ``faces``, ``edges`` (E, 2) and ``lengths`` (E,).  A surface in hyperbolic or spherical space also has
+        its ``curvature`` and the ``model`` of its coordinates, by default ``"conformal"``.
     write : callable or None
-        Takes a path and such arrays, to which those of data at the vertices may be added, (V,) or vectors
-        (V, 3), and single numbers.  None if it is only read.
+        Takes a path and such arrays, optionally with vertex data, (V,) or vectors (V, 3), and scalars.  None
+        if the format is read-only.
     holds_metrics : bool
-        It has a place for arrays of any name, so for metrics without vertices.
+        The format stores arrays of any name, and thus metrics without vertices.
     repeats_vertices : bool
-        The vertices of a face are its own; equal ones are merged when a file is read.
+        Each face has its own vertices; equal ones are merged on reading.
     holds_polygons : bool
-        It has a place for faces that are not triangles: those of a polyhedron are written as a sequence of
+        The format stores faces other than triangles: those of a polyhedron are written as a sequence of
         arrays, the vertices around each.
     """
 
@@ -53,16 +53,16 @@ class Format:
 
 
 def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
-    """Object that the entry point of another package refers to.
+    """Load the object of another package's entry point.
 
     Raises
     ------
     FileError
-        It cannot be loaded, or is not of this type.
+        The object cannot be loaded, or has another type.
     """
     try:
         found = point.load()
-    except Exception as error:  # whatever a module of others raises
+    except Exception as error:  # any error of a foreign module
         why = f"{type(error).__name__}: {error}"
         raise FileError(f"the format {point.name!r} cannot be loaded from {point.value}: {why}") from error
     if not isinstance(found, kind):
@@ -71,30 +71,30 @@ def loaded(point: EntryPoint, kind: type[Kind]) -> Kind:
 
 
 CURVATURES = ("mean_curvature", "gaussian_curvature")
-"""Names of data at the vertices that are read with a surface."""
+"""Names of vertex data read with a surface."""
 
 
 def at_vertices(tables: Tables) -> dict[str, NDArray[Any]]:
-    """The data at the vertices among the arrays of a surface: without single numbers and words."""
+    """Vertex data among the arrays of a surface, without scalars and strings."""
     data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
     return {key: value for key, value in data.items() if value.ndim}
 
 
 def of_the_whole(tables: Tables) -> dict[str, NDArray[Any]]:
-    """The single numbers among the arrays of a surface."""
+    """Numeric scalars among the arrays of a surface."""
     data = {key: np.asarray(value) for key, value in tables.items() if key not in ("vertices", "faces")}
     return {key: value for key, value in data.items() if not value.ndim and value.dtype.kind in "iuf"}
 
 
 def flattened(faces: Polygons) -> tuple[Indices, Indices]:
-    """The corners of all faces one after the other, and how many each has."""
+    """Concatenated corners of all faces, and the number of corners of each."""
     if isinstance(faces, np.ndarray):
         return faces.ravel(), np.full(len(faces), faces.shape[1])
     return np.concatenate(faces), np.array([len(face) for face in faces])
 
 
 def by_size(faces: Polygons) -> Iterator[Indices]:
-    """Tables of consecutive faces with as many corners each."""
+    """Tables of consecutive faces with equal numbers of corners."""
     if isinstance(faces, np.ndarray):
         yield faces
         return

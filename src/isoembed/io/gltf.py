@@ -1,6 +1,6 @@
 """glTF 2.0 (.gltf, .glb): the triangles of a scene with their node transformations.
 
-It is read only: its coordinates have single precision, which no exact surface survives.
+The format is read-only: its coordinates have single precision, which no exact surface survives.
 """
 
 import base64
@@ -22,20 +22,20 @@ from isoembed.io.strips import fan_triangles, strip_triangles
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 TRIANGLES, STRIP, FAN = 4, 5, 6  # modes of primitives; lower ones are points and lines
 UNKNOWN = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing")
-"""Extensions without which the triangles are not known."""
+"""Extensions without which the triangles cannot be read."""
 
 Object = dict[str, Any]
 
 
 def read(file: InputFile) -> Tables:
-    """Read the triangles of all meshes in the scene, in its coordinates; all else is left aside.
+    """Read the triangles of all meshes in the scene, in scene coordinates; all else is ignored.
 
-    Vertices are as in the file, which has several where normals or textures have a seam.
+    Vertices are as in the file, which repeats them at seams of normals or textures.
 
     Raises
     ------
     FileError
-        It is damaged, or needs an extension that is not known.
+        The file is damaged, or requires an unsupported extension.
     """
     try:
         document = _Document(file)
@@ -43,20 +43,20 @@ def read(file: InputFile) -> Tables:
         for mesh, matrix in document.placed():
             for primitive in _list(mesh, "primitives"):
                 points, triangles = document.triangles(primitive)
-                used, triangles = np.unique(triangles, return_inverse=True)  # several may share their points
+                used, triangles = np.unique(triangles, return_inverse=True)  # primitives may share points
                 vertices.append(points[used] @ matrix[:3, :3].T + matrix[:3, 3])
                 mirrored = np.linalg.det(matrix[:3, :3]) < 0
                 faces.append(n + triangles.reshape(-1, 3)[:, :: -1 if mirrored else 1])
                 n += len(used)
     except FileError:
         raise
-    except (ValueError, TypeError, RecursionError, OSError) as error:  # what is no JSON, array or file
+    except (ValueError, TypeError, RecursionError, OSError) as error:  # invalid JSON, arrays or files
         raise FileError(f"{file} is not a readable glTF file: {first_line(error)}") from None
     return {"vertices": np.concatenate(vertices), "faces": np.concatenate(faces)}
 
 
 class _Document:
-    """The objects of a file, and the bytes that belong to them."""
+    """Objects and binary data of a glTF file."""
 
     def __init__(self, file: InputFile) -> None:
         text, self.binary = _chunks(file.data) if file.data[:4] == b"glTF" else (file.data, b"")
@@ -71,14 +71,14 @@ class _Document:
         self._buffers: dict[int, bytes] = {}
 
     def entry(self, kind: str, index: Any) -> Object:
-        """An object of a list by its index."""
+        """Object of a list by index."""
         rows = _list(self.root, kind)
         if not isinstance(index, int) or not 0 <= index < len(rows):
             raise ValueError(f"there is no number {index!r} among its {kind}")
         return _object(rows[index], f"number {index} of its {kind}")
 
     def placed(self) -> Iterator[tuple[Object, Floats]]:
-        """The meshes in the scene, each with the matrix (4, 4) that puts it there."""
+        """Meshes of the scene, each with its transformation matrix (4, 4)."""
         nodes = _list(self.root, "nodes")
         if not nodes:
             for k in range(len(_list(self.root, "meshes"))):
@@ -102,7 +102,7 @@ class _Document:
             waiting += [(child, matrix) for child in reversed(_list(node, "children"))]
 
     def triangles(self, primitive: Any) -> tuple[Floats, Indices]:
-        """Points and triangles of a primitive; none, where it is points or lines."""
+        """Points and triangles of a primitive; empty for points and lines."""
         primitive = _object(primitive, "a primitive")
         mode = primitive.get("mode", TRIANGLES)
         attributes = _object(primitive.get("attributes"), "what a primitive has at its vertices")
@@ -121,7 +121,7 @@ class _Document:
         return points, strip_triangles(corners) if mode == STRIP else fan_triangles(corners)
 
     def accessor(self, index: Any, kind: str, columns: int) -> NDArray[Any]:
-        """The numbers of an accessor, shape (count, columns)."""
+        """Values of an accessor, shape (count, columns)."""
         accessor, name = self.entry("accessors", index), f"accessor {index}"
         if accessor.get("type") != kind:
             raise ValueError(f"{name} has the type {accessor.get('type')!r}, not {kind}")
@@ -141,7 +141,7 @@ class _Document:
         return values
 
     def view(self, part: Object, dtype: np.dtype, count: int, columns: int, name: str) -> NDArray[Any]:
-        """Rows of numbers, a stride apart."""
+        """Strided rows of numbers."""
         if "bufferView" not in part:
             raise ValueError(f"{name} has no bufferView")
         view = self.entry("bufferViews", part["bufferView"])
@@ -154,7 +154,7 @@ class _Document:
         return np.ndarray((count, columns), dtype, data, offset, (stride, dtype.itemsize))
 
     def buffer(self, index: Any) -> bytes:
-        """The bytes of a buffer: in this file, or in one beside it."""
+        """Bytes of a buffer, embedded or in another file in the same folder."""
         buffer = self.entry("buffers", index)
         if index not in self._buffers:
             uri = buffer.get("uri")
@@ -173,7 +173,7 @@ class _Document:
 
 
 def _chunks(data: bytes) -> tuple[bytes, bytes]:
-    """The JSON and the binary chunk of a .glb."""
+    """JSON and binary chunks of a .glb file."""
     chunks, at = dict[bytes, bytes](), 12
     while at + 8 <= len(data):
         length, kind = int.from_bytes(data[at : at + 4], "little"), data[at + 4 : at + 8]

@@ -7,16 +7,16 @@ import numpy as np
 
 from isoembed.io.expansion import check_expansion
 
-LISTED = 8  # names that a refusal enumerates
+LISTED = 8  # names listed in an error message
 HDF5_ENDINGS = (".h5", ".hdf5", ".he5")
 
 
 def numbers_in(group: Any, path: object) -> dict[str, np.ndarray]:
-    """Data sets of numbers right inside a group of a file, by their names."""
+    """Numeric data sets directly in a group of a file, by name."""
     return {
         name: array_of(item, path)
         for name, item in group.items()
-        if isinstance(name, str)  # of damaged files some are bytes
+        if isinstance(name, str)  # bytes in some damaged files
         and hasattr(item, "shape")
         and item.shape is not None
         and item.dtype.kind in "iuf"
@@ -24,19 +24,19 @@ def numbers_in(group: Any, path: object) -> dict[str, np.ndarray]:
 
 
 def array_of(data: Any, path: object) -> Any:
-    """The array that a data set of a file holds.
+    """Array stored in a data set.
 
     Raises
     ------
     FileError
-        It is larger than what is stored of it can be.
+        The array is larger than its stored bytes permit.
     """
     check_expansion(f"{data.name} of {path}", data.nbytes, data.id.get_storage_size())
     return data[()]
 
 
 def listing(file: Any) -> str:
-    """The data sets of a file by their paths, the first of many, or its groups where there are none."""
+    """Description of the data sets of a file, or of its groups if it has none, for error messages."""
     sets: list[str] = []
     groups: list[str] = []
     file.visititems(lambda name, item: (groups if hasattr(item, "items") else sets).append(_written(name)))
@@ -46,18 +46,18 @@ def listing(file: Any) -> str:
 
 
 def _written(name: str | bytes) -> str:
-    """A name, which is bytes in some damaged files."""
+    """Decoded name; some damaged files hold bytes."""
     return name if isinstance(name, str) else name.decode("utf-8", errors="replace")
 
 
 def enumerated(names: Collection[str]) -> str:
-    """The first of some names, and how many there are more."""
+    """The first few names, and the number of the others."""
     first = ", ".join(list(names)[:LISTED])
     return first if len(names) <= LISTED else f"{first} and {len(names) - LISTED} more"
 
 
 def groups_in(file: Any) -> dict[str, Any]:
-    """Groups of a file by their paths, itself first with an empty one."""
+    """Groups of a file by path; the file itself has the empty path."""
     groups = {"": file}
     file.visititems(lambda name, item: groups.update({name: item}) if hasattr(item, "items") else None)
     return groups

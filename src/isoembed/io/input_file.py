@@ -25,11 +25,11 @@ from isoembed.io.files import FileError, Tables, first_line, input_ending, open_
 from isoembed.io.hdf5 import HDF5_ENDINGS, array_of, enumerated, groups_in, listing, numbers_in
 
 GZIP = b"\x1f\x8b"
-NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f-\x9f]")  # control characters, of Latin-1 too
+NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f-\x9f]")  # control characters, including those of Latin-1
 
 
 class InputFile(os.PathLike[str]):
-    """A file that is opened once, and decompressed if it is gzipped; a context manager, and a path.
+    """A file opened once, decompressed if gzipped; a context manager and a path.
 
     Parameters
     ----------
@@ -39,14 +39,14 @@ class InputFile(os.PathLike[str]):
     ----------
     path : Path
     ending : str
-        The ending of its name in lower case, with its dot; that before ``.gz`` where there is one.
+        Suffix of the name in lower case, with its dot, ignoring ``.gz``.
     head : str
-        Its first 65,536 bytes as text, to recognize formats by.
+        Beginning of the file as text, for recognizing formats.
 
     Raises
     ------
     FileError
-        There is no such file, it is a folder, or it cannot be read or decompressed.
+        The file does not exist, is a folder, or cannot be read or decompressed.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -79,12 +79,12 @@ class InputFile(os.PathLike[str]):
 
     @cached_property
     def text(self) -> str:
-        """Text of the file.
+        """Text of the file, in UTF-8, UTF-16 with a byte order mark, or Latin-1.
 
         Raises
         ------
         FileError
-            It has bytes of no text.  Text is in UTF-8, UTF-16 with a byte order mark, or Latin-1.
+            The file is not text.
         """
         utf_16 = self.data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
         try:
@@ -96,14 +96,14 @@ class InputFile(os.PathLike[str]):
 
     @cached_property
     def arrays(self) -> dict[str, Tables]:
-        """Arrays of a ``.npz`` archive by their names, or those of numbers in an HDF5 file, by their groups.
+        """Arrays of a ``.npz`` archive by name, or numeric arrays of an HDF5 file, by group.
 
-        The group at the top, the only one of an archive, is ``""``.
+        The root group, the only one of an archive, is ``""``.
 
         Raises
         ------
         FileError
-            It is damaged, or something else.
+            The file is damaged, or has another format.
         """
         if self.ending not in HDF5_ENDINGS:
             return {"": _archive(self._stream, str(self))[1]}
@@ -112,12 +112,12 @@ class InputFile(os.PathLike[str]):
 
     @property
     def names(self) -> list[str]:
-        """Names of the arrays of a ``.npz`` archive, or of all that is at the top of an HDF5 file.
+        """Names of the arrays of a ``.npz`` archive, or of the root entries of an HDF5 file.
 
         Raises
         ------
         FileError
-            As of `arrays`.
+            See `arrays`.
         """
         if self.ending not in HDF5_ENDINGS:
             return _archive(self._stream, str(self), ())[0]
@@ -125,17 +125,17 @@ class InputFile(os.PathLike[str]):
             return [*file, *file.attrs]
 
     def some(self, wanted: Collection[str]) -> Tables:
-        """Arrays of these names that the file has; no others are read.
+        """Read only the arrays with the given names, as far as they exist.
 
         Parameters
         ----------
         wanted : collection of str
-            Names of arrays of a ``.npz`` archive, or of data sets or attributes at the top of an HDF5 file.
+            Names of arrays of a ``.npz`` archive, or of root data sets or attributes of an HDF5 file.
 
         Raises
         ------
         FileError
-            As of `arrays`.
+            See `arrays`.
         """
         if self.ending not in HDF5_ENDINGS:
             return _archive(self._stream, str(self), wanted)[1]
@@ -154,12 +154,12 @@ class InputFile(os.PathLike[str]):
 
     @contextlib.contextmanager
     def hdf5(self) -> Iterator[Any]:
-        """Open an HDF5 file with h5py; in the block what h5py raises of damaged data is a `FileError`.
+        """Open an HDF5 file with h5py; errors of h5py in the block become a `FileError`.
 
         Raises
         ------
         FileError
-            It is damaged or no HDF5 file, or h5py is not installed.
+            The file is damaged or not HDF5, or h5py is not installed.
         """
         try:
             import h5py
@@ -171,15 +171,15 @@ class InputFile(os.PathLike[str]):
             yield self._hdf5
         except (FileError, InvalidMetric, InvalidParameter):
             raise
-        except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:  # h5py's: damaged
+        except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:  # raised by h5py if damaged
             why = first_line(" ".join(str(error).split()).strip("'\""))
-            # Its frames hold h5py's driver of open files, which crashes if it is freed at exit only.
+            # Its frames hold h5py's driver of open files, which crashes if freed only at exit.
             error.__traceback__ = None
             raise FileError(f"{self} is not a readable HDF5 file: {why}") from None
 
 
 def opened(path: str | os.PathLike[str]) -> contextlib.AbstractContextManager[InputFile]:
-    """Open a file for a block; one that is open already stays open."""
+    """Context manager that opens a file; an already open one stays open."""
     return contextlib.nullcontext(path) if isinstance(path, InputFile) else InputFile(path)
 
 
@@ -196,7 +196,7 @@ def _decompressed(stream: BinaryIO, path: Path) -> bytes:
 def _archive(
     stream: BinaryIO, name: str, wanted: Collection[str] | None = None
 ) -> tuple[list[str], dict[str, NDArray[Any]]]:
-    """Names of the arrays of a NumPy archive, and the arrays, or some of them, by their names.
+    """Names of all arrays of a NumPy archive, and the wanted arrays (default: all) by name.
 
     Pickled objects are never loaded: they could run code.
     """
@@ -219,12 +219,12 @@ def _archive(
         ValueError,  # objects, a damaged header
         OSError,
         EOFError,
-        MemoryError,  # a header that promises more than there is
+        MemoryError,  # a header that claims more than exists
         KeyError,
         RuntimeError,  # encrypted
         NotImplementedError,  # unknown compression
         SyntaxError,  # a header that is no Python literal
-        tokenize.TokenError,  # one with a parenthesis that stays open
+        tokenize.TokenError,  # a header with an unclosed parenthesis
         zipfile.BadZipFile,
         zlib.error,
     ) as error:

@@ -24,12 +24,12 @@ Document = dict[str, Any]
 
 
 def read(file: InputFile) -> Tables:
-    """Read a file; see `parse`."""
+    """Read a JSON file; see `parse`."""
     return parse(file.data, str(file))
 
 
 def read_standard_input() -> Tables:
-    """Read standard input; see `parse`."""
+    """Read JSON from standard input; see `parse`."""
     stream = getattr(sys.stdin, "buffer", None)
     if stream is None:
         raise FileError("there is no standard input to read from")
@@ -37,39 +37,39 @@ def read_standard_input() -> Tables:
 
 
 def parse(data: bytes, name: str, chosen: Callable[[Document], Document] | None = None) -> Tables:
-    """Read the tables of a JSON object that a metric may consist of; other entries are left aside.
+    """Read the tables of a metric from a JSON object; other entries are returned unchecked.
 
     Parameters
     ----------
     data : bytes
         UTF-8.
     name : str
-        What the data is called in a message.
+        Name of the source, for messages.
     chosen : callable, optional
-        Takes the object and returns that of the tables.
+        Maps the JSON object to the object of the tables.
 
     Returns
     -------
     dict
-        Arrays; but ``faces`` and ``edges`` stay lists if their rows differ in length.
+        Arrays, except that ``faces`` and ``edges`` stay lists if their rows differ in length.
 
     Raises
     ------
     FileError
-        The data is no JSON object.
+        The data are not a JSON object.
     InvalidMetric
-        A table holds something else than numbers.
+        A table holds values other than numbers.
     """
     choose = chosen or dict
     try:
         usual = _usual_tables(choose(_document(data, name)))
-    except (ValueError, OverflowError):  # an integer beyond what Python or numpy take
+    except (ValueError, OverflowError):  # an integer too large for Python or NumPy
         usual = None
     return _any_tables(choose(_document(data, name, _integer))) if usual is None else usual
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write named arrays, single numbers and words; in arrays a number that is not finite is null."""
+    """Write named arrays, scalars and strings; nonfinite array entries become null."""
     with path.open("w", encoding="utf-8") as file:
         for k, (key, table) in enumerate(tables.items()):
             file.write(("{" if k == 0 else ", ") + json.dumps(key) + ": ")
@@ -79,7 +79,7 @@ def write(path: Path, tables: Tables) -> None:
 
 
 def written(table: NDArray) -> Iterator[str]:
-    """The text of a list, or of a list of lists, in pieces; a number that is not finite is null."""
+    """Yield the JSON text of a one- or two-dimensional table in pieces; nonfinite entries become null."""
     if not np.isfinite(table).all():
         yield strict_json(table)
         return
@@ -107,11 +107,11 @@ def _document(data: bytes, name: str, integer: Callable[[str], int | float] = in
 
 
 def _usual_tables(document: dict[str, Any]) -> Tables | None:
-    """Arrays, if every table is a list of numbers or of equally many numbers a row; else None."""
+    """Arrays, if every table is a list of numbers or of rows of equal length; otherwise None."""
     tables = {key: value for key, value in document.items() if value is not None}
     for key in (key for key in (*ROWS, *PLAIN) if key in tables):
         rows = tables[key]
-        if key == "length_errors" and type(rows) in (int, float):  # one for all
+        if key == "length_errors" and type(rows) in (int, float):  # one value for all lengths
             continue
         if not isinstance(rows, list) or not rows:
             return None
@@ -132,7 +132,7 @@ def _usual_tables(document: dict[str, Any]) -> Tables | None:
 
 
 def _any_tables(document: dict[str, Any]) -> Tables:
-    """Tables with every entry checked."""
+    """Tables, with every entry checked."""
     tables: dict[str, Any] = {key: value for key, value in document.items() if value is not None}
     for key, row in ROWS.items():
         if key in tables:

@@ -1,8 +1,7 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
 """Compiled scanning of numbers in plain text.
 
-Whatever is not what a format usually looks like is left to its own reader, which is slow and names what is
-wrong.
+Text of unusual form is left to the slow reader of each format, which reports the error.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ LONGEST = cython.declare(cython.longlong, 18)  # digits of an integer, as in `te
 
 
 def is_plain(text: ConstByte[::1]):
-    """Whether there are but printable ASCII, blanks and line feeds, and no line goes on in the next."""
+    """Whether text is printable ASCII, blanks and line feeds, without line continuations."""
     for i in range(text.shape[0]):
         c = text[i]
         if c == RETURN:
@@ -43,21 +42,21 @@ def is_plain(text: ConstByte[::1]):
 @cython.cfunc
 @cython.exceptval(check=False)
 def in_word(c: Int) -> cython.bint:
-    """Whether a character of plain text belongs to a word: comments do not."""
+    """Whether a character of plain text belongs to a word; comments do not."""
     return c > SPACE and c != HASH
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
 def ends(c: Int) -> cython.bint:
-    """Whether a line, or what it says, ends with this character."""
+    """Whether this character ends a line or starts a comment."""
     return c in (FEED, HASH)
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
 def word_begin(text: ConstByte[::1], i: Int) -> Int:
-    """Start of the next word in this line; the end of the line, or of its contents, if there is none."""
+    """Start of the next word in the line, or the end of the line's contents."""
     while text[i] <= SPACE and text[i] != FEED:
         i += 1
     return i
@@ -73,7 +72,7 @@ def word_end(text: ConstByte[::1], i: Int) -> Int:
 
 
 def words_end(text: ConstByte[::1], count: Int):
-    """End of the first `count` words, over all lines; -1 if there are fewer."""
+    """End of the first `count` words, across lines; -1 if there are fewer."""
     i: Int = 0
     for _ in range(count):
         while i < text.shape[0] and text[i] <= SPACE:
@@ -99,7 +98,7 @@ def next_line(text: ConstByte[::1], i: Int) -> Int:
 def copy_words(
     text: ConstByte[::1], i: Int, count: Int, copy: Byte[::1], end: Int
 ) -> tuple[cython.longlong, cython.longlong]:
-    """Append `count` words and blanks to a copy; return both ends, or -1 if there are fewer words."""
+    """Append `count` words, separated by blanks, to a copy; return both ends, or -1 if words are missing."""
     for _ in range(count):
         i = word_begin(text, i)
         if ends(text[i]):
@@ -115,7 +114,7 @@ def copy_words(
 @cython.cfunc
 @cython.exceptval(check=False)
 def natural(text: ConstByte[::1], i: Int, separator: Int) -> tuple[cython.longlong, cython.longlong]:
-    """The natural number that the next word is, up to a separator, and its end; -1 if it is not one."""
+    """Value and end of a natural number in the next word, up to a separator; -1 if it is none."""
     i = word_begin(text, i)
     begin = i
     value: Int = 0
@@ -130,7 +129,7 @@ def natural(text: ConstByte[::1], i: Int, separator: Int) -> tuple[cython.longlo
 
 
 def scan_off(text: ConstByte[::1], n_vertices: Int, n_faces: Int):
-    """The text of the coordinates, and the triangles; none if a line is unusual."""
+    """Text of the coordinates, and triangles; both empty if a line is unusual."""
     coordinates: Byte[::1] = np.empty(text.shape[0] + 4, dtype=np.uint8)
     faces: Int[:, ::1] = np.empty((n_faces, 3), dtype=np.int64)
     end: Int = 0
@@ -160,7 +159,7 @@ def scan_off(text: ConstByte[::1], n_vertices: Int, n_faces: Int):
 
 
 def scan_stl(text: ConstByte[::1]):
-    """The text of the corners, their number, and that of the facets; without text if a line is unusual."""
+    """Text of the corners, and the numbers of corners and facets; empty text if a line is unusual."""
     coordinates: Byte[::1] = np.empty(text.shape[0] + 3, dtype=np.uint8)
     end: Int = 0
     corners: Int = 0
@@ -180,7 +179,7 @@ def scan_stl(text: ConstByte[::1]):
 
 
 def scan_obj(text: ConstByte[::1]):
-    """The text of the coordinates, the number of vertices, and the triangles; none if a line is unusual."""
+    """Text of the coordinates, number of vertices, and triangles; empty if a line is unusual."""
     coordinates: Byte[::1] = np.empty(text.shape[0] + 3, dtype=np.uint8)
     faces: Int[:, ::1] = np.empty((text.shape[0] // 7 + 1, 3), np.int64)
     end: Int = 0

@@ -30,7 +30,7 @@ CONVERTERS = {
     ".scad": "OpenSCAD",
     ".amf": "PrusaSlicer",
 }
-"""Free programs that export meshes of formats that are not read."""
+"""Free programs that convert unsupported formats to meshes."""
 DRAWINGS = (".svg", ".dxf")
 
 
@@ -48,27 +48,25 @@ def read_metric(
     ----------
     source : path or "-"
         ``.npz`` or ``.json`` with ``faces`` (F, 3), ``lengths`` (E,) and ``edges`` (E, 2), which may be
-        left out where the lengths are in the order of `Triangulation.edges`; or with ``faces`` and
-        ``vertices`` (V, 3); or a mesh.  ``length_errors`` (E,) beside the lengths, in their order, or one
-        number for all, are their standard deviations.  Of vertices the lengths are taken and the coordinates
-        thrown away; the ``rounding_error`` of a length is what their ``precision`` left of it, root mean
-        square.
-        Faces between vertices may be polygons.  A ``curvature`` is that of the triangles and of space; the
-        vertices are then in the ``model`` of it that the file names, by default ``"conformal"``.  ``-`` reads
-        JSON from standard input.
+        omitted if the lengths are in the order of `Triangulation.edges`; or with ``faces`` and ``vertices``
+        (V, 3); or a mesh.  Optional ``length_errors``, shape (E,) in the order of the lengths or one number
+        for all, are standard deviations.  Vertices determine the lengths, and their coordinates are
+        discarded; the ``rounding_error`` is the root mean square error of a length due to the limited
+        ``precision`` of the coordinates.
+        Faces with vertices may be polygons.  A ``curvature`` is that of the triangles and of the ambient
+        space; the vertices are then in the ``model`` named in the file, by default ``"conformal"``.  ``-``
+        reads JSON from standard input.
     merge : float, optional
-        Vertices that are as near to one another, in mean edge lengths, become one: see
-        `PolyhedralMetric.from_mesh`.  Formats with vertices of their own for every face (STL, glTF) have
-        equal ones merged without being asked.
+        Vertices within this distance, in mean edge lengths, are merged: see `PolyhedralMetric.from_mesh`.
+        Equal vertices are always merged in formats that repeat them for every face (STL, glTF).
     space : Space or {"hyperbolic", "spherical"}, optional
-        That of the triangles, where the file does not say its curvature (one of zero says nothing): their
-        sides are the lengths, or the distances in R^3 of the vertices.  ``"hyperbolic"`` alone is the
-        `least_convex_space`, if the file says none; ``"spherical"`` alone says what the file must.
+        Space of the triangles, if the file states no curvature or zero: their sides are the lengths, or the
+        distances in R^3 between the vertices.  ``"hyperbolic"`` alone is the `least_convex_space`, if the
+        file states none; ``"spherical"`` alone requires the curvature in the file.
     any_surface : bool
-        Whether it may be a metric on a surface with boundary, or of higher genus.
+        Whether surfaces with boundary or of higher genus are permitted.
     length_errors : float or array_like, shape (E,), optional
-        Standard deviations of the lengths, in the order of the file's edges, in place of those that it
-        holds.
+        Standard deviations of the lengths, in the order of the file's edges, replacing those in the file.
 
     Returns
     -------
@@ -77,15 +75,15 @@ def read_metric(
     Raises
     ------
     FileError
-        The file cannot be read, its ending is not known, its space is another than the given one, or of a
-        given name neither the file nor the space says the curvature.
+        The file cannot be read, its ending is unknown, its space differs from the given one, or a space
+        given by name has no curvature in the file.
     InvalidMetric
-        What it holds is not a metric.
+        The contents are not a metric.
 
     Warns
     -----
     MeshNote
-        Vertices or faces are merged or left out, or polygons are not planar.
+        Vertices or faces are merged or omitted, or polygons are not planar.
     """
     tables = read_tables(source, merge)
     metric = metric_of(tables if length_errors is None else {**tables, "length_errors": length_errors})
@@ -97,7 +95,7 @@ def read_metric(
 def in_space(
     metric: PolyhedralMetric, space: Space | str | None, source: str | os.PathLike[str]
 ) -> PolyhedralMetric:
-    """The metric of a file in a space that was asked for, as in `read_metric`; in its own without one."""
+    """Metric of a file in the requested space, as in `read_metric`; by default in its own."""
     if space is None or space in (metric.space, metric.space.name):
         return metric
     if not metric.space.is_euclidean:
@@ -115,11 +113,11 @@ def in_space(
 def read_tables(
     source: str | os.PathLike[str], merge: float | None = None, wanted: Collection[str] = tuple(FORMATS)
 ) -> Tables:
-    """Read ``faces``, ``edges`` and ``lengths``, or ``vertices`` and triangles, in any of the formats.
+    """Read ``faces``, ``edges`` and ``lengths``, or ``vertices`` and triangles, in any format.
 
-    Of an unknown ending it says which are wanted.
+    The error for an unknown ending lists the wanted ones.
 
-    Where there is a ``curvature``, it is a number, and the vertices are points of the space that has it.
+    A ``curvature`` is returned as a number; the vertices are then points of the space of that curvature.
     """
     if source == "-":
         return _tables(json.read_standard_input(), "standard input", merge)
@@ -131,14 +129,14 @@ def read_tables(
         )
     if input_ending(source) not in FORMATS:
         check_ending(source, wanted)
-    with opened(source) as file, np.errstate(invalid="ignore"):  # some bytes are no numbers
+    with opened(source) as file, np.errstate(invalid="ignore"):  # some bit patterns are NaN
         known = FORMATS[file.ending]
         tables = known.read(file)
     return _tables(tables, str(source), merge, repeated=known.repeats_vertices)
 
 
 def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data: Floats) -> Writer:
-    """Writer of a metric in the format of this ending; see `write_atomically`."""
+    """Writer of a metric in the format of the path's ending; see `write_atomically`."""
     tables: dict[str, Any] = {"faces": metric.faces, "edges": metric.edges, "lengths": metric.lengths, **data}
     if metric.length_errors is not None:
         tables["length_errors"] = metric.length_errors
@@ -146,7 +144,7 @@ def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data
 
 
 def facts(metric: PolyhedralMetric) -> dict[str, Any]:
-    """The words and single numbers of a metric that go into files: curvature, precision of coordinates."""
+    """Scalars and strings of a metric stored in files: curvature, precision of coordinates."""
     found: dict[str, Any] = {} if metric.space.is_euclidean else {"curvature": np.array(metric.curvature)}
     if metric.precision is not None:
         error = metric.precision.length_error * metric.mean_length
@@ -155,15 +153,15 @@ def facts(metric: PolyhedralMetric) -> dict[str, Any]:
 
 
 def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None:
-    """Write ``faces``, ``edges`` and ``lengths``, and what else is known of them, as ``.npz`` or ``.json``.
+    """Write ``faces``, ``edges`` and ``lengths``, and optional data, as ``.npz`` or ``.json``.
 
-    That is a ``curvature``, ``length_errors`` (E,), and the ``precision`` of the coordinates that the lengths
-    come from with the ``rounding_error`` of a length, root mean square.
+    Optional data are the ``curvature``, ``length_errors`` (E,), and the ``precision`` of the coordinates from
+    which the lengths were computed, with the root mean square ``rounding_error`` of a length.
 
     Raises
     ------
     FileError
-        The ending is not known or the file cannot be written.
+        The ending is unknown or the file cannot be written.
     """
     check_output(path, METRIC_ENDINGS)
     write_atomically({Path(path): metric_writer(path, metric)})
@@ -187,7 +185,7 @@ def metric_of(tables: Tables) -> PolyhedralMetric:
 
 
 def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = False) -> Tables:
-    """The arrays of a file of this name, checked; those of a mesh as points and triangles."""
+    """Checked arrays of the named file; meshes are converted to points and triangles."""
     if "faces" not in tables or not ("lengths" in tables or "vertices" in tables):
         if "polygons" in tables:
             raise FileError(f"{name} is a net: glue it first, with 'isoembed glue {name} -o surface.ply'")
@@ -224,13 +222,13 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         repeated=repeated,
         error=Precision("", said["rounding_error"]).vertex_error if "rounding_error" in said else 0.0,
     )
-    if len(vertices) == len(tables["vertices"]):  # none was merged or left out
+    if len(vertices) == len(tables["vertices"]):  # none was merged or omitted
         said |= {key: tables[key] for key in CURVATURES if key in tables}
     return {"vertices": vertices, "faces": triangles, **said}
 
 
 def _in_space(tables: Tables, name: str) -> Tables:
-    """The tables of a file that says its curvature: that as a number, and the vertices as points of space."""
+    """Tables with the file's curvature as a number, and the vertices as points of that space."""
     try:
         space = Space(float(tables["curvature"]))
     except (TypeError, ValueError, InvalidParameter):
@@ -253,7 +251,7 @@ def _in_space(tables: Tables, name: str) -> Tables:
 
 
 def _precision(tables: Tables, name: str) -> Tables:
-    """The precision of the coordinates that a file says, with the error of a length in their unit."""
+    """Precision of the coordinates stated in a file, with the error of a length in their unit."""
     try:
         error = float(tables["rounding_error"])
     except (TypeError, ValueError):
@@ -267,7 +265,7 @@ def _precision(tables: Tables, name: str) -> Tables:
 
 
 def _check_array(array: np.ndarray[Any, Any], key: str) -> None:
-    if array.ndim == 0 and key != "length_errors":  # of which one number is for all
+    if array.ndim == 0 and key != "length_errors":  # a scalar is valid for all lengths
         raise InvalidMetric(f"{key} is the single value {array.item()!r}, not an array")
     if array.dtype.kind not in "iuf":
         raise InvalidMetric(f"{key} has the type {array.dtype}, not numbers")

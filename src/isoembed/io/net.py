@@ -1,4 +1,4 @@
-"""Paper nets in files: polygons with identified sides or a named form in JSON, FOLD, and drawings."""
+"""Paper nets in files: polygons with identified sides or named forms in JSON, FOLD files, and drawings."""
 
 import os
 import re
@@ -43,14 +43,14 @@ from isoembed.space.models import MODELS, Model, to_model
 from isoembed.strict_json import strict_json
 
 Makers = dict[str, tuple[Callable[..., Any], int, int]]
-"""Shapes by name: who makes them, from how many numbers at least and at most."""
+"""Shapes by name: constructor, and smallest and largest number of arguments."""
 
 NET_ENDINGS = (".json", ".fold")
 DRAWN = {".svg": read_svg_lines, ".dxf": read_dxf_lines}
-"""Readers of the lines of a drawn net, by the ending of the file."""
+"""Readers of the lines of a drawn net, by file ending."""
 FORMS = ("polygons", "regular", "zip", "pita", "dform")
 CURVED: Makers = {"triangle": (triangle, 3, 3), "regular": (regular_polygon, 1, 2)}
-"""Polygons of the plane, of the hyperbolic plane and of the sphere."""
+"""Polygons in the Euclidean plane, the hyperbolic plane and the sphere."""
 POLYGONS: Makers = {"rectangle": (rectangle, 2, 2), **CURVED}
 CURVES: Makers = {"circle": (circle, 1, 1), "ellipse": (Ellipse, 2, 2), "stadium": (Stadium, 2, 2)}
 OUTLINES = POLYGONS | CURVES
@@ -63,7 +63,7 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
     ----------
     source : path or "-"
         A ``.json`` file, or ``-`` for standard input: an object with ``polygons`` and ``sides`` or
-        ``corners``, as `isoembed.glue` takes them, with ``sides`` also ``folds``, for each polygon a list of
+        ``corners``, as in `isoembed.glue`; with ``sides`` optionally ``folds``, for each polygon a list of
         ``[corner, corner, degrees]``, positive where the solid is convex; or with one of
 
         - ``"regular": [names, ...]``: the names of the corners of regular polygons with sides of length 1
@@ -76,27 +76,26 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
         OUTLINE is a polygon, or ``{"circle": radius}``, ``{"ellipse": [a, b]}``,
         ``{"stadium": [length, radius]}``.  ``at``, ``offset`` and ``n`` of pita and D-forms may be left out.
 
-        Beside ``polygons``, ``regular`` or ``zip`` there may be a ``"curvature"``, that of the hyperbolic
-        plane or of the sphere which the polygons are cut from, and the ``"model"`` in which the corners are
-        given, as of `isoembed.glue`; beside ``polygons``, ``"any_surface": true`` where sides that are glued
-        to nothing are a boundary.
+        ``polygons``, ``regular`` or ``zip`` may be accompanied by the ``"curvature"`` of the hyperbolic plane
+        or sphere from which the polygons are cut, and the ``"model"`` of the corner coordinates, as in
+        `isoembed.glue`; ``polygons`` also by ``"any_surface": true`` if unglued sides are a boundary.
 
-        Or a ``.fold`` file: a crease pattern whose vertices have names, in ``vertices_isoembed:corner``, as
-        the corners of `isoembed.glue`.
+        Or a ``.fold`` file: a crease pattern with vertex names in ``vertices_isoembed:corner``, like the
+        corners of `isoembed.glue`.
 
-        Or a drawing, ``.svg`` or ``.dxf``: outlines to cut, folds, and the same number at sides that are
-        glued, as `isoembed.papercraft.write_sheets` or other programs draw them, as of
-        `isoembed.io.drawn_net.drawn_net`.  The unit of the net is the millimeter.
+        Or a drawing, ``.svg`` or ``.dxf``: outlines to cut, folds, and equal numbers at glued sides, as drawn
+        by `isoembed.papercraft.write_sheets` or other programs; see `isoembed.io.drawn_net.drawn_net`.  The
+        unit of the net is the millimeter.
     tolerance : float, optional
-        As of `isoembed.glue`, for polygons, crease patterns and drawings.  A crease pattern without names is
-        folded up, and corners as near as this are one; by default 1e-4 of the size of the sheet.
+        Tolerance of `isoembed.glue`, for polygons, crease patterns and drawings.  A crease pattern without
+        names is folded, and corners within this distance are identified; by default 1e-4 of the sheet size.
 
     Raises
     ------
     FileError
-        The file cannot be read, or is not of this form.
+        The file cannot be read, or does not have this form.
     InvalidMetric, InvalidParameter
-        What it holds makes no metric.
+        The contents make no metric.
     """
     if source == "-":
         return _net(json.read_standard_input(), "standard input", tolerance)
@@ -115,12 +114,12 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
 
 
 def holds_net(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is a net, by the names of its entries or as a drawing: no surface, but for `read_net`.
+    """Whether a file is a net, by its entry names or as a drawing: input for `read_net`, not a surface.
 
     Raises
     ------
     FileError
-        A file that might be one cannot be opened, or is not a text.
+        A file that may be a net cannot be opened, or is not text.
     """
     if input_ending(path) in DRAWN:
         return True
@@ -133,7 +132,7 @@ def holds_net(path: str | os.PathLike[str]) -> bool:
 
 
 def net_writer(path: str | os.PathLike[str], unfolding: Unfolding) -> Writer:
-    """Writer of a net in the format of this ending; see `write_atomically` and `write_net`."""
+    """Writer of a net in the format of the path's ending; see `write_atomically` and `write_net`."""
     unfolding.net  # noqa: B018, who reads it will glue it
     is_fold = ending(path) == ".fold"
     sheets = {"polygons": unfolding.sheets, "sides": unfolding.sides, "folds": creases(unfolding)}
@@ -143,20 +142,20 @@ def net_writer(path: str | os.PathLike[str], unfolding: Unfolding) -> Writer:
 
 
 def write_net(path: str | os.PathLike[str], unfolding: Unfolding) -> None:
-    """Write the sheets of a solid, so that `read_net` glues them again.
+    """Write the sheets of a solid in a form that `read_net` can glue.
 
     Parameters
     ----------
     path : path
-        Ending in ``.json``, or in ``.fold`` for a crease pattern with the angles of the folds.
+        Ends with ``.json``, or with ``.fold`` for a crease pattern with fold angles.
     unfolding : Unfolding
 
     Raises
     ------
     FileError
-        The ending is not known or the file cannot be written.
+        The ending is unknown or the file cannot be written.
     InvalidMetric
-        The surface has faces or sides so thin or small that its sheets cannot be glued in floats.
+        Faces or sides of the surface are so thin or small that the sheets cannot be glued in floating point.
     """
     check_output(path, NET_ENDINGS)
     write_atomically({Path(path): net_writer(path, unfolding)})
@@ -214,7 +213,7 @@ def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net
 def _entries(
     given: Any, name: str, needed: tuple[str, ...], optional: tuple[str, ...] = ()
 ) -> dict[str, Any]:
-    """A JSON object that has these entries and no others."""
+    """Entries of a JSON object, checked for missing and unknown names."""
     if not isinstance(given, Mapping):
         raise FileError(f"{name} is not an object with {', '.join(needed)}")
     for key in needed:
@@ -227,7 +226,7 @@ def _entries(
 
 
 def _surface(document: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """The ``curvature`` and the ``model`` of a net, where it has them."""
+    """``curvature`` and ``model`` of a net, if given."""
     said = {key: document[key] for key in ("curvature", "model") if key in document}
     if "curvature" in said:
         try:
@@ -240,7 +239,7 @@ def _surface(document: Mapping[str, Any], name: str) -> dict[str, Any]:
 
 
 def _polygon(given: Any, name: str, curvature: float = 0.0, model: Model = "ambient") -> Any:
-    """A polygon in a model: as it is, or the one of a name."""
+    """Polygon in a model: as given, or constructed by name."""
     if not isinstance(given, dict) or curvature == 0:
         return _shape(given, name, POLYGONS)
     bent: Makers = {
@@ -257,7 +256,7 @@ def _list(given: Any, name: str) -> list[Any]:
 
 
 def _shape(given: Any, name: str, known: Makers) -> Any:
-    """A shape: as it is, or, where it is given as ``{"name": numbers}``, the one of that name."""
+    """Shape as given or, for ``{"name": numbers}``, constructed by name."""
     if not isinstance(given, dict):
         return given
     if len(given) != 1 or next(iter(given)) not in known:

@@ -10,7 +10,7 @@ from isoembed.io.input_file import InputFile
 
 
 def read(file: InputFile) -> Tables:
-    """Arrays of an archive by their names."""
+    """Arrays of an archive by name."""
     return file.arrays[""]
 
 

@@ -20,12 +20,12 @@ CONTINUED = re.compile(r"\\\r?\n")
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices and faces; textures, normals, groups and materials are left aside.
+    """Read vertices and faces; textures, normals, groups and materials are ignored.
 
     Raises
     ------
     FileError
-        Naming the line that cannot be understood.
+        A line is invalid; the message names it.
     """
     mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8-sig", errors="replace"))
     return {**mesh, **title_said(file.head)}
@@ -38,7 +38,7 @@ def _read_plain(data: bytes) -> Tables | None:
         return None
     tables = triangles(*scan_obj(text))
     beyond = tables is not None and tables["faces"].max(initial=-1) >= len(tables["vertices"])
-    return None if beyond else tables  # the other reader names the line
+    return None if beyond else tables  # the other reader reports the line
 
 
 def _read_any(file: InputFile, content: str) -> Tables:
@@ -65,7 +65,7 @@ def _read_any(file: InputFile, content: str) -> Tables:
 
 
 def _vertex(entry: str, count: int) -> int:
-    """Index of the vertex of a corner ``v/vt/vn``: from 1 at the beginning, or from -1 at the last one."""
+    """Index of the vertex of a corner ``v/vt/vn``, numbered from 1 or backward from -1."""
     index = int(entry.split("/")[0])
     if index == 0 or index < -count:
         raise ValueError
@@ -73,7 +73,7 @@ def _vertex(entry: str, count: int) -> int:
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write vertices and faces; OBJ has no place for data at the vertices."""
+    """Write vertices and faces; OBJ does not store vertex data."""
     with path.open("w", encoding="utf-8") as file:
         if line := title_line(tables):
             file.write(f"# {line}\n")

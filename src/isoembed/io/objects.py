@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 
 def to_trimesh(embedding: Embedding) -> trimesh.Trimesh:
-    """Return a surface as an object of trimesh, with the same vertices and triangles.
+    """Convert a surface to a trimesh object with the same vertices and triangles.
 
     Returns
     -------
     trimesh.Trimesh
-        With ``mean_curvature`` and ``residual`` (V,) among its ``vertex_attributes``.  Of hyperbolic and
-        spherical space its vertices are conformal coordinates, and its ``metadata`` has the ``curvature``.
+        ``vertex_attributes`` contain ``mean_curvature`` and ``residual`` (V,).  In hyperbolic and spherical
+        space the vertices are conformal coordinates, and ``metadata`` contains the ``curvature``.
 
     Raises
     ------
@@ -39,19 +39,19 @@ def to_trimesh(embedding: Embedding) -> trimesh.Trimesh:
         embedding.faces,
         vertex_attributes=at_vertices(tables),
         metadata={name: float(value) for name, value in of_the_whole(tables).items()},
-        process=False,  # vertices stay, in their order
+        process=False,  # keep the vertices and their order
     )
 
 
 def to_pyvista(embedding: Embedding) -> pyvista.PolyData:
-    """Return a surface as an object of PyVista: ``to_pyvista(surface).plot(scalars="mean_curvature")``.
+    """Convert a surface to a PyVista object: ``to_pyvista(surface).plot(scalars="mean_curvature")``.
 
     Returns
     -------
     pyvista.PolyData
-        With ``mean_curvature`` and ``residual`` (V,) among its ``point_data``.  The faces of a
-        `ConvexPolyhedron` are polygons, but for those with flat vertices inside.  Of hyperbolic and spherical
-        space its points are conformal coordinates, and its ``field_data`` has the ``curvature``.
+        ``point_data`` contain ``mean_curvature`` and ``residual`` (V,).  The faces of a `ConvexPolyhedron`
+        are polygons, except those with flat vertices inside.  In hyperbolic and spherical space the points
+        are conformal coordinates, and ``field_data`` contain the ``curvature``.
 
     Raises
     ------

@@ -22,19 +22,19 @@ HEADER = re.compile(rb"(?:ST)?C?N?OFF\s+(?:#[^\n]*\n\s*)*(\d{1,18})[ \t]+(\d{1,1
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices and faces; colors, normals, textures, and faces of one or two corners are left aside.
+    """Read vertices and faces; colors, normals, textures, and faces of one or two corners are ignored.
 
     Raises
     ------
     FileError
-        Naming the line that cannot be understood, or what is missing.
+        A line is invalid, or data are missing; the message names the line or the counts.
     """
     mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8-sig", errors="replace"))
     return {**mesh, **title_said(file.head)}
 
 
 def _read_plain(data: bytes) -> Tables | None:
-    """Triangles in plain text, under a header in a line or two of its own."""
+    """Triangles in plain text, with a header on lines of its own."""
     header = HEADER.match(data)
     text = plain(data)
     if header is None or text is None:
@@ -77,7 +77,7 @@ def _read_any(file: InputFile, content: str) -> Tables:
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write vertices and faces; OFF has no place for data at the vertices."""
+    """Write vertices and faces; OFF does not store vertex data."""
     vertices, faces = np.asarray(tables["vertices"]), tables["faces"]
     with path.open("w", encoding="utf-8") as file:
         file.write("OFF\n")

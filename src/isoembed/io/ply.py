@@ -1,6 +1,6 @@
-"""PLY files, text and binary, with any properties and elements around the vertices and faces.
+"""PLY files, text and binary, with any properties and elements besides vertices and faces.
 
-It is written in binary double precision with the data at the vertices.
+Files are written in binary double precision with the vertex data.
 """
 
 import re
@@ -34,7 +34,7 @@ CORNERS = ("vertex_indices", "vertex_index")
 
 @dataclass(frozen=True)
 class Property:
-    """A number or, with a code for its count, a list of numbers."""
+    """A number or, with a type code for its count, a list of numbers."""
 
     name: str
     code: str
@@ -51,14 +51,14 @@ class Element:
 
 
 class Body:
-    """The numbers after the header: words, or binary in one of the byte orders."""
+    """Numbers after the header, in text or in binary of either byte order."""
 
     def __init__(self, data: bytes, begin: int, order: str) -> None:
         self.order, self._data, self._next = order, data, begin
         self._words = [] if order else data[begin:].split()[::-1]
 
     def take(self, codes: str) -> Sequence[float]:
-        """The next numbers, of these types; IndexError where there are none."""
+        """The next numbers of these types; IndexError at the end of the data."""
         if not self.order:
             words = [self._words.pop() for _ in codes]
             return [float(w) if code in "fd" else int(w) for w, code in zip(words, codes, strict=True)]
@@ -79,7 +79,7 @@ class Body:
         return self.take(column.code * count)
 
     def take_all(self, element: Element) -> dict[str, Columns] | None:
-        """The rows by the names of their properties, or None unless all lists are as long as in the first."""
+        """All rows, by property; None unless all lists are as long as those of the first row."""
         begin = self._next
         try:
             first = [self.value(p) for p in element.properties]
@@ -105,12 +105,12 @@ class Body:
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices, curvatures at them, faces and triangle strips; all others are left aside.
+    """Read vertices, their curvatures, faces and triangle strips; all other data are ignored.
 
     Raises
     ------
     FileError
-        The header cannot be understood, or the file is cut short.
+        The header is invalid, or the file is truncated.
     """
     data = file.data
     end = re.search(rb"^end_header[ \t]*\r?\n", data, re.MULTILINE)
@@ -141,7 +141,7 @@ def read(file: InputFile) -> Tables:
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write vertices, the data at them, and faces."""
+    """Write vertices, vertex data and faces."""
     columns, names = [*np.asarray(tables["vertices"]).T], ["x", "y", "z"]
     for key, value in at_vertices(tables).items():
         columns += [*np.atleast_2d(np.transpose(value))]
@@ -164,7 +164,7 @@ def write(path: Path, tables: Tables) -> None:
 
 
 def _rows_together(element: Element, body: Body) -> Columns | None:
-    """The points of all vertices or the corners of all faces, if they can be taken together."""
+    """Points of all vertices or corners of all faces, if their rows have a common layout."""
     lists = {p.name: bool(p.count_code) for p in element.properties}
     corners = next((name for name in CORNERS if name in lists), "")
     points = element.name == "vertex" and [lists.get(axis) for axis in "xyz"] == [False] * 3
@@ -179,13 +179,13 @@ def _rows_together(element: Element, body: Body) -> Columns | None:
 
 
 def _point_columns(element: Element) -> tuple[str, ...]:
-    """The names of the coordinates of the vertices, and of the curvatures that are there."""
+    """Names of the vertex coordinates and of the curvatures present."""
     numbers = {p.name for p in element.properties if not p.count_code}
     return ("x", "y", "z", *(name for name in CURVATURES if name in numbers))
 
 
 def _rows(file: InputFile, element: Element, body: Body) -> list[list[float]]:
-    """The points of the vertices or the corners of the faces, or nothing of another element, row by row."""
+    """Points of the vertices or corners of the faces, row by row; empty for other elements."""
     rows = []
     for row in range(element.size if element.properties else 0):
         try:
@@ -205,15 +205,15 @@ def _rows(file: InputFile, element: Element, body: Body) -> list[list[float]]:
 
 
 def _strip(corners: list[float]) -> list[list[float]]:
-    """Triangles of strips one after the other, with -1 between them."""
-    numbers = np.array(corners, dtype=np.float64)  # not all may be indices
+    """Triangles of consecutive strips, separated by -1."""
+    numbers = np.array(corners, dtype=np.float64)  # some may not be indices
     parts = np.split(numbers, np.flatnonzero(numbers == -1))
     strips = (part[part != -1] for part in parts)
     return [t for strip in strips if len(strip) > 2 for t in strip_triangles(strip).tolist()]
 
 
 def _header(text: str) -> tuple[str, list[Element]]:
-    """Byte order (empty for text) and elements; a ValueError holds the line that is not understood."""
+    """Byte order (empty for text) and elements; a ValueError contains the invalid line."""
     order, elements = None, list[Element]()
     for line in text.splitlines()[1:]:
         match line.split():

@@ -1,7 +1,7 @@
-"""Registry of file formats by name ending, with those of installed packages.
+"""Registry of file formats by name ending, including those of installed packages.
 
-A package adds one by an entry point of the group ``isoembed.formats``: its name is the ending, and what it
-refers to is a `Format`.  Our own endings stay ours, and names without a dot are left aside.
+A package adds a format by an entry point of the group ``isoembed.formats``: its name is the ending, and its
+object is a `Format`.  Built-in endings cannot be replaced, and names without a dot are ignored.
 """
 
 import os
@@ -15,7 +15,7 @@ from isoembed.io.format import Format, loaded
 
 
 def _added(point: EntryPoint) -> Format:
-    """The format of another package, which is imported on first use."""
+    """Format of another package, imported on first use."""
     return Format(
         point.name,
         lambda file: loaded(point, Format).read(file),
@@ -49,19 +49,19 @@ SURFACE_ENDINGS = tuple(name for name, known in FORMATS.items() if known.write i
 
 
 def check_output(path: str | os.PathLike[str], known: Collection[str]) -> None:
-    """Find out before a computation whether its result can be written here.
+    """Check before a computation that its result can be written to a path.
 
     Parameters
     ----------
     path : path
     known : collection of str
-        The endings that say how to write it.
+        Permitted endings.
 
     Raises
     ------
     FileError
-        The ending is not known, the folder does not exist or is closed to us, the name belongs to something
-        that is not an ordinary file, or the format of another package cannot be loaded.
+        The ending is unknown, the folder does not exist or is not writable, the path is not a regular file,
+        or the format of another package cannot be loaded.
     """
     check_ending(path, known, of=ending)
     check_target(path)
@@ -70,5 +70,5 @@ def check_output(path: str | os.PathLike[str], known: Collection[str]) -> None:
 
 
 def tables_writer(path: str | os.PathLike[str], tables: Tables) -> Writer:
-    """Writer of arrays in the format of this ending; see `write_atomically`."""
+    """Writer of arrays in the format of the path's ending; see `write_atomically`."""
     return _writer(FORMATS[ending(path)], tables)

@@ -19,7 +19,7 @@ def report_writer(report: Mapping[str, Any]) -> Writer:
 
 
 def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> None:
-    """Write a report as one JSON object; a number that is not finite is null.
+    """Write a report as one JSON object; nonfinite numbers become null.
 
     Raises
     ------

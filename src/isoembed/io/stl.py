@@ -1,6 +1,6 @@
 """STL files, text and binary: triangles without shared vertices.
 
-100,000 triangles are read in 0.5 s from text and in 0.09 s from binary; meshio takes 1.1 and 0.56 s.
+Reading 100,000 triangles takes 0.5 s from text and 0.09 s from binary; meshio takes 1.1 and 0.56 s.
 """
 
 from pathlib import Path
@@ -24,12 +24,12 @@ BOM = b"\xef\xbb\xbf"
 
 
 def read(file: InputFile) -> Tables:
-    """Read triangles, each with vertices of its own.
+    """Read triangles, each with its own vertices.
 
     Raises
     ------
     FileError
-        It is no STL file.
+        The file is not STL.
     """
     data = file.data
     count = int.from_bytes(data[HEADER - 4 : HEADER], "little")
@@ -54,9 +54,9 @@ def read(file: InputFile) -> Tables:
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write a text STL file: binary STL has single precision.  STL has no place for data at the vertices."""
+    """Write a text STL file, as binary STL has single precision; STL does not store vertex data."""
     points, faces = np.asarray(tables["vertices"]), np.asarray(tables["faces"])
-    scale = np.abs(points).max() or 1.0  # keeps tiny surfaces' normals from underflowing
+    scale = np.abs(points).max() or 1.0  # prevents underflow of the normals of tiny surfaces
     normals = face_normals(faces, points / scale)
     norms = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, norms, out=np.zeros_like(normals), where=norms > 0)
@@ -67,7 +67,7 @@ def write(path: Path, tables: Tables) -> None:
 
 
 def _apart(corners: NDArray) -> Tables:
-    """Triangles with vertices of their own."""
+    """Triangles, each with its own vertices."""
     return {"vertices": corners.astype(np.float64), "faces": np.arange(len(corners)).reshape(-1, 3)}
 
 

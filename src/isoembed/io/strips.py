@@ -6,13 +6,13 @@ from isoembed.arrays import Indices
 
 
 def strip_triangles(corners: Indices) -> Indices:
-    """Triangles of a strip, all turned alike, shape (F, 3).
+    """Consistently oriented triangles of a strip, shape (F, 3).
 
     Parameters
     ----------
     corners : ndarray of int, shape (n,)
-        Each three in a row are a triangle, every other turned around; those that repeat a vertex join parts
-        of a strip and are none.
+        Each three consecutive vertices form a triangle, with alternating orientation; degenerate triangles,
+        which repeat a vertex and join parts of a strip, are omitted.
     """
     triangles = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
     triangles[1::2] = triangles[1::2, [1, 0, 2]]

@@ -30,7 +30,7 @@ from isoembed.space.models import to_model
 from isoembed.surface.flat_faces import FlatFaces
 from isoembed.surface.measures import volume
 
-PLANE = 1e-12  # sizes of a polygon, that rounding puts its corners off a plane
+PLANE = 1e-12  # distance of corners from a plane due to rounding, relative to the size of the polygon
 
 
 def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) -> Embedding:
@@ -39,25 +39,24 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
     Parameters
     ----------
     path : path
-        ``.npz`` or ``.json`` with ``faces`` (F, 3) and ``vertices`` (V, 3), or a mesh.  If it holds
-        ``lengths`` (E,), too, with ``edges`` (E, 2), they are the metric; otherwise the lengths between the
-        vertices are.  Faces whose normals point inward are turned over.  As for a ``curvature``, see
-        `read_metric`.
+        ``.npz`` or ``.json`` with ``faces`` (F, 3) and ``vertices`` (V, 3), or a mesh.  ``lengths`` (E,) with
+        ``edges`` (E, 2), if present, are the metric; otherwise the metric is that of the vertices.  Faces
+        whose normals point inward are reversed.  For a ``curvature``, see `read_metric`.
     merge : float, optional
-        As of `read_metric`.
+        Merging distance; see `read_metric`.
 
     Returns
     -------
     Embedding
-        Its method is ``"given"``.  A convex surface that is flat along some edges knows its true faces; one
-        with boundary, or of higher genus, is a `SheetEmbedding`.
+        The method is ``"given"``.  A convex surface with flat edges is a polyhedron with polygonal faces; a
+        surface with boundary or of higher genus is a `SheetEmbedding`.
 
     Raises
     ------
     FileError
-        The file cannot be read, its ending is not known, or it has no vertices.
+        The file cannot be read, its ending is unknown, or it has no vertices.
     InvalidMetric
-        What it holds is not a triangulated surface.
+        The contents are not a triangulated surface.
     """
     return read_with_curvatures(path, merge=merge)[0]
 
@@ -65,10 +64,10 @@ def read_surface(path: str | os.PathLike[str], *, merge: float | None = None) ->
 def read_with_curvatures(
     path: str | os.PathLike[str], *, merge: float | None = None
 ) -> tuple[Embedding, dict[str, Floats]]:
-    """Read a surface, as `read_surface`, and the curvatures (V,) that the file holds, by their names."""
+    """Read a surface, like `read_surface`, and the curvatures (V,) in the file, by name."""
     tables = read_tables(path, merge, (*METRIC_ENDINGS, *MESH_ENDINGS))
     if "vertices" not in tables:
-        metric_of(tables)  # what is wrong with it comes first
+        metric_of(tables)  # reports errors of the metric first
         raise FileError(
             f"{path} is a metric without vertices: embed it first, with "
             f"'isoembed embed {path} -o surface.ply'"
@@ -83,7 +82,7 @@ def read_with_curvatures(
 
 
 def surface_of(tables: Tables, name: str) -> Embedding:
-    """The surface of the arrays of a file of this name, which have vertices."""
+    """Surface from the arrays, including vertices, of the named file."""
     metric = metric_of(tables)
     vertices = np.ascontiguousarray(tables["vertices"], dtype=np.float64)
     if vertices.shape[1:] != (3,):
@@ -114,23 +113,23 @@ def surface_of(tables: Tables, name: str) -> Embedding:
 
 
 def mesh_writer(path: str | os.PathLike[str], vertices: ArrayLike, faces: Polygons, **data: Floats) -> Writer:
-    """Writer of a mesh with data at its vertices in the format of this ending; see `write_atomically`.
+    """Writer of a mesh with vertex data in the format of the path's ending; see `write_atomically`.
 
-    Where there is a ``curvature`` among the data, the vertices are in conformal coordinates.
+    If the data include a ``curvature``, the vertices are in conformal coordinates.
     """
     model = {"model": WRITTEN} if "curvature" in data else {}
     return tables_writer(path, {"vertices": np.asarray(vertices), "faces": faces, **data, **model})
 
 
 def surface_writer(path: str | os.PathLike[str], embedding: Embedding) -> Writer:
-    """Writer of a surface in the format of this ending; see `write_atomically`."""
+    """Writer of a surface in the format of the path's ending; see `write_atomically`."""
     has_polygons = FORMATS[ending(path)].holds_polygons
     faces = polygon_faces(embedding) if has_polygons else embedding.faces
     return mesh_writer(path, faces=faces, **surface_data(embedding))
 
 
 def surface_data(embedding: Embedding) -> dict[str, Floats]:
-    """Data of a surface in files, besides its faces: see `write_surface`."""
+    """Data of a surface written to files, except its faces: see `write_surface`."""
     space = embedding.space
     return {
         "vertices": to_model(space, embedding.vertices, WRITTEN),
@@ -141,33 +140,33 @@ def surface_data(embedding: Embedding) -> dict[str, Floats]:
 
 
 def write_surface(path: str | os.PathLike[str], embedding: Embedding) -> None:
-    """Write an embedding as arrays or as a mesh, by the ending of the file.
+    """Write an embedding as arrays or as a mesh, depending on the file ending.
 
-    With the vertices (V, 3) and faces (F, 3) go ``mean_curvature`` (V,), H = (k1 + k2) / 2, and
-    ``residual`` (V,), the largest residual of the edges at each vertex, where the format has a place for
-    them (not in OBJ, OFF and STL).  The faces of a `ConvexPolyhedron` are polygons where the format can hold
-    some (not in NPZ, JSON and STL), but for those with flat vertices inside, which stay triangles, so that
-    every given vertex is in a face, and those that are off a plane by more than the known error of the
-    vertices, if readers would cut them along other diagonals.
+    Besides the vertices (V, 3) and faces (F, 3), formats with vertex data (all but OBJ, OFF and STL) store
+    ``mean_curvature`` (V,), H = (k1 + k2) / 2, and ``residual`` (V,), the largest residual of the edges at
+    each vertex.  The faces of a `ConvexPolyhedron` are polygons in formats that support them (not NPZ, JSON
+    and STL).  Faces with flat vertices inside stay triangles, so that every given vertex is in a face; so do
+    faces whose corners are off a plane by more than the known error of the vertices, if readers would cut
+    them along other diagonals.
 
-    In hyperbolic and spherical space the vertices are conformal coordinates: Poincare's ball, or
-    stereographic projection.  The file says so and holds the ``curvature`` of space, as a number where it can
-    (NPZ, JSON, FOLD and VTK's formats), or else in a comment or title.  So it does of the ``precision`` of
-    rounded coordinates that the lengths came from, and of the ``rounding_error`` of a length.
+    In hyperbolic and spherical space the vertices are conformal coordinates: Poincare ball or stereographic
+    projection.  The model and the ``curvature`` of space are stored as data (NPZ, JSON, FOLD and VTK
+    formats) or in a comment or title.  The same holds for the ``precision`` of rounded coordinates from which
+    the lengths were computed, and the ``rounding_error`` of a length.
 
     Raises
     ------
     FileError
-        The ending is not known or the file cannot be written.
+        The ending is unknown or the file cannot be written.
     """
     check_output(path, SURFACE_ENDINGS)
     write_atomically({Path(path): surface_writer(path, embedding)})
 
 
 def polygon_faces(embedding: Embedding) -> Polygons:
-    """The faces as polygons; as triangles where those hold other vertices, or are cut in another way.
+    """Faces as polygons, or as triangles if the polygons have other vertices or would be cut differently.
 
-    What is read again is the same surface: readers cut polygons, which are planar but for rounding, along
+    The surface is the same when read again: readers cut polygons, which are planar up to rounding, along
     diagonals of their choice.
     """
     faces, found = embedding.faces, embedding.surface.flat_faces
@@ -193,9 +192,9 @@ def polygon_faces(embedding: Embedding) -> Polygons:
 def _cut_as(
     polygons: Sequence[Indices], triangles: list[Indices], points: Floats, error: float
 ) -> tuple[list[bool], list[bool]]:
-    """Whether polygons are planar, up to the error of the points, and whether readers cut them as given.
+    """Whether polygons are planar up to the error of the points, and whether readers cut them as given.
 
-    Those that hold fewer vertices than the triangles are neither.
+    Both are false for polygons with fewer vertices than the triangles.
     """
     sizes = np.array([len(polygon) for polygon in polygons])
     cut = PolygonFaces(points, np.concatenate(polygons), sizes)

@@ -19,8 +19,8 @@ from isoembed.io.input_file import InputFile
 from isoembed.io.svg_path import LARGEST, number, path_points
 
 MOST_BYTES = 50_000_000
-MOST_NESTED = 50  # elements, and uses of others by them
-MOST_READ = 100_000  # elements, each as often as it is used: a few lines of uses of uses make billions
+MOST_NESTED = 50  # levels of elements and references
+MOST_READ = 100_000  # elements, counted once per use: nested references can make billions
 PIXEL = 25.4 / 96  # mm
 UNITS = {
     "": PIXEL,
@@ -35,15 +35,15 @@ UNITS = {
 UNDRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern", "metadata", "title", "desc", "style"}
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 HREF = "{http://www.w3.org/1999/xlink}href"
-NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"  # no second way to read it: the time is linear
+NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"  # possessive: matches in linear time
 CURVED = re.compile("[CcSsQqTtAa]")
 ANCHORS = {"start": 0.5, "middle": 0.0, "end": -0.5}
-WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in sizes of the font
+WIDTH, HEIGHT = 0.56, 0.72  # of a digit, relative to the font size
 
 
 @dataclass(frozen=True)
 class _Style:
-    """Properties that an element inherits."""
+    """Inherited properties of an element."""
 
     matrix: Floats  # (2, 3), to millimeters, y upward
     purpose: str = ""
@@ -55,19 +55,19 @@ class _Style:
 
 
 def read_svg_lines(file: InputFile) -> Lines:
-    """Read what an SVG file draws.
+    """Read the lines of an SVG file.
 
-    Curves are sampled, transformations, units and the view box applied.  Groups and layers, by their label or
-    id, tell what lines are for; ``data-angle`` of a line by how many degrees it is folded.
+    Curves are sampled; transformations, units and the view box are applied.  Labels or ids of groups and
+    layers give the purpose of lines; ``data-angle`` gives the fold angle of a line in degrees.
 
     Raises
     ------
     FileError
-        It is not an SVG file, it is too large or defines entities, or a path or a transformation is invalid.
+        The file is not SVG, is too large or defines entities, or a path or a transformation is invalid.
     """
     if len(file.data) > MOST_BYTES:
         raise FileError(f"{file} has {len(file.data)} bytes, more than {MOST_BYTES}: no net needs as many")
-    if "<!ENTITY" in file.text:  # which can make gigabytes of a few lines
+    if "<!ENTITY" in file.text:  # a few lines can expand to gigabytes
         raise FileError(f"{file} defines entities: save it as plain SVG")
     try:
         root = ElementTree.fromstring(file.data)
@@ -103,12 +103,12 @@ class _Reader:
         self.lines: list[Line] = []
         self.numbers: list[Number] = []
         self.values: list[Floats] = []
-        self.steps = 1  # whose rounding adds up, along a path of relative coordinates
-        self.read = 0  # elements
+        self.steps = 1  # consecutive relative coordinates, whose rounding errors accumulate
+        self.read = 0  # number of elements
         self.any_numbers = any(_label(e) == NUMBERS for e in by_id.values())
 
     def walk(self, element: Element, style: _Style, depth: int) -> None:
-        """Read an element and those in it."""
+        """Read an element and its descendants."""
         name = _name(element)
         if name in UNDRAWN:
             return
@@ -178,7 +178,7 @@ class _Reader:
         )
 
     def _shapes(self, element: Element, name: str) -> Iterator[tuple[Floats, bool]]:
-        """Points and whether they are closed, in the coordinates of the element."""
+        """Polylines in the coordinates of the element, and whether they are closed."""
 
         def length(key: str) -> float:
             value = _length(element, key)
@@ -210,7 +210,7 @@ class _Reader:
                 yield np.column_stack([x + u * np.cos(turns), y + v * np.sin(turns)]), True
 
     def _text(self, element: Element, style: _Style) -> None:
-        """A number, by the middle of its first line."""
+        """Read a number, positioned by the center of its first line."""
         text = "".join(element.itertext()).strip()
         if not text or (self.any_numbers and not style.numbers):
             return
@@ -233,7 +233,7 @@ def _name(element: Element) -> str:
 
 
 def _label(element: Element) -> str:
-    """The name of a layer or group by which one knows it, in lower case."""
+    """Known layer name among the label, id and class of an element, in lower case."""
     names = [element.get(key, "").strip().lower() for key in (LABEL, "id", "class")]
     return next((name for name in names if name in LAYERS or name == NUMBERS), "")
 
@@ -263,7 +263,7 @@ def _length(element: Element, key: str) -> float:
 
 
 def _view(root: Element) -> Floats:
-    """Transformation from the coordinates of the drawing to millimeters, y upward."""
+    """Transformation from drawing coordinates to millimeters, y upward."""
     box = [number(x) for x in re.findall(NUMBER, root.get("viewBox", ""))]
     sizes = [
         re.fullmatch(rf"\s*({NUMBER})\s*([a-zA-Z]*)\s*", root.get(key, "")) for key in ("width", "height")
@@ -281,7 +281,7 @@ def _view(root: Element) -> Floats:
 
 
 def _transform(text: str, name: str) -> Floats:
-    """The matrix (2, 3) of a list of transformations."""
+    """Matrix (2, 3) of a list of transformations."""
     matrix = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     if not text.strip():
         return matrix
@@ -318,5 +318,5 @@ def _matrix(kind: str, given: list[float]) -> Floats | None:
 
 
 def _times(first: Floats, second: Floats) -> Floats:
-    """The matrix of the second transformation, followed by the first."""
+    """Matrix of the composition: the second transformation is applied before the first."""
     return np.column_stack([first[:, :2] @ second[:, :2], first[:, :2] @ second[:, 2] + first[:, 2]])

@@ -1,4 +1,4 @@
-"""SVG path data: polylines of line segments, Bezier curves and elliptical arcs."""
+"""Conversion of SVG path data (line segments, Bezier curves and elliptical arcs) to polylines."""
 
 import math
 import re
@@ -11,7 +11,7 @@ TOKEN = re.compile(r"([MmLlHhVvCcSsQqTtAaZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-
 FLAG = re.compile("[01]")
 COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 LARGEST = 1e30
-FLATNESS = 1e-4  # of the extent of a curve, between it and its chords
+FLATNESS = 1e-4  # distance between a curve and its chords, relative to its extent
 
 
 def path_points(d: str) -> tuple[list[tuple[Floats, bool]], Floats, int]:
@@ -20,21 +20,21 @@ def path_points(d: str) -> tuple[list[tuple[Floats, bool]], Floats, int]:
     Parameters
     ----------
     d : str
-        Its commands.
+        Commands of the path.
 
     Returns
     -------
     list of (ndarray of shape (n, 2), bool)
-        The points of each part, and whether it is closed.
+        Points of each subpath, and whether it is closed.
     ndarray
-        The numbers that stand there for coordinates.
+        Numbers of the path data that are coordinates.
     int
-        Relative commands in a row at most, at least 1: over these rounding adds up.
+        Largest number of consecutive relative commands, at least 1; their rounding errors accumulate.
 
     Raises
     ------
     ValueError
-        It is not a path.
+        The path is invalid.
     """
     tokens = _tokens(d)
     parts: list[tuple[Floats, bool]] = []
@@ -104,7 +104,7 @@ def path_points(d: str) -> tuple[list[tuple[Floats, bool]], Floats, int]:
 
 
 def _tokens(d: str) -> list[str | float]:
-    """Letters and numbers; the flags of an arc may stand together with what follows."""
+    """Letters and numbers; the flags of an arc need no separator."""
     found: list[str | float] = []
     letter, count, end = "", 0, 0
     while end < len(d):
@@ -128,12 +128,12 @@ def _tokens(d: str) -> list[str | float]:
 
 
 def number(text: str) -> float:
-    """A number of a drawing.
+    """Number of a drawing.
 
     Raises
     ------
     ValueError
-        It is so large that areas overflow.
+        The number is so large that areas overflow.
     """
     value = float(text)
     if not abs(value) < LARGEST:
@@ -147,7 +147,7 @@ def _array(points: list[complex]) -> Floats:
 
 
 def _bezier(corners: list[complex]) -> list[complex]:
-    """Points after the first on a curve of Bezier: near enough, as the second derivative bounds the error."""
+    """Points of a Bezier curve after the first; the second derivative bounds the error of the chords."""
     p = np.array(corners)
     degree = len(p) - 1
     second = degree * (degree - 1) * np.abs(np.diff(p, 2)).max()
@@ -160,7 +160,7 @@ def _bezier(corners: list[complex]) -> list[complex]:
 
 
 def _arc(at: complex, x: list[float], end: complex) -> list[complex]:
-    """Points after the first on an arc of an ellipse, from the parameters of its end (SVG 2, B.2.4)."""
+    """Points of an elliptical arc after the first, from endpoint parameters (SVG 2, B.2.4)."""
     rx, ry, turn = abs(x[0]), abs(x[1]), complex(math.cos(math.radians(x[2])), math.sin(math.radians(x[2])))
     large, sweep = bool(x[3]), bool(x[4])
     if rx == 0 or ry == 0 or at == end:
@@ -177,7 +177,7 @@ def _arc(at: complex, x: list[float], end: complex) -> list[complex]:
             1.0,
         )
     factor = math.sqrt(max(0.0, 1 / grow - 1)) * (-1 if large == sweep else 1)
-    center = complex(factor * v, -factor * u)  # in the circle's coordinates, from the middle of the chord
+    center = complex(factor * v, -factor * u)  # in coordinates of the unit circle, from the chord's midpoint
     first = math.atan2(v - center.imag, u - center.real)
     last = math.atan2(-v - center.imag, -u - center.real)
     angle = (last - first) % (2 * math.pi) if sweep else -((first - last) % (2 * math.pi))

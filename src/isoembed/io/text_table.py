@@ -16,10 +16,10 @@ class TextTable:
     Attributes
     ----------
     comments : tuple of str
-        The comment lines, without the ``#``.
+        Comment lines, without the ``#``.
     numbers : ndarray, shape (n_rows, n_columns)
     lines : ndarray of int, shape (n_rows,)
-        The line number of each row, from 1.
+        Line number of each row, from 1.
     """
 
     comments: tuple[str, ...]
@@ -34,7 +34,7 @@ def read_text_table(file: InputFile, *, named: bool = False) -> TextTable:
     ----------
     file : InputFile
     named : bool
-        Whether the first line that is no comment may hold the names of the columns.
+        Whether the first line that is not a comment may contain column names.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """Space and coordinate precision in the title line of a surface file.
 
-Vertices in hyperbolic and spherical space are written in conformal coordinates: Poincare's ball, or
-stereographic projection.  Vertices that were found from rounded coordinates have as many digits as any
-others, so the file says how far the lengths may be off.
+Vertices in hyperbolic and spherical space are written in conformal coordinates: Poincare ball or
+stereographic projection.  Vertices computed from rounded coordinates have full precision in the file, so the
+title states the error of the lengths.
 """
 
 import re
@@ -11,14 +11,14 @@ from isoembed.io.files import Tables
 from isoembed.space.models import Model
 
 WRITTEN: Model = "conformal"
-"""The model whose coordinates are written, and that files hold which do not name theirs."""
+"""Model of written coordinates, and default model of coordinates read."""
 
 SPACE = re.compile(r"isoembed: curvature of space ([^\s,]+), (\w+) coordinates")
 PRECISION = re.compile(r"isoembed: from coordinates of ([^,]+), length error ([^\s,]+)")
 
 
 def title_line(tables: Tables) -> str:
-    """The line for these arrays; empty for exact vertices in Euclidean space."""
+    """Title line for these arrays; empty for exact vertices in Euclidean space."""
     if "curvature" in tables:
         return f"isoembed: curvature of space {float(tables['curvature'])!r}, {WRITTEN} coordinates"
     if "rounding_error" in tables:
@@ -30,7 +30,7 @@ def title_line(tables: Tables) -> str:
 
 
 def title_said(text: str) -> Tables:
-    """The entries that a `title_line` in a text stands for; nothing without one."""
+    """Entries encoded by a `title_line` in a text; empty if there is none."""
     if found := SPACE.search(text):
         return {"curvature": found[1], "model": found[2]}
     if found := PRECISION.search(text):

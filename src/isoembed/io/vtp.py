@@ -1,4 +1,4 @@
-"""VTP, polydata in VTK's XML: in the encodings of `vtu`."""
+"""VTP files: polydata in VTK's XML format, in the encodings of `vtu`."""
 
 from pathlib import Path
 from xml.etree import ElementTree
@@ -15,12 +15,12 @@ KINDS = {"Polys": "POLYGONS", "Strips": "TRIANGLE_STRIPS"}
 
 
 def read(file: InputFile) -> Tables:
-    """Read vertices, curvatures at them, polygons and strips; other data, lines and points are left aside.
+    """Read vertices, their curvatures, polygons and strips; other data, lines and points are ignored.
 
     Raises
     ------
     FileError
-        It is something else, cut short or damaged.
+        The file has another format, or is truncated or damaged.
     """
     return read_pieces(file, "PolyData", _cells)
 
@@ -38,7 +38,7 @@ def _cells(file: InputFile, source: Source, piece: ElementTree.Element, n_points
 
 
 def write(path: Path, tables: Tables) -> None:
-    """Write polygons with the data at the vertices."""
+    """Write polygons with the vertex data."""
     corners, sizes = flattened(tables["faces"])
     write_piece(path, tables, ("PolyData", "Polys"), (corners, np.cumsum(sizes)))
 

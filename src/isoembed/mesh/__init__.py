@@ -1,4 +1,4 @@
 """Combinatorics of triangulations, without lengths or coordinates.
 
-The main class is `Triangulation`; its checks refuse whatever is not a triangulated sphere.
+The main class is `Triangulation`; its checks reject everything but triangulated surfaces.
 """

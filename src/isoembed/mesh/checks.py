@@ -1,4 +1,4 @@
-"""Checks of triangle lists (manifold, oriented, connected), with the first offender."""
+"""Checks of triangle lists (manifold, oriented, connected); errors name the first offender."""
 
 import numbers
 import sys
@@ -12,7 +12,7 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric, warn_of_mesh
 from isoembed.mesh.components import components
 
-LARGEST = 2**62  # what 64 bits hold; gaps among the indices are refused anyway
+LARGEST = 2**62  # fits into 64 bits; gaps among the indices are rejected anyway
 
 
 def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indices:
@@ -21,11 +21,11 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indice
     Parameters
     ----------
     values : array_like
-        The table as given.
+        Table as given.
     columns : int
-        Indices a row.
+        Number of indices per row.
     what, part : str
-        A row's name ("face") and what its entries are called ("corners") in a message.
+        Names of a row ("face") and of its entries ("corners"), for messages.
 
     Returns
     -------
@@ -34,7 +34,7 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indice
     Raises
     ------
     InvalidMetric
-        The table is empty, a row has another length, or an entry is not a non-negative whole number.
+        The table is empty, a row has the wrong length, or an entry is not a nonnegative integer.
     """
     rows = values if isinstance(values, np.ndarray) and values.ndim else _rows(values, what)
     if len(rows) == 0:
@@ -66,19 +66,19 @@ def polygon_corners(faces: ArrayLike) -> tuple[Indices, Indices]:
     Parameters
     ----------
     faces : array_like of int, shape (F, n), or sequence of sequences of int
-        The vertices around each.
+        Vertices around each polygon.
 
     Returns
     -------
     corners : ndarray of int64
-        Those of all polygons, one polygon after the other.
+        Concatenated corners of all polygons.
     sizes : ndarray of int64, shape (F,)
-        How many each has.
+        Number of corners of each.
 
     Raises
     ------
     InvalidMetric
-        There are none, one has fewer than three corners, or an entry is not a non-negative whole number.
+        There are no polygons, one has fewer than three corners, or an entry is not a nonnegative integer.
     """
     if isinstance(faces, np.ndarray):
         columns = faces.shape[1] if faces.ndim == 2 else 3
@@ -100,7 +100,7 @@ def polygon_corners(faces: ArrayLike) -> tuple[Indices, Indices]:
 
 
 def _check_entries(row: Any, what: str, k: int) -> None:
-    """Refuse entries of a row that are not numbers, or too large."""
+    """Raise an error if entries of a row are not numbers, or too large."""
     for index in row:
         if isinstance(index, bool) or not isinstance(index, numbers.Real):
             raise InvalidMetric(
@@ -118,7 +118,7 @@ def _rows(values: ArrayLike, what: str) -> list[Any]:
 
 
 def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
-    """Indices as integers, refused at the first that is not one; `row` says in which row an entry is."""
+    """Convert indices to integers, or raise an error at the first invalid one; `row` maps it to its row."""
     checks = [
         (indices < 0, "vertex indices must not be negative"),
         (indices > LARGEST, "the index is too large"),
@@ -135,7 +135,7 @@ def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
 
 
 def real_array(given: ArrayLike, what: str, quantity: str) -> Floats:
-    """A float copy of an array of real numbers, refused at the first entry that is not one."""
+    """Float copy of an array of real numbers; raises an error at the first invalid entry."""
     try:
         values = np.asarray(given)
     except ValueError:  # rows of different sizes
@@ -152,14 +152,14 @@ def real_array(given: ArrayLike, what: str, quantity: str) -> Floats:
 
 
 def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
-    """The tables of a triangulation, as in `Triangulation`, with a check at every step.
+    """Build the tables of a `Triangulation`, with a check at every step.
 
-    Faces that are not oriented as face 0 is are turned over in place, and a `MeshNote` says so.
+    Faces oriented opposite to face 0 are reversed in place, with a `MeshNote`.
 
     Raises
     ------
     InvalidMetric
-        The faces are not a connected oriented surface: naming the first offender.
+        The faces are not a connected oriented surface; the message names the first offender.
     """
     _check_faces(faces)
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
@@ -185,7 +185,7 @@ def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
 
 
 def check_numbering(faces: Indices) -> None:
-    """Refuse gaps among the vertices that faces, (F, 3), refer to; raises InvalidMetric."""
+    """Raise `InvalidMetric` if the vertices of the faces (F, 3) are not numbered without gaps."""
     largest = int(faces.max())
     used = np.zeros(min(largest, faces.size) + 1, dtype=np.bool_)
     used[faces[faces < used.size]] = True
@@ -198,7 +198,7 @@ def check_numbering(faces: Indices) -> None:
 
 
 def check_euler(n_vertices: int, n_faces: int) -> None:
-    """Refuse closed connected surfaces that are not a sphere; raises InvalidMetric."""
+    """Raise `InvalidMetric` if a closed connected surface is not a sphere."""
     euler = n_vertices - n_faces // 2
     if euler != 2:
         raise InvalidMetric(
@@ -207,7 +207,7 @@ def check_euler(n_vertices: int, n_faces: int) -> None:
 
 
 def _check_faces(faces: Indices) -> None:
-    """Refuse faces that repeat a vertex, repeat one another, or leave gaps among the indices."""
+    """Raise an error if faces repeat a vertex or another face, or leave gaps among the indices."""
     repeated = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
     if repeated.any():
         f = int(np.argmax(repeated))
@@ -216,16 +216,16 @@ def _check_faces(faces: Indices) -> None:
     corners = np.sort(faces, axis=1)
     order = np.lexsort(corners.T)
     same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
-    if same.any() and len(faces) > 2:  # two faces on three vertices are a triangle covered twice
+    if same.any() and len(faces) > 2:  # two faces on three vertices are a doubly covered triangle
         f = int(order[1:][same].min())
         original = int(np.argmax((corners == corners[f]).all(axis=1)))
         raise InvalidMetric(f"face {f} {faces[f].tolist()} repeats face {original}")
 
 
 def _turned_over(edges: Indices, face_edges: Indices, faces: Indices) -> Mask:
-    """Mask of faces to turn over so that all are oriented as the first of their component, shape (F,).
+    """Mask of faces to reverse for an orientation consistent with the first of their component, shape (F,).
 
-    Refuses edges that are in more than two faces, and faces that cannot be oriented alike.
+    Raises an error if an edge is in more than two faces, or the surface is not orientable.
     """
     count = np.bincount(face_edges.ravel(), minlength=len(edges))
     if (count > 2).any():
@@ -239,19 +239,19 @@ def _turned_over(edges: Indices, face_edges: Indices, faces: Indices) -> Mask:
     alike = start[:, 0] != start[:, 1]
     if alike.all():
         return np.zeros(len(faces), dtype=np.bool_)
-    # Two copies of every face, one for each orientation: a component with both has no orientation.
+    # Two copies of every face, one for each orientation: a component that contains both is not orientable.
     F = len(faces)
     u = np.concatenate([left, left + F])
     v = np.concatenate([np.where(alike, right, right + F), np.where(alike, right + F, right)])
     label = components(u, v, 2 * F)
     if (label[:F] == label[F:]).any():
         raise InvalidMetric("the surface cannot be oriented (it is one-sided)")
-    # Labels are numbered by first nodes: the copy that the first face of a component is in has the lower one.
+    # Labels are in the order of first nodes: the copy containing a component's first face has the lower one.
     return label[:F] > label[F:]
 
 
 def _check_manifold(faces: Indices, edges: Indices, edge_sides: Indices) -> None:
-    """Refuse oriented surfaces of several components or with pinched vertices."""
+    """Raise an error if an oriented surface is disconnected or has pinched vertices."""
     n = int(faces.max()) + 1
     label = components(edges[:, 0], edges[:, 1], n)
     parts = int(label.max()) + 1

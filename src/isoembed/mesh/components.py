@@ -7,12 +7,12 @@ from isoembed.arrays import Indices, Mask
 
 
 def components(u: Indices, v: Indices, n: int) -> Indices:
-    """The component that each of n nodes of a graph is in, numbered from 0 in the order of their first nodes.
+    """Component of each of n nodes of a graph, numbered from 0 in the order of their first nodes.
 
     Parameters
     ----------
     u, v : ndarray of int, shape (m,)
-        The ends of the edges.
+        Endpoints of the edges.
     n : int
 
     Returns
@@ -23,7 +23,7 @@ def components(u: Indices, v: Indices, n: int) -> Indices:
 
 
 def connected_parts(adjacency: csr_array, mask: Mask) -> list[Indices]:
-    """The nodes of each connected part of what a mask leaves of a graph, whose adjacency matrix is given."""
+    """Nodes of each connected component of the subgraph induced by a mask, given the adjacency matrix."""
     nodes = np.flatnonzero(mask)
     labels = _labels(adjacency[nodes][:, nodes])
     return [nodes[labels == label] for label in range(labels.max(initial=-1) + 1)]

@@ -9,10 +9,10 @@ MOST = 2**31 - 1  # half-edges whose numbers fit into 32 bits
 
 
 def join(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
-    """Edges, and which half-edges run along them, if the faces are a triangulated sphere.
+    """Tables of the edges if the faces are a triangulated sphere.
 
-    Returned are edges, face_edges and edge_halfedges, as in `Triangulation`; or None if the faces, whose
-    vertices are not negative, are anything but a triangulated sphere.
+    Returns edges, face_edges and edge_halfedges, as in `Triangulation`, or None if the faces, whose vertices
+    must be nonnegative, are not a triangulated sphere.
     """
     corners = faces.ravel()
     n = int(corners.max()) + 1
@@ -23,6 +23,6 @@ def join(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
     if not pair(corners, sorted_by_ends(corners, n), edges, face_edges.ravel(), halfedges, twins):
         return None
     # A connected surface has V' - E + F <= 2, where V' counts a vertex once for each fan of faces around it.
-    # If all n vertices are in faces, n <= V'; as n - E + F = 2, there is one fan around each, and no handle.
+    # If all n vertices are in faces, n <= V'; as n - E + F = 2, each has one fan, and there is no handle.
     is_sphere = np.bincount(corners, minlength=n).all() and reached_faces(twins).all()
     return (edges, face_edges, halfedges) if is_sphere else None

@@ -17,7 +17,7 @@ def following(h: Int) -> Int:
 
 
 def sorted_by_ends(corners: ConstInt[::1], n: Int):
-    """The half-edges by their lower and then by their higher end: two passes of counting."""
+    """Half-edges sorted by lower, then by higher endpoint, by two counting sorts."""
     before: Int32[::1] = np.arange(corners.shape[0]).astype(np.int32)
     after: Int32[::1] = np.empty(corners.shape[0], dtype=np.int32)
     for turn in range(2):
@@ -46,7 +46,7 @@ def pair(
     edge_halfedges: Int[:, ::1],
     twins: Int32[::1],
 ):
-    """Fill in the tables; False if half-edges do not come in pairs that run in opposite directions."""
+    """Fill in the tables; return False if half-edges do not form pairs of opposite directions."""
     for e in range(edges.shape[0]):
         h, g = order[2 * e], order[2 * e + 1]
         a, b = corners[h], corners[following(h)]
@@ -64,7 +64,7 @@ def pair(
 
 
 def reached_faces(twins: cython.const[Index][::1]):
-    """Whether one gets from the first face to each face across edges, shape (F,), given their half-edges."""
+    """Mask of faces connected to the first face across edges, shape (F,), from the half-edges' twins."""
     n_faces = twins.shape[0] // 3
     reached: Flag[::1] = np.zeros(n_faces, dtype=np.bool_)
     stack: Int32[::1] = np.empty(n_faces, dtype=np.int32)
@@ -83,11 +83,11 @@ def reached_faces(twins: cython.const[Index][::1]):
 
 
 def find(edges: ConstInt[:, ::1], n: Int, pairs: ConstInt[:, ::1]):
-    """The rows of the table of edges that have these ends, or -1."""
+    """Row of each pair of endpoints in the table of edges, or -1."""
     e: Int
     end: Int
     middle: Int
-    starts: Int[::1] = np.zeros(n + 1, dtype=np.int64)  # of the edges by their lower end
+    starts: Int[::1] = np.zeros(n + 1, dtype=np.int64)  # first edge with each lower endpoint
     for e in range(edges.shape[0]):
         starts[edges[e, 0] + 1] += 1
     for v in range(n):
@@ -110,7 +110,7 @@ def find(edges: ConstInt[:, ::1], n: Int, pairs: ConstInt[:, ::1]):
 
 
 def pinched(corners: ConstInt[::1], twins: ConstInt[::1], n: Int):
-    """The first vertex whose corners are not one fan, -1 if there is none."""
+    """First vertex whose corners do not form a single fan; -1 if there is none."""
     degrees: Int[::1] = np.zeros(n, dtype=np.int64)
     first: Int[::1] = np.full(n, -1, dtype=np.int64)
     for h in range(corners.shape[0]):

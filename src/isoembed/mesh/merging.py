@@ -7,14 +7,14 @@ from isoembed.mesh.components import components
 
 
 def representatives(points: Floats, distance: float) -> Indices:
-    """The first of the vertices that each is one with, shape (V,).
+    """Index of the first vertex merged with each vertex, shape (V,).
 
     Parameters
     ----------
     points : ndarray, shape (V, n)
-        Finite.
+        Finite coordinates.
     distance : float
-        Vertices that are as near, or are connected by a chain of such, are one.  At 0 they are equal.
+        Vertices connected by a chain of distances up to this are merged; at 0, equal ones.
     """
     if distance == 0:
         return _of_equals(points)
@@ -29,7 +29,7 @@ def representatives(points: Floats, distance: float) -> Indices:
 
 
 def _of_equals(points: Floats) -> Indices:
-    order = np.lexsort(points.T)  # stable: of equal ones the first stays the first
+    order = np.lexsort(points.T)  # stable: the first of equal vertices stays first
     new = np.ones(len(points), dtype=bool)
     new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
     first = np.empty(len(points), dtype=np.int64)
@@ -38,21 +38,21 @@ def _of_equals(points: Floats) -> Indices:
 
 
 def without_repetitions(corners: Indices, sizes: Indices) -> tuple[Indices, Indices, Mask]:
-    """Faces without corners that repeat the one before, and without faces that are left with too few corners.
+    """Remove corners equal to the preceding one, and faces with fewer than three distinct vertices.
 
     Parameters
     ----------
     corners : ndarray of int, shape (n,)
-        Vertices of the faces, one face after the other.
+        Concatenated vertices of the faces.
     sizes : ndarray of int, shape (F,)
-        How many corners each face has: at least 1.
+        Number of corners of each face, at least 1.
 
     Returns
     -------
     corners, sizes
-        Of the faces that are left.
+        Corners and sizes of the remaining faces.
     left : ndarray of bool, shape (F,)
-        Which these are: the others have fewer than three vertices, so they are edges or points.
+        Mask of remaining faces; the others degenerate to edges or points.
     """
     ends = np.cumsum(sizes)
     before = np.arange(-1, len(corners) - 1)

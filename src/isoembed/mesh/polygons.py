@@ -10,7 +10,7 @@ from isoembed.errors import InvalidMetric
 
 
 def next_corners(sizes: Indices) -> Indices:
-    """The place in the table of the corner after each one around its polygon, shape (n,)."""
+    """Position in the table of the next corner around each polygon, shape (n,)."""
     ends = np.cumsum(sizes)
     after = np.arange(1, int(sizes.sum()) + 1)
     after[ends - 1] = ends - sizes
@@ -18,14 +18,14 @@ def next_corners(sizes: Indices) -> Indices:
 
 
 def polygon_normals(points: Floats, sizes: Indices) -> Floats:
-    """Normals of polygons in space, as long as twice the areas of their projections, shape (F, 3).
+    """Vector areas of polygons in space, times two, shape (F, 3).
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
-        The corners.
+        Corners of the polygons.
     sizes : ndarray of int, shape (F,)
-        How many each polygon has.
+        Number of corners of each polygon.
     """
     starts = np.cumsum(sizes) - sizes
     arms = points - np.repeat(points[starts], sizes, axis=0)
@@ -33,14 +33,14 @@ def polygon_normals(points: Floats, sizes: Indices) -> Floats:
 
 
 def polygons_of_cells(cells: Indices) -> Indices | list[Indices]:
-    """Polygons of a list in which each one's number of corners stands before them, as of VTK.
+    """Polygons of a VTK cell list, in which the number of corners precedes the corners of each cell.
 
-    A table, shape (F, n), if all have as many.
+    The result is a table, shape (F, n), if all have equally many corners.
 
     Raises
     ------
     InvalidMetric
-        Where a number of corners should be is none, or the list ends before the last corner.
+        A number of corners is invalid, or the list ends before the last corner.
     """
     if not len(cells):
         return np.empty((0, 3), dtype=np.int64)

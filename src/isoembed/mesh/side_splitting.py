@@ -1,4 +1,4 @@
-"""T-junctions: detection, and splitting of the edges that vertices lie on."""
+"""T-junctions: detection, and splitting of edges at vertices in their interior."""
 
 import numpy as np
 
@@ -20,24 +20,24 @@ def slivers(points: Floats, corners: Indices, sizes: Indices, distance: float) -
 def vertices_on_sides(
     points: Floats, corners: Indices, sizes: Indices, distance: float
 ) -> tuple[Indices, Indices, Floats]:
-    """Vertices on sides that only one face has, within a distance of them and farther from their ends.
+    """Vertices within a distance of boundary sides, and farther from the sides' endpoints.
 
     Parameters
     ----------
     points : ndarray, shape (V, n)
     corners : ndarray of int, shape (m,)
-        Of the faces, one face after the other.
+        Concatenated corners of the faces.
     sizes : ndarray of int, shape (F,)
     distance : float
 
     Returns
     -------
     places : ndarray of int, shape (k,)
-        Where in `corners` each side begins, ascending; the vertices of a side are in their order along it.
+        Position in `corners` of the start of each side, ascending; vertices are ordered along a side.
     vertices : ndarray of int, shape (k,)
-        Ends of such sides themselves.
+        Vertices on the sides; they are themselves endpoints of boundary sides.
     distances : ndarray, shape (k,)
-        From the vertices to the sides.
+        Distances of the vertices from the sides.
     """
     after = corners[next_corners(sizes)]
     keys = np.minimum(corners, after) * len(points) + np.maximum(corners, after)
@@ -65,14 +65,14 @@ def vertices_on_sides(
 def with_vertices_on_sides(
     corners: Indices, sizes: Indices, places: Indices, vertices: Indices
 ) -> tuple[Indices, Indices]:
-    """Faces with further corners, each behind the corner at its place."""
+    """Insert vertices into faces, each after the corner at its place."""
     face = np.repeat(np.arange(len(sizes)), sizes)
     more = np.bincount(face[places], minlength=len(sizes))
     return np.insert(corners, places + 1, vertices), sizes + more
 
 
 def _is_between(p: Floats, a: Floats, b: Floats, distance: float) -> tuple[Mask, Floats]:
-    """Whether points are within a distance of segments, and farther from their ends; and how far they are."""
+    """Whether points are within a distance of segments and farther from their ends, and their offsets."""
     along = b - a
     squares = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
     t = ((p - a) * along).sum(axis=1) / squares

@@ -19,7 +19,7 @@ from isoembed.mesh.loops import find
 class Triangulation:
     """A triangulated surface, as the paper's "list of its triangles by vertices".
 
-    It is connected and oriented: a sphere, in the paper and in all that does not say otherwise, or a surface
+    The surface is connected and oriented: a sphere, as in the paper and unless stated otherwise, or a surface
     with boundary or of higher genus.  Half-edge ``h = 3 f + c`` runs from ``faces[f, c]`` to
     ``faces[f, (c + 1) % 3]``.
 
@@ -31,16 +31,16 @@ class Triangulation:
     Attributes
     ----------
     faces : ndarray of int64, shape (F, 3)
-        Oriented as face 0 is; faces that were not are turned over.
+        Triangles oriented consistently with face 0; others are reversed.
     edges : ndarray of int64, shape (E, 2)
-        Smaller index first, in lexicographic order.
+        Edges, smaller index first, in lexicographic order.
     face_edges : ndarray of int64, shape (F, 3)
-        The edge of each half-edge.
+        Edge of each half-edge.
     edge_sides : ndarray of int64, shape (E, 2)
-        The half-edge along the edge (its left face) and the one against it (its right face); -1 on the side
-        of a boundary edge that has no face.
+        Half-edges along the edge (in its left face) and against it (in its right face); -1 where a boundary
+        edge has no face.
     n_vertices : int
-        V, the paper's N_0.
+        Number of vertices V, the paper's N_0.
 
     Raises
     ------
@@ -50,7 +50,7 @@ class Triangulation:
     Warns
     -----
     MeshNote
-        Faces are turned over.
+        Faces are reversed.
 
     Examples
     --------
@@ -82,33 +82,33 @@ class Triangulation:
 
     @property
     def n_edges(self) -> int:
-        """E, the paper's N_1: 3 V - 6 on a sphere."""
+        """Number of edges E, the paper's N_1: 3 V - 6 on a sphere."""
         return len(self.edges)
 
     @property
     def n_faces(self) -> int:
-        """F, the paper's N_2: 2 V - 4 on a sphere."""
+        """Number of faces F, the paper's N_2: 2 V - 4 on a sphere."""
         return len(self.faces)
 
     @property
     def euler_characteristic(self) -> int:
-        """V - E + F: 2 - 2 g - b, g the genus and b the number of boundaries."""
+        """V - E + F = 2 - 2 g - b for genus g and b boundary components."""
         return self.n_vertices - self.n_edges + self.n_faces
 
     @property
     def genus(self) -> int:
-        """The number of handles: 0 of a sphere and of a disc."""
+        """Number of handles: 0 for a sphere and a disk."""
         return (2 - len(self.boundaries) - self.euler_characteristic) // 2
 
     @cached_property
     def boundary_edges(self) -> Mask:
-        """(E,): whether an edge is on the boundary."""
+        """Mask of boundary edges, shape (E,)."""
         left, right = self.edge_sides.T
         return frozen((left < 0) | (right < 0))
 
     @cached_property
     def boundaries(self) -> tuple[Indices, ...]:
-        """The vertices along each boundary, in the direction of the half-edges there."""
+        """Vertices along each boundary component, in the direction of its half-edges."""
         h = self.edge_sides[self.boundary_edges].max(axis=1)
         corners = self.faces.ravel()
         follows = dict(zip(corners[h].tolist(), corners[h - h % 3 + (h + 1) % 3].tolist(), strict=True))
@@ -124,12 +124,12 @@ class Triangulation:
 
     @cached_property
     def is_closed(self) -> bool:
-        """Whether there is no boundary."""
+        """Whether the surface has no boundary."""
         return bool((self.edge_sides >= 0).all())
 
     @cached_property
     def boundary_vertices(self) -> Mask:
-        """(V,): whether a vertex is on the boundary."""
+        """Mask of boundary vertices, shape (V,)."""
         there = np.zeros(self.n_vertices, dtype=np.bool_)
         there[self.edges[self.boundary_edges].ravel()] = True
         return frozen(there)
@@ -140,7 +140,7 @@ class Triangulation:
         return self.is_closed and self.euler_characteristic == 2
 
     def check_sphere(self, what: str = "", instead: str = "") -> None:
-        """Refuse surfaces with boundary and of higher genus, for what is asked; raises InvalidMetric."""
+        """Raise `InvalidMetric` if the surface is not a sphere; `what` names the purpose in the message."""
         if what and not self.is_sphere:
             kind = f"genus {self.genus}" if self.is_closed else "a boundary"
             after = f": {instead}" if instead else ""
@@ -149,7 +149,7 @@ class Triangulation:
         check_euler(self.n_vertices, self.n_faces)
 
     def check_closed(self) -> None:
-        """Refuse surfaces with boundary; raises InvalidMetric."""
+        """Raise `InvalidMetric` if the surface has a boundary."""
         if not self.is_closed:
             e = int(np.argmax(self.boundary_edges))
             f = int(self.edge_sides[e].max()) // 3
@@ -160,13 +160,13 @@ class Triangulation:
 
     @property
     def edge_halfedges(self) -> Indices:
-        """(E, 2): `edge_sides` of a closed surface; raises InvalidMetric for others."""
+        """`edge_sides` of a closed surface, shape (E, 2); raises `InvalidMetric` for others."""
         self.check_closed()
         return self.edge_sides
 
     @cached_property
     def edge_flanks(self) -> Indices:
-        """(E, 2): `edge_sides`, with the only half-edge of a boundary edge twice, as if flat there."""
+        """`edge_sides` with the half-edge of a boundary edge repeated, as if flat there, shape (E, 2)."""
         return (
             self.edge_sides
             if self.is_closed
@@ -175,7 +175,7 @@ class Triangulation:
 
     @cached_property
     def sides_across(self) -> Indices:
-        """(3F,): the half-edge that runs the other way, -1 on the boundary."""
+        """Opposite half-edge of each half-edge, -1 on the boundary, shape (3F,)."""
         across = np.full(self.faces.size, -1)
         along, against = self.edge_sides[~self.boundary_edges].T
         across[along], across[against] = against, along
@@ -183,7 +183,7 @@ class Triangulation:
 
     @cached_property
     def twins(self) -> Indices:
-        """(3F,): the half-edge that runs the other way, on a closed surface."""
+        """Opposite half-edge of each half-edge of a closed surface, shape (3F,)."""
         along, against = self.edge_halfedges.T
         twins = np.empty(self.faces.size, dtype=np.int64)
         twins[along], twins[against] = against, along
@@ -191,17 +191,17 @@ class Triangulation:
 
     @cached_property
     def edge_faces(self) -> Indices:
-        """(E, 2): the left and the right face of each edge."""
+        """Left and right face of each edge, shape (E, 2)."""
         return frozen(self.edge_halfedges // 3)
 
     @cached_property
     def degrees(self) -> Indices:
-        """(V,): edges at each vertex."""
+        """Number of edges at each vertex, shape (V,)."""
         return frozen(np.bincount(self.edges.ravel(), minlength=self.n_vertices))
 
     @cached_property
     def adjacency(self) -> csr_array:
-        """(V, V): ones where two vertices share an edge."""
+        """Vertex adjacency matrix, shape (V, V)."""
         a, b = self.edges.T
         ones = np.ones(2 * self.n_edges)
         ends = (np.concatenate([a, b]), np.concatenate([b, a]))
@@ -211,7 +211,7 @@ class Triangulation:
 
     @cached_property
     def incidence(self) -> csr_array:
-        """(V, E): 1 where an edge begins, at its lower end, and -1 where it ends."""
+        """Incidence matrix, shape (V, E): 1 at the lower endpoint of an edge, -1 at the higher."""
         signs = np.repeat([1.0, -1.0], self.n_edges)
         ends = (self.edges.T.ravel(), np.tile(np.arange(self.n_edges), 2))
         incidence = csr_array((signs, ends), shape=(self.n_vertices, self.n_edges))
@@ -219,7 +219,7 @@ class Triangulation:
         return incidence
 
     def edge_indices(self, pairs: Indices) -> Indices:
-        """Index of each edge, (n,), given by its two ends in either order, (n, 2); -1 for other pairs."""
+        """Indices (n,) of the edges with given endpoints (n, 2), in either order; -1 for other pairs."""
         pairs = np.ascontiguousarray(pairs, dtype=np.int64).reshape(-1, 2)
         return find(self.edges, self.n_vertices, pairs)
 
@@ -228,6 +228,6 @@ Frozen = TypeVar("Frozen", bound=NDArray)
 
 
 def frozen(array: Frozen) -> Frozen:
-    """Make an array read-only, and return it."""
+    """Make an array read-only and return it."""
     array.flags.writeable = False
     return array

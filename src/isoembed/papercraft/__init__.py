@@ -1,6 +1,6 @@
 """Printable and machine-cut paper nets of unfolded solids.
 
-PDF needs matplotlib, ``pip install matplotlib``, and DXF ezdxf, ``pip install ezdxf``.
+PDF requires matplotlib, ``pip install matplotlib``, and DXF requires ezdxf, ``pip install ezdxf``.
 """
 
 from isoembed.papercraft.curves import write_dform

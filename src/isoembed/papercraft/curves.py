@@ -20,32 +20,32 @@ from isoembed.papercraft.svg import COLORS, INKSCAPE, WIDTHS
 
 MARKS = 12  # around each outline
 TICK, SIZE = 3.0, 3.0  # mm
-DENSE = 20_000  # chords, whose lengths are those of the curve to 1e-8
+DENSE = 20_000  # chords for arc lengths accurate to 1e-8
 
 
 def write_dform(
     path: str | os.PathLike[str], first: Curve, second: Curve, *, offset: float = 0.0, scale: float = 1.0
 ) -> None:
-    """Write the outlines of a D-form, as of `isoembed.gluing.dform`, to be cut on the curve itself.
+    """Write the outlines of a D-form (see `isoembed.gluing.dform`) for cutting along the exact curves.
 
-    The outlines are elliptic arcs and lines, no polygons.  Inside of each there are marks at equal lengths
-    along it: those with the same number meet.  `isoembed.glue` reads the file.
+    The outlines consist of elliptical arcs and lines instead of polygons.  Numbered marks inside each divide
+    it into equal lengths; marks with the same number meet.  `isoembed.glue` reads the file.
 
     Parameters
     ----------
     path : path
-        Ending in ``.svg``.
+        Ends with ``.svg``.
     first, second : Ellipse or Stadium
-        The second is scaled to the perimeter of the first.
+        Outlines; the second is scaled to the perimeter of the first.
     offset : float
-        The beginning of the first meets the point of the second at this part of its perimeter.
+        Point of the second outline glued to the start of the first, as a fraction of the perimeter.
     scale : float
-        Millimeters a unit of the first.
+        Millimeters per unit of the first outline.
 
     Raises
     ------
     FileError
-        The ending is not known or the file cannot be written.
+        The ending is unknown or the file cannot be written.
     InvalidParameter
         The offset or the scale is out of range.
     """
@@ -61,9 +61,9 @@ def write_dform(
 
 
 def _svg(shapes: list[tuple[Curve, float, float, int]]) -> str:
-    """The text of the file, of curves with their begin, their scale and the direction of their marks.
+    """SVG text of curves with their start, scale and direction of marks.
 
-    Face up on the table, the second outline is gone around the other way.
+    Face up on the table, the second outline is traversed in the opposite direction.
     """
     right, height = MARGIN, 0.0
     cuts, ticks, numbers = [], [], []
@@ -104,7 +104,7 @@ def _svg(shapes: list[tuple[Curve, float, float, int]]) -> str:
 
 
 def _path(curve: Curve, begin: float, scale: float, middle: Floats) -> str:
-    """The outline counterclockwise, from a parameter on, in lines and arcs of less than half a turn."""
+    """Outline from a parameter, counterclockwise, as lines and arcs of less than half a turn."""
     begin %= 1.0
     stops = [
         begin,
@@ -121,7 +121,7 @@ def _path(curve: Curve, begin: float, scale: float, middle: Floats) -> str:
 
 
 def _joints(curve: Curve) -> Iterator[float]:
-    """Parameters between 0 and 1 at which arcs and lines end."""
+    """Parameters between 0 and 1 at the ends of arcs and lines."""
     if isinstance(curve, Ellipse):
         yield from (0.0, 0.25, 0.5, 0.75)
     else:
@@ -129,14 +129,14 @@ def _joints(curve: Curve) -> Iterator[float]:
 
 
 def _bow(stadium: Curve) -> float:
-    """The part of the perimeter that a quarter of a circle takes."""
+    """Fraction of the perimeter of a quarter circle."""
     assert not isinstance(stadium, Ellipse)
     quarter = math.pi * stadium.radius / 2
     return quarter / (4 * quarter + 2 * stadium.length)
 
 
 def _radii(curve: Curve, u: float) -> tuple[float, float]:
-    """Semi-axes of the arc at a parameter; zeros on a line."""
+    """Semi-axes of the arc at a parameter; zero on a line."""
     if isinstance(curve, Ellipse):
         return curve.a, curve.b
     is_arc = min(u % 0.5, -u % 0.5) < _bow(curve)

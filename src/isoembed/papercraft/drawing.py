@@ -25,11 +25,11 @@ from isoembed.papercraft.views import views
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-LEAST = 1e-3  # radians; nobody folds by less
-GLUED = 0.75  # of a tab, in each direction
+LEAST = 1e-3  # radians; smaller folds are omitted
+GLUED = 0.75  # glued fraction of a tab, in each direction
 ALLOWANCE_LIMIT = 1.5  # allowances: right angles keep their corners, sharper ones are cut off
-KERF_LIMIT = 20.0  # half kerfs: so are those of less than 6 degrees
-DECIMALS = 6  # of a millimeter in files: a nearly flat vertex magnifies what is rounded a thousandfold
+KERF_LIMIT = 20.0  # half kerfs: corners of less than 6 degrees are cut off
+DECIMALS = 6  # of a millimeter in files: nearly flat vertices magnify rounding errors a thousandfold
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,12 +39,12 @@ class Fold:
     Attributes
     ----------
     line : ndarray, shape (2, 2)
-        Its ends.
+        Endpoints of the fold.
     angle : float or None
-        By how much to fold, radians: positive away from whoever sees the outside of the solid.  None of a
-        tab, which is folded away until it meets the other side.
+        Fold angle in radians, positive away from an outside viewer.  None for a tab, which is folded until it
+        meets the other side.
     pieces : ndarray, shape (m, 2, 2)
-        What is cut or scored of it.
+        Pieces of the fold that are cut or scored.
     """
 
     line: Floats
@@ -59,49 +59,48 @@ class Fold:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Lines and numbers on pages below one another, in mm from the upper left corner, y upward.
+    """Lines and numbers on pages arranged downward, in mm from the upper left corner, y upward.
 
-    No line is there twice.  Files have them in layers: ``cut``, ``mountain``, ``valley``, ``seam``, ``glue``,
-    ``engrave`` for what is only read: labels, ruler, legend, notes, and ``solid`` for its drawing.
+    No line is repeated.  The layers of files are ``cut``, ``mountain``, ``valley``, ``seam``, ``glue``,
+    ``engrave`` (labels, ruler, legend, notes), and ``solid`` for the drawing of the solid.
 
     Attributes
     ----------
     width, height : float
-        Of a page.
+        Size of a page.
     pages : int
-        With that of the drawing of the solid, the last one, if it has numbers.
+        Number of pages, including the last one with the drawing of the solid, if any.
     scale : float
-        Millimeters a unit of the solid.
+        Millimeters per unit of the solid.
     cuts : list of ndarray, shape (n, 2)
-        Closed outlines, with their tabs or seam allowance, and half of the kerf.
+        Closed outlines, including tabs or seam allowance, and half of the kerf.
     holes : list of (float, float, float)
-        Circles to cut: middle and radius.
+        Circles to cut: center and radius.
     seams : list of ndarray, shape (n, 2)
-        Closed outlines of the net, where the cuts are wider by an allowance.
+        Closed outlines of the net, if the cuts are wider by an allowance.
     folds : list of Fold
     glue : list of ndarray, shape (n, 2)
-        Areas that get glue, in the middle of each tab.
+        Glue areas in the middle of each tab.
     labels : list of Label
     ruler : list of ndarray, shape (2, 2)
-        At the foot of each page of the net: 50 mm, by which one sees whether a printer has scaled it; and the
-        marks in the corners of the page.
+        At the foot of each page of the net: a ruler of 50 mm, for checking the scale of printing; and the
+        marks in the page corners.
     legend : list of (str, ndarray of shape (2, 2))
-        At the foot of each page of the net, samples of the kinds of lines: ``"cut"``, ``"mountain"``,
-        ``"valley"``.
+        Line samples at the foot of each page of the net: ``"cut"``, ``"mountain"``, ``"valley"``.
     notes : list of Label
-        At the foot of each page: a line, and what belongs to ruler and legend; and numbers of faces.
+        At the foot of each page: a line of text, and labels of ruler and legend; and face numbers.
     pictured : list of ndarray, shape (2, 2)
-        On the last page, if the net has numbers, the visible edges of the solid.
+        Visible edges of the solid, on the last page of a net with numbers.
     captions : list of Label
-        There, the numbers of its faces, and a line at the foot.
+        Face numbers in the drawing of the solid, and a line of text at its foot.
     net : Unfolding
-        What is on the pages: with its islands, and with the gaps of a thick sheet.
+        Printed net, divided into islands, and with the gaps of a thick sheet.
     kerf : float
-        By half of it the cuts are offset, mm.
+        Beam width in mm; cuts are offset by half of it.
     error : float
-        Of the points of the solid, where they were rounded, mm.
+        Rounding error of the points of the solid, mm.
     any_surface : bool
-        Whether sides without a number are a boundary, and there may be handles.
+        Whether sides without a number are a boundary, and handles are permitted.
     """
 
     width: float
@@ -126,17 +125,17 @@ class Drawing:
 
     @property
     def mountains(self) -> list[Floats]:
-        """The ends of folds away from whoever sees the outside of the solid."""
+        """Endpoints of folds away from an outside viewer."""
         return [fold.line for fold in self.folds if fold.kind == "mountain"]
 
     @property
     def valleys(self) -> list[Floats]:
-        """The ends of folds toward whoever sees the outside of the solid."""
+        """Endpoints of folds toward an outside viewer."""
         return [fold.line for fold in self.folds if fold.kind == "valley"]
 
     @property
     def underlines(self) -> list[Floats]:
-        """Lines below labels that are others upside down."""
+        """Lines below labels that are ambiguous upside down."""
         return [one.underline for one in self.labels if one.underline is not None]
 
 
@@ -155,21 +154,21 @@ def drawn(
     ----------
     unfolding : Unfolding
     paper : str
-        As of `isoembed.papercraft.paper.Paper.of`.
+        See `isoembed.papercraft.paper.Paper.of`.
     scale : float, optional
-        Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+        Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
     size : float, optional
-        Instead of a scale, as of `isoembed.papercraft.placing.laid_out`.
+        Alternative to a scale; see `isoembed.papercraft.placing.laid_out`.
     numbers : bool, optional
-        Whether faces are numbered, and the solid is drawn on another page.
+        Whether faces are numbered, and the solid is drawn on an additional page.
     material : Material, optional
-        Joints, allowance, kerf and the cut of folds.
+        Joints, allowance, kerf and cutting of folds.
 
     Raises
     ------
     InvalidParameter
-        There is no such paper, a face does not fit on it, an allowance or the kerf closes a notch, or the
-        faces of the solid are not known or thick.
+        The paper is unknown, a face does not fit on it, an allowance or the kerf closes a notch, or numbers
+        are requested without known faces or with a thickness.
     """
     vertices = unfolding.vertices
     if numbers and vertices is None:
@@ -267,27 +266,27 @@ def _say_which_have_none(faces: int, small: int, unseen: int) -> None:
 
 
 def _beyond(material: Material) -> float:
-    """Largest distance of a cut from the outline of a sheet, less the depth of a tab."""
+    """Largest distance of a cut from the outline of a sheet, minus the depth of a tab."""
     farthest = (
         np.hypot(ALLOWANCE_LIMIT, 1.0) * material.allowance
-    )  # the ends of what cuts off a needle's corner
+    )  # ends of the cut across a needle-shaped corner
     return max(0.0, float(farthest) + material.kerf - DEPTH)
 
 
 def _widened(outline: Floats, material: Material, name: str) -> Floats:
-    """The outline that is cut: with the allowance, and the middle of the beam outside of it."""
+    """Outline of the cut: widened by the allowance and half of the kerf."""
     if material.allowance:
         outline = offset(outline, material.allowance, name, ALLOWANCE_LIMIT)
     return offset(outline, material.kerf / 2, name, KERF_LIMIT) if material.kerf else outline
 
 
 def _crosses(middles: Floats, size: float) -> Floats:
-    """Lines across holes, which labels do not meet."""
+    """Crosses over the holes, as obstacles for labels."""
     across = np.array([[[-size / 2, 0.0], [size / 2, 0.0]], [[0.0, -size / 2], [0.0, size / 2]]])
     return np.asarray(middles[:, None, None] + across).reshape(-1, 2, 2)
 
 
 def _middle(tab: Floats) -> Floats:
-    """The area of a tab that gets glue, off its sides so that no line is there twice."""
+    """Glue area of a tab, inset from its sides to avoid repeated lines."""
     center = tab.mean(axis=0)
     return np.asarray(center + GLUED * (tab - center))

@@ -1,4 +1,4 @@
-"""DXF output of a paper net: millimeters, a layer for each kind of line, six decimals."""
+"""DXF output of paper nets: millimeters, a layer for each kind of line, six decimals."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,12 +16,12 @@ COLORS = {
     **{"cut": 1, "mountain": 5, "valley": 3, "seam": 6, "glue": 8, "engrave": 7, "numbers": 7},
     "solid": 9,
 }
-"""Colors of the layers in AutoCAD's index: red, blue, green, magenta, gray, black or white, light gray."""
-MILLIMETERS = 4  # of $INSUNITS
+"""AutoCAD color indices of the layers: red, blue, green, magenta, gray, black or white, light gray."""
+MILLIMETERS = 4  # value of $INSUNITS
 
 
 def write_dxf(path: Path, drawing: Drawing) -> None:
-    """Write the drawing with its lower left corner at the origin, the pages below one another."""
+    """Write the drawing with its lower left corner at the origin, and pages arranged downward."""
     ezdxf = ezdxf_for(f"writing {path}")
     up = np.array([0.0, drawing.pages * drawing.height])
     with _no_dates(ezdxf):
@@ -82,7 +82,7 @@ def _rounded(points: Floats) -> list[tuple[float, float]]:
 
 @contextmanager
 def _no_dates(ezdxf: Any) -> Iterator[None]:
-    """Make the file reproducible: without the time and without random names."""
+    """Omit time stamps and random names, for reproducible files."""
     before = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True
     try:

@@ -10,26 +10,26 @@ from isoembed.arrays import Floats
 
 
 def best_turn(points: Floats, room: Floats, *, oblique: bool = False) -> tuple[Floats, float]:
-    """Rotation with which a figure fits into a rectangle at the largest scale.
+    """Rotation for which a figure fits into a rectangle at the largest scale.
 
-    That scale is the least of the ratios of width and height of the rectangle to those of the figure.
-    Between two directions in which a side of the hull is upright or level, neither ratio has a maximum, so
-    that the best direction is one of these, or one in which the two ratios are equal.
+    The scale is the smaller ratio of the rectangle's width and height to those of the figure.  Between two
+    directions in which a side of the hull is parallel to an axis, neither ratio has a maximum, so the optimum
+    is at one of these directions, or where the two ratios are equal.
 
     Parameters
     ----------
     points : ndarray, shape (n, 2)
     room : ndarray, shape (2,)
-        Width and height; one of them may be infinite.
+        Width and height; one may be infinite.
     oblique : bool, optional
-        Whether also those are tried in which no side of the hull is upright or level.
+        Whether to include directions in which no side of the hull is parallel to an axis.
 
     Returns
     -------
     turn : ndarray, shape (2, 2)
-        The figure is put at ``points @ turn``.
+        Rotation; the rotated figure is ``points @ turn``.
     scale : float
-        The largest.
+        Largest scale.
     """
     hull, angles = _flush(points)
     if oblique:
@@ -41,13 +41,13 @@ def best_turn(points: Floats, room: Floats, *, oblique: bool = False) -> tuple[F
 
 
 def compact_turn(points: Floats, room: Floats) -> Floats:
-    """Rotation with which a figure fits into a rectangle, and its bounding box has the least area.
+    """Rotation for which a figure fits into a rectangle and its bounding box has the smallest area.
 
     Parameters
     ----------
     points : ndarray, shape (n, 2)
     room : ndarray, shape (2,)
-        Into which it fits with a side of its hull upright or level.
+        Rectangle, into which the figure fits with a side of its hull parallel to an axis.
     """
     hull, angles = _flush(points)
     turns = _turns(angles)
@@ -58,7 +58,7 @@ def compact_turn(points: Floats, room: Floats) -> Floats:
 
 
 def _flush(points: Floats) -> tuple[Floats, Floats]:
-    """The hull of a figure in units of its size, and the directions in which a side is upright or level."""
+    """Convex hull of a figure, scaled to size 1, and directions in which a side is parallel to an axis."""
     from scipy.spatial import ConvexHull  # slow to import
 
     size = np.ptp(points, axis=0).max()
@@ -69,13 +69,13 @@ def _flush(points: Floats) -> tuple[Floats, Floats]:
 
 
 def _turns(angles: Floats) -> Floats:
-    """Rotations by these angles, clockwise, shape (n, 2, 2)."""
+    """Clockwise rotations by the given angles, shape (n, 2, 2)."""
     turns = np.array([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]])
     return turns.transpose(2, 0, 1)
 
 
 def _balanced(hull: Floats, flush: Floats, room: Floats) -> Floats:
-    """Directions in which both ratios are equal, one between any two neighboring ones of sides."""
+    """Directions in which both ratios are equal, one between any two neighboring directions of sides."""
     ends = np.unique(flush % np.pi)
     middles = (ends + np.append(ends[1:], ends[0] + np.pi)) / 2
     along = np.column_stack([np.cos(middles), np.sin(middles)])

@@ -16,32 +16,32 @@ if TYPE_CHECKING:
 
 
 def partly_folded(unfolding: Unfolding, share: float) -> tuple[Floats, list[Indices]]:
-    """Fold the sheets of a net by a share of each fold angle.
+    """Fold the sheets of a net by a fraction of each fold angle.
 
-    The face in the middle of each sheet stays where it is, in the plane z = 0, with the outside of the solid
-    up.  Sheets do not come together.
+    The central face of each sheet stays in place, in the plane z = 0, with the outside of the solid up.
+    Sheets are not assembled.
 
     Parameters
     ----------
     unfolding : Unfolding
     share : float
-        0 for the flat net, 1 for the solid.
+        Fraction: 0 for the flat net, 1 for the solid.
 
     Returns
     -------
     vertices : ndarray, shape (n, 3)
-        The corners of the sheets, one sheet after the other.
+        Concatenated corners of the sheets.
     faces : list of ndarray of int64
-        The vertices around each face.
+        Vertices around each face.
 
     Raises
     ------
     InvalidParameter
-        The share is not a finite number.
+        The fraction is not a finite number.
 
     Examples
     --------
-    A cube that is half folded:
+    A half-folded cube:
 
     >>> import isoembed
     >>> corners = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
@@ -63,7 +63,7 @@ def partly_folded(unfolding: Unfolding, share: float) -> tuple[Floats, list[Indi
             for a, b in zip(face.tolist(), np.roll(face, -1).tolist(), strict=True)
         }
         for (a, b), angle in zip(ends.tolist(), bent.tolist(), strict=True):
-            angles[min(a, b), max(a, b)] = -share * angle  # there, those of valleys are positive
+            angles[min(a, b), max(a, b)] = -share * angle  # `fold_up` takes valleys as positive
         places, _ = fold_up(sheet, [face.tolist() for face in faces], angles, np.inf)
         vertices.append(places)
         every += [frozen(face + first) for face in faces]
@@ -72,7 +72,7 @@ def partly_folded(unfolding: Unfolding, share: float) -> tuple[Floats, list[Indi
 
 
 def _from_the_middle(sheet: Floats, faces: tuple[Indices, ...]) -> list[Indices]:
-    """The faces of a sheet, that in the middle first."""
+    """Faces of a sheet, the central one first."""
     low, high = sheet.min(axis=0), sheet.max(axis=0)
     off = [np.linalg.norm(sheet[face].mean(axis=0) - (low + high) / 2) for face in faces]
     k = int(np.argmin(off))

@@ -39,7 +39,7 @@ FRAMES = 40  # of the film
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _NetSurface(Surface):
-    """The faces of a net in space, which are those of the solid."""
+    """Surface of a net in space, with the faces of the solid."""
 
     of_triangles: Indices | None = None
 
@@ -71,17 +71,17 @@ class _Folding(Frame):
 def folding_page_writer(
     path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing, *, title: str = ""
 ) -> Writer:
-    """Return what writes the page; see `isoembed.io.write_atomically`.
+    """Writer of the page; see `isoembed.io.write_atomically`.
 
     Parameters
     ----------
     path : path
-        Ending in ``.html``.
+        Ends with ``.html``.
     unfolding : Unfolding
     pages : Drawing
-        The net on paper.
+        Drawing of the net.
     title : str
-        By default the name of the file.
+        Title of the page; by default the file name.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def folding_page_writer(
         )
     flat, faces = partly_folded(unfolding, 0.0)
     points, triangles = triangle_mesh(flat, faces)
-    triangulation = Triangulation(triangles)  # of a sheet: a narrow slit is no seam
+    triangulation = Triangulation(triangles)  # the sheet is a disk: narrow slits stay open
     metric = PolyhedralMetric.on(triangulation, lengths_between(triangulation, points, EUCLIDEAN))
     sizes = np.array([len(face) for face in faces])
     owners = np.repeat(np.arange(len(faces)), sizes - 2)
@@ -116,7 +116,7 @@ def folding_page_writer(
 
 
 def _counted(unfolding: Unfolding, printed: Unfolding, enclosed: float) -> dict[str, dict[str, float]]:
-    """Counts and measures of the solid, of its net of one sheet, and of that on the pages, by table."""
+    """Counts and measures of the solid, and of the printed net, by table."""
     ((sheet,), (folds,), (faces,)) = unfolding.sheets, unfolding.folds, unfolding.faces
     solid: dict[str, float] = {
         "vertices": len(np.unique(unfolding.corners[0])),

@@ -14,38 +14,38 @@ from isoembed.papercraft.paper import MARGIN
 if TYPE_CHECKING:
     from isoembed.papercraft.placing import Layout
 
-NOTE, LEGIBLE = 3.0, 1.4  # mm, the size of what is written at the foot
+NOTE, LEGIBLE = 3.0, 1.4  # mm, font sizes at the foot: normal and smallest
 RULER, TICK = 50, 10  # mm
-MARK, OFF = 6.0, 5.0  # mm, the length of a corner mark, and how far it is from the edges of the page
+MARK, OFF = 6.0, 5.0  # mm, length of a corner mark and its distance from the page edges
 LEGEND = {
     "cut": (92.0, "cut"),
     "mountain": (114.0, "fold away from you"),
     "valley": (158.0, "fold toward you"),
 }
-"""Start of a sample of each kind of line, in mm from the left, and its text."""
+"""Position in mm from the left of a sample of each kind of line, and its text."""
 SAMPLE = 10.0  # mm
-END = 196.0  # mm from the left, that of the legend
+END = 196.0  # mm from the left, end of the legend
 
 
 def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple[str, Floats]], list[Label]]:
-    """Contents of the foot of each page and of its corners.
+    """Contents of the foot and corners of each page.
 
     Parameters
     ----------
     layout : Layout
     kinds : sequence of str
-        Of lines, those that the legend explains.
+        Kinds of lines explained in the legend.
 
     Returns
     -------
     list of ndarray, shape (2, 2)
         Lines of the ruler and of the corner marks.
     list of (str, ndarray of shape (2, 2))
-        Samples of the kinds of lines.
+        Line samples by kind.
     list of Label
     """
     lines, legend, notes = [], [], []
-    # On narrow pages the legend moves together, until it is no longer legible.
+    # On narrow pages the legend is compressed, until it is illegible.
     narrow = min(1.0, (layout.width - 2 * MARGIN - RULER) / (END - MARGIN - RULER))
     for k in range(layout.pages):
         low = -(k + 1) * layout.height
@@ -71,7 +71,7 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
 
 
 def foot_of_drawing(layout: Layout) -> Label:
-    """Words at the foot of the last page, that with the drawing of the solid."""
+    """Text at the foot of the last page, with the drawing of the solid."""
     return _line_of_words(
         "the solid, with the numbers of its faces; not to scale, not to be cut",
         layout.width,
@@ -80,13 +80,13 @@ def foot_of_drawing(layout: Layout) -> Label:
 
 
 def _line_of_words(said: str, width: float, low: float) -> Label:
-    """Words in the middle of the foot of a page whose lower edge is there, as large as there is room."""
+    """Centered text at the foot of a page with the given lower edge, as large as fits."""
     size = min(NOTE, (width - 2 * MARGIN) / (WIDTH * len(said)))
     return Label(said, width / 2, low + 1.6 * NOTE, 0.0, size)
 
 
 def _marks(width: float, height: float, low: float) -> list[Floats]:
-    """An angle in each corner of a page, by which pages, and machines that cut them, are aligned."""
+    """Right angles in the page corners, for the alignment of pages and cutting machines."""
     found = []
     for x, right in ((OFF, 1), (width - OFF, -1)):
         for y, up in ((low + OFF, 1), (low + height - OFF, -1)):
@@ -99,5 +99,5 @@ def _line(x: float, y: float, to_x: float, to_y: float) -> Floats:
 
 
 def _after(text: str, x: float, y: float, size: float) -> Label:
-    """Words that begin a little to the right of a point."""
+    """Text that starts slightly to the right of a point."""
     return Label(text, x + (len(text) / 2 + 1) * WIDTH * size, y, 0.0, size)

@@ -15,26 +15,26 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 Fold = tuple[int, int]
-"""Corners of a sheet at the ends of a fold, as they follow around the face nearer to the root."""
+"""Corners of a sheet at the ends of a fold, in the order around the face nearer to the root."""
 
-COARSEST, FINEST, SUPPORTS = 90, 720, 100_000  # directions in a right angle, and of all faces
-KEPT = 12  # partitions of a subtree, of each number of islands
+COARSEST, FINEST, SUPPORTS = 90, 720, 100_000  # numbers of directions in a right angle; limit for all faces
+KEPT = 12  # partitions of a subtree for each number of islands
 
 
 @dataclass(frozen=True, eq=False)
 class _Partition:
-    """A partition of a subtree of faces, which has an open island with the face at its root.
+    """A partition of a subtree of faces, with an open island that contains the root face.
 
     Attributes
     ----------
     islands : int
-        Without the open one.
+        Number of islands without the open one.
     length : float
-        Of the cuts.
+        Total length of the cuts.
     support : ndarray, shape (4, D)
-        How far the open island reaches in each direction and in those a right angle further.
+        Support function of the open island in each direction and at right angles to it.
     cuts : tuple
-        The folds that are cut, and tuples of such.
+        Folds that are cut, in nested tuples.
     """
 
     islands: int
@@ -44,20 +44,20 @@ class _Partition:
 
 
 def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fold]:
-    """Folds along which to cut a sheet so that every piece fits into a rectangle, turned in some way.
+    """Folds along which to cut a sheet so that every piece fits into a rectangle, in some orientation.
 
-    The faces of a sheet are joined in a tree.  From its leaves to its root, each subtree has partitions with
-    the fewest islands, and with one more; of these, some are kept whose cuts are short and whose open island,
-    which goes on beyond the root of the subtree, is small.  Fewer islands come before shorter cuts.  More
-    islands than the fewest are not needed for the fewest in all: the fold above may be cut instead.
+    Dynamic programming on the tree of faces: from the leaves to the root, each subtree has partitions with
+    the fewest islands, and with one more.  Among these, some are kept with short cuts and with a small open
+    island, which continues beyond the root of the subtree.  Fewer islands take precedence over shorter cuts.
+    More islands than the minimum do not reduce the total: the fold above may be cut instead.
 
     Parameters
     ----------
     sheet : ndarray, shape (n, 2)
     faces : sequence of ndarray of int
-        The corners around each part that is not cut, as of `parts`; each fits by itself.
+        Corners around each uncut part, as from `parts`; each fits on its own.
     room : ndarray, shape (2,)
-        Width and height in the unit of the sheet.
+        Width and height, in the unit of the sheet.
     """
     order, parents, folds = _tree(faces)
     directions = _directions(sheet, faces)
@@ -94,7 +94,7 @@ def partition(sheet: Floats, faces: Sequence[Indices], room: Floats) -> list[Fol
 
 
 def _tree(faces: Sequence[Indices]) -> tuple[list[int], list[int], list[Fold | None]]:
-    """Faces from the root on, the parent of each, and the fold to it, as the parent has it."""
+    """Faces in order from the root, the parent of each, and the fold shared with it, as in the parent."""
     owner = {
         (a, b): f
         for f, face in enumerate(faces)
@@ -115,7 +115,7 @@ def _tree(faces: Sequence[Indices]) -> tuple[list[int], list[int], list[Fold | N
 
 
 def _directions(sheet: Floats, faces: Sequence[Indices]) -> Floats:
-    """Directions in a right angle, radians: evenly spread ones, and those of the longest sides of faces."""
+    """Directions in a right angle, radians: evenly spaced ones, and those of the longest sides of faces."""
     count = min(max(SUPPORTS // len(faces), COARSEST), FINEST)
     sides = np.concatenate([sheet[np.roll(face, -1)] - sheet[face] for face in faces])
     longest = sides[np.argsort(-np.hypot(*sides.T), kind="stable")[: 2 * count]]
@@ -124,24 +124,24 @@ def _directions(sheet: Floats, faces: Sequence[Indices]) -> Floats:
 
 
 def _reach(points: Floats, directions: Floats) -> Floats:
-    """Extent of points in each direction and in those a right angle further, shape (4, D)."""
+    """Support function of points in each direction and at right angles to it, shape (4, D)."""
     angles = directions + np.pi / 2 * np.arange(4)[:, None]
     x, y = points[:, :, None, None].transpose(1, 0, 2, 3)
     return np.asarray((x * np.cos(angles) + y * np.sin(angles)).max(axis=0))
 
 
 def _needed(supports: Floats, room: Floats) -> Floats:
-    """The size of islands in the best direction, in that of the rectangle."""
+    """Size of islands in the best direction, relative to the rectangle."""
     first, second = supports[..., 0, :] + supports[..., 2, :], supports[..., 1, :] + supports[..., 3, :]
     upright = np.maximum(first / room[0], second / room[1])
     return np.minimum(upright, np.maximum(first / room[1], second / room[0])).min(axis=-1)
 
 
 def _best(found: Sequence[_Partition], room: Floats) -> list[_Partition]:
-    """Useful partitions with the fewest islands and with one more, up to `KEPT` of each, short ones first.
+    """Undominated partitions with the fewest islands and with one more, at most `KEPT` each, shortest first.
 
-    One island more than the fewest may allow shorter cuts in the end.  One that is neither shorter nor
-    smaller than another one is of no use.
+    One additional island may permit shorter cuts in total.  A partition is dominated by another with cuts no
+    longer and an open island no larger.
     """
     fewest = min(one.islands for one in found)
     kept = []
@@ -160,7 +160,7 @@ def _best(found: Sequence[_Partition], room: Floats) -> list[_Partition]:
 
 
 def _flat(cuts: tuple[Any, ...]) -> Iterator[Fold]:
-    """The folds in nested tuples."""
+    """Folds in nested tuples."""
     stack = [cuts]
     while stack:
         some = stack.pop()
@@ -171,12 +171,12 @@ def _flat(cuts: tuple[Any, ...]) -> Iterator[Fold]:
 
 
 def parts(unfolding: Unfolding, p: int) -> list[tuple[str, Indices]]:
-    """Uncut parts of a sheet: faces, and faces that `kept` folds join.
+    """Uncut parts of a sheet: faces, and faces joined by `kept` folds.
 
     Returns
     -------
     list of (str, ndarray of int)
-        A name by the number of the first face, and the corners of the sheet around.
+        Name with the number of the first face, and the corners of the sheet around the part.
     """
     corners, faces, numbers = unfolding.corners[p].tolist(), unfolding.faces[p], unfolding.numbers[p]
     if not unfolding.kept:
@@ -196,17 +196,17 @@ def parts(unfolding: Unfolding, p: int) -> list[tuple[str, Indices]]:
 
 
 def cut_along(unfolding: Unfolding, cuts: Sequence[Sequence[Fold]]) -> Unfolding:
-    """Cut sheets along folds: there are more sheets and pairs of sides then, and fewer folds.
+    """Cut sheets along folds, which yields more sheets and pairs of sides, and fewer folds.
 
     Parameters
     ----------
     unfolding : Unfolding
     cuts : sequence of sequence of (int, int)
-        For each sheet the corners at the ends of the folds that are cut.
+        For each sheet, the corners at the ends of the folds to be cut.
     """
     sheets: list[Floats] = []
     corners, folds, angles, faces, numbers = [], [], [], [], []
-    place: dict[tuple[int, int, int], tuple[int, int]] = {}  # of the sides, by sheet and corners
+    place: dict[tuple[int, int, int], tuple[int, int]] = {}  # new side, by old sheet and corners
     for p, (sheet, cut) in enumerate(zip(unfolding.sheets, cuts, strict=True)):
         for mine in _components(unfolding.faces[p], {*cut, *((b, a) for a, b in cut)}):
             ring = _outline([unfolding.faces[p][f] for f in mine])
@@ -240,7 +240,7 @@ def cut_along(unfolding: Unfolding, cuts: Sequence[Sequence[Fold]]) -> Unfolding
 
 
 def _components(faces: Sequence[Indices], cut: set[Fold]) -> list[list[int]]:
-    """The faces of each piece, in order."""
+    """Faces of each piece, in order."""
     order, parents, folds = _tree(faces)
     first = list(range(len(faces)))
     for f in order[1:]:
@@ -253,7 +253,7 @@ def _components(faces: Sequence[Indices], cut: set[Fold]) -> list[list[int]]:
 
 
 def _outline(faces: Sequence[Indices]) -> list[int]:
-    """The corners around faces that are joined, from the first one on."""
+    """Corners around joined faces, starting at the lowest."""
     sides = {(a, b) for face in faces for a, b in zip(face.tolist(), np.roll(face, -1).tolist(), strict=True)}
     after = {a: b for a, b in sides if (b, a) not in sides}
     ring = [min(after)]

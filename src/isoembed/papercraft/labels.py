@@ -13,10 +13,10 @@ Side = tuple[int, int]
 
 SIZE, LEGIBLE, LEAST = 4.2, 2.0, 0.5  # mm
 SHRINK = 0.85
-WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in sizes
-PADDING = 0.22  # around a number, in sizes
-OFF = 0.15  # of what is around it, from the side, in sizes
-PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # along a side
+WIDTH, HEIGHT = 0.56, 0.72  # of a digit, in font sizes
+PADDING = 0.22  # around a number, in font sizes
+OFF = 0.15  # distance of the padded number from the side, in font sizes
+PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # positions along a side, in the order of the attempts
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,11 @@ class Label:
     ----------
     text : str
     x, y : float
-        Its middle, mm.
+        Center of the text, mm.
     angle : float
-        Of its line against the horizontal, degrees counterclockwise.
+        Direction of the text, degrees counterclockwise.
     size : float
-        Of the font, mm.
+        Font size, mm.
     """
 
     text: str
@@ -42,7 +42,7 @@ class Label:
 
     @property
     def underline(self) -> Floats | None:
-        """The ends of a line below a number that is another one upside down, as 6 and 9 are; else None."""
+        """Endpoints of an underline for numbers that are others upside down, such as 6 and 9; else None."""
         if not set(self.text) <= set("0689") or not set(self.text) & set("69"):
             return None
         half = WIDTH / 2 * len(self.text)
@@ -50,12 +50,12 @@ class Label:
 
     @property
     def box(self) -> Floats:
-        """The corners of what it takes of the paper, (4, 2)."""
+        """Corners of the padded bounding box, (4, 2)."""
         half, up = WIDTH / 2 * len(self.text) + PADDING, HEIGHT / 2 + PADDING
         return self._put(np.array([[-half, -up], [half, -up], [half, up], [-half, up]]))
 
     def _put(self, points: Floats) -> Floats:
-        """Points around its middle, along its line and upward, in sizes."""
+        """Points given relative to the center, along the text and upward, in font sizes."""
         cosine, sine = np.cos(np.radians(self.angle)), np.sin(np.radians(self.angle))
         return np.array([self.x, self.y]) + self.size * points @ np.array([[cosine, sine], [-sine, cosine]])
 
@@ -63,23 +63,23 @@ class Label:
 def labels(
     outlines: Sequence[Floats], folds: Sequence[Floats], sides: Sequence[tuple[Side, Side]]
 ) -> list[Label]:
-    """The labels of all pairs of sides, the same number on both.
+    """Labels of all pairs of sides, with the same number on both.
 
-    A label is as large as it can be without meeting a line or another label; across folds where it would not
-    be legible otherwise.
+    Each label is as large as possible without meeting a line or another label; it may cross folds if it would
+    be illegible otherwise.
 
     Parameters
     ----------
     outlines : sequence of ndarray, shape (n, 2)
-        Counterclockwise, in mm.
+        Outlines of the sheets, counterclockwise, in mm.
     folds : sequence of ndarray, shape (m, 2, 2)
-        Of each sheet.
+        Folds of each sheet.
     sides : sequence of pairs
-        Which sides ``((p, k), (q, m))`` are glued.
+        Pairs of glued sides ``((p, k), (q, m))``.
     """
     rims = [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines]
     numbered = [(str(number), rims[p][k]) for number, pair in enumerate(sides, 1) for p, k in pair]
-    numbered.sort(key=lambda entry: float(np.hypot(*(entry[1][1] - entry[1][0]))))  # those with little room
+    numbered.sort(key=lambda entry: float(np.hypot(*(entry[1][1] - entry[1][0]))))  # shortest sides first
     lines, creases = Pieces(2, chain.from_iterable(rims)), Pieces(2, chain.from_iterable(folds))
     taken = Pieces(4)
     found = []
@@ -95,7 +95,7 @@ def labels(
 
 
 def _fitting(text: str, ends: Floats, size: float, least: float, obstacles: Sequence[Pieces]) -> Label | None:
-    """The largest label of a side that overlaps nothing."""
+    """Largest label of a side that overlaps nothing."""
     length = float(np.hypot(*(ends[1] - ends[0])))
     while size >= least and WIDTH * len(text) * size >= length:
         size *= SHRINK
@@ -111,7 +111,7 @@ def _fitting(text: str, ends: Floats, size: float, least: float, obstacles: Sequ
 
 
 def _beside(text: str, ends: Floats, part: float, size: float) -> Label:
-    """A label inside of a sheet, this part of the way along a side that has the sheet to its left."""
+    """Label inside a sheet, at a fraction of a side that has the sheet to its left."""
     x, y = ends[1] - ends[0]
     angle = float(np.degrees(np.arctan2(y, x)))
     inward = np.array([-y, x]) / np.hypot(x, y)

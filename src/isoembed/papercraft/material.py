@@ -14,36 +14,35 @@ Surface = Literal["outside", "inside"]
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """Material of a net and how it is cut, in millimeters.
+    """Material of a net and cutting parameters, in millimeters.
 
     Parameters
     ----------
     joints : {"tabs", "stitches", "none"}
-        How sides are joined: by tabs that get glue; by holes for stitches, as many on both sides, on the
-        side itself where there is an allowance and `spacing` inside of it otherwise; or edge to edge.
+        Joints of the sides: glue tabs; stitching holes, equally many on both sides, on the side itself if
+        there is an allowance and `spacing` inside it otherwise; or edge to edge.
     allowance : float
-        Seam allowance of cloth or leather: the cut runs so far outside of the net, whose own outline is the
-        seam.  Corners sharper than a right angle are cut off.  Not with tabs.
+        Seam allowance of cloth or leather: distance of the cut from the outline of the net, which is the
+        seam.  Corners sharper than a right angle are cut off.  Not allowed with tabs.
     spacing : float
-        Of the holes for stitches.
+        Spacing of stitching holes.
     hole : float
-        Their diameter.
+        Diameter of stitching holes.
     kerf : float
-        Width of the beam or blade: what is cut out is offset outward by half of it, and holes inward.
+        Width of the beam or blade; outlines are offset outward by half of it, and holes inward.
     bends : {"score", "perforate"}
-        How folds are cut: as a whole line, for a machine that scores; or as dashes that begin and end with
-        material.
+        Cutting of folds: as a whole line for scoring, or as dashes with material at both ends.
     dash, gap : float
-        What is cut of a perforated fold, and what is left at least between two cuts.
+        Length of the cuts of a perforated fold, and smallest gap between them.
     thickness : float
-        Of board, foam or metal, which the faces leave room for where they meet; see
+        Thickness of board, foam or metal, for which the faces are shortened where they meet; see
         `isoembed.papercraft.thickness.thickened`.
     surface : {"outside", "inside"}
-        The surface of the thick sheet that has the faces of the solid.
+        Surface of the thick sheet that coincides with the faces of the solid.
     k_factor : float
-        Where in the thickness a bend keeps its length, from 0, its inside, to 1.
+        Position of the neutral line of a bend in the thickness, from 0 at the inside to 1.
     radius : float
-        Of a bend, on its inside.
+        Inside radius of bends.
     """
 
     joints: Joints = "tabs"

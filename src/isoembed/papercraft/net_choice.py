@@ -23,19 +23,19 @@ def fewest_pages(
     cut: Edges = (),
     keep: Edges = (),
 ) -> Unfolding:
-    """Unfold a surface so that its net takes few pages: its sheets fit on a page each.
+    """Unfold a surface to a net that occupies few pages.
 
-    Nets are searched for whose sheets fit on an upright page, and on one that is turned; and one with short
-    cuts is cut into islands.  The one is returned that `isoembed.papercraft.write_sheets` puts on the fewest
-    pages of this paper at this scale.
+    Candidates are nets whose sheets fit on a portrait or a landscape page, and a net with short cuts that is
+    divided into islands.  The result is the net for which `isoembed.papercraft.write_sheets` uses the fewest
+    pages of the given paper at the given scale.
 
     Parameters
     ----------
     surface : Embedding
     paper, scale, size
-        As of `isoembed.papercraft.write_sheets`; a scale or a size is needed.
+        See `isoembed.papercraft.write_sheets`; a scale or a size is required.
     cut, keep
-        As of `isoembed.gluing.unfold`.
+        See `isoembed.gluing.unfold`.
 
     Returns
     -------
@@ -44,9 +44,9 @@ def fewest_pages(
     Raises
     ------
     InvalidMetric
-        As `isoembed.gluing.unfold`.
+        See `isoembed.gluing.unfold`.
     InvalidParameter
-        There is no scale or size, and as `isoembed.gluing.unfold` and `isoembed.papercraft.write_sheets`.
+        Scale and size are missing; or see `isoembed.gluing.unfold` and `isoembed.papercraft.write_sheets`.
     """
     if scale is None and size is None:
         raise InvalidParameter("the fewest pages depend on how large the solid is: give a scale or a size")

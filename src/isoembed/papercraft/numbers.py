@@ -12,9 +12,9 @@ from isoembed.arrays import Floats, Mask
 from isoembed.papercraft.convex import Pieces, overlapping
 from isoembed.papercraft.labels import HEIGHT, SHRINK, WIDTH, Label
 
-SIZE, LEAST = 6.0, 1.0  # mm; nobody reads smaller ones
-STEPS = 12  # of the grid of places in each direction, within a face
-PLACES = 8  # that are tried, those far from the sides
+SIZE, LEAST = 6.0, 1.0  # mm, largest and smallest font size
+STEPS = 12  # of the grid of candidate positions in each direction, within a face
+PLACES = 8  # candidate positions tried, those farthest from the sides
 
 
 def face_numbers(
@@ -25,21 +25,21 @@ def face_numbers(
     lines: Iterable[Floats] | None = None,
     is_seen: Callable[[int, Floats], Mask] | None = None,
 ) -> list[Label | None]:
-    """The number of each face, F0, F1, ..., as large as it can be without meeting a line or a label.
+    """Labels F0, F1, ... of faces, as large as possible without meeting a line or a label.
 
-    A face without room for a legible one has none.
+    A face without room for a legible label has None.
 
     Parameters
     ----------
     faces : sequence of ndarray, shape (n, 2)
-        The corners around each, in mm on the paper.
+        Corners around each face, in mm on the paper.
     numbers : sequence of int
     labels : iterable of Label
-        Those that are there.
+        Labels already placed.
     lines : iterable of ndarray, shape (2, 2), optional
-        By default the sides of all faces.
+        Lines to avoid; by default the sides of all faces.
     is_seen : callable, optional
-        Which points, (n, 2), of the k-th face are seen, in a drawing in space.
+        Returns which points, (n, 2), of the k-th face are visible, in a drawing of the solid.
     """
     if lines is None:
         lines = chain.from_iterable(np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces)
@@ -54,7 +54,7 @@ def face_numbers(
 
 
 def _inside(text: str, places: Floats, room: float, obstacles: Sequence[Pieces]) -> Label | None:
-    # In a circle of this radius around the best place no side is nearer.
+    # A circle of this radius around the best place meets no side.
     size = min(SIZE, 2 * room / (SHRINK * np.hypot(WIDTH * len(text), HEIGHT)))
     around = np.concatenate([Label(text, x, y, 0.0, max(size, 0.0)).box for x, y in places.tolist()])
     close = [some.near(around) for some in obstacles]
@@ -69,7 +69,7 @@ def _inside(text: str, places: Floats, room: float, obstacles: Sequence[Pieces])
 
 
 def _middles(face: Floats, is_seen: Callable[[Floats], Mask] | None) -> tuple[Floats, float]:
-    """Places inside a face, (p, 2), that are far from its sides, and how far the first one is."""
+    """Candidate positions inside a face, (p, 2), far from its sides, and the distance of the first."""
     low, high = face.min(axis=0), face.max(axis=0)
     steps = (np.arange(STEPS) + 0.5) / STEPS
     grid = low + (high - low) * np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)

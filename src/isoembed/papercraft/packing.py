@@ -11,28 +11,28 @@ from isoembed.arrays import Floats, Indices, Mask
 Rectangle = tuple[float, float, float, float]
 """Left, top, width, height."""
 
-SLACK = 1e-9  # of what fits exactly
+SLACK = 1e-9  # relative tolerance for an exact fit
 
 
 def packed(sizes: Floats, room: Floats, gap: float) -> tuple[Floats, Indices, Mask]:
-    """Put rectangles on as few pages as are found.
+    """Pack rectangles on few pages.
 
     Parameters
     ----------
     sizes : ndarray, shape (n, 2)
-        Widths and heights; each fits on a page as it is.
+        Widths and heights; each rectangle fits on a page without rotation.
     room : ndarray, shape (2,)
-        Of a page; the height may be infinite.
+        Size of a page; the height may be infinite.
     gap : float
-        Between any two.
+        Smallest distance of any two rectangles.
 
     Returns
     -------
     corners : ndarray, shape (n, 2)
-        Upper left corners, downward from that of the page.
+        Upper left corners, with y downward from the page's upper left corner.
     pages : ndarray of int, shape (n,)
     turned : ndarray of bool, shape (n,)
-        Which are turned by a right angle.
+        Whether each rectangle is rotated by a right angle.
     """
     keys = (sizes[:, 1], sizes.max(axis=1), sizes.prod(axis=1), sizes[:, 0])
     tries = [
@@ -44,7 +44,7 @@ def packed(sizes: Floats, room: Floats, gap: float) -> tuple[Floats, Indices, Ma
 
 
 def _length(sizes: Floats, corners: Floats, turned: Mask, room: Floats) -> float:
-    """Length of a roll that is used; 0 for pages, which are all of one length."""
+    """Used length of a roll; 0 for pages, which have a fixed length."""
     if room[1] < np.inf:
         return 0.0
     return round(float((corners[:, 1] + np.where(turned, sizes[:, 0], sizes[:, 1])).max()), 6)
@@ -79,7 +79,7 @@ def _placed(sizes: Floats, order: Sequence[int], room: Floats, turning: bool) ->
 
 
 def _without(free: Sequence[Rectangle], taken: Rectangle) -> list[Rectangle]:
-    """The largest free rectangles beside one that is taken."""
+    """Maximal free rectangles outside an occupied one."""
     left, top, right, bottom = taken[0], taken[1], taken[0] + taken[2], taken[1] + taken[3]
     found: set[Rectangle] = set()
     for x, y, wide, high in free:

@@ -18,9 +18,9 @@ FORMATS = {
 }
 """Widths and heights in mm."""
 
-MARGIN = 14.0  # mm, around the sheets; tabs stand out into it
+MARGIN = 14.0  # mm, around the sheets; tabs extend into it
 FOOT = 10.0  # mm, below them and their tabs, for the ruler and the legend
-LEAST = 80.0  # mm, the width of a page with a ruler
+LEAST = 80.0  # mm, smallest width of a page with a ruler
 NUMBER = r"(\d+(?:[.,]\d+)?)"
 
 
@@ -32,9 +32,9 @@ class Paper:
     ----------
     name : str
     width, height : float
-        In mm.  Of a roll, which is cut off where it is needed, the height is infinite.
+        Size in mm.  A roll, which is cut to length, has infinite height.
     beyond : float
-        How much farther than tabs seam allowances stand out of the sheets, mm.
+        Extent of seam allowances beyond that of tabs, mm.
     """
 
     name: str
@@ -44,14 +44,14 @@ class Paper:
 
     @classmethod
     def of(cls, name: str) -> Paper:
-        """The paper of this name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``.
+        """Paper by name: one of `FORMATS`, ``"WIDTHxHEIGHT"`` or ``"roll:WIDTH"``.
 
-        Sizes are in mm, or have a unit, as ``"8.5x11in"``.  Upper and lower case are alike.
+        Sizes are in mm or have a unit, as in ``"8.5x11in"``.  Names are case-insensitive.
 
         Raises
         ------
         InvalidParameter
-            There is no such paper, or it is too small for a ruler.
+            The name is unknown, or the paper is too small for a ruler.
         """
         for known, size in FORMATS.items():
             if str(name).lower() == known.lower():
@@ -85,20 +85,20 @@ class Paper:
 
     @property
     def margin(self) -> float:
-        """Around the sheets, mm."""
+        """Margin around the sheets, mm."""
         return MARGIN + self.beyond
 
     @property
     def is_roll(self) -> bool:
-        """Whether it is as long as needed."""
+        """Whether the length is unlimited."""
         return self.height == np.inf
 
     @property
     def turned(self) -> Paper:
-        """The other of portrait and landscape; a roll is what it is."""
+        """Paper in the other orientation, portrait or landscape; a roll is unchanged."""
         return self if self.is_roll else replace(self, width=self.height, height=self.width)
 
     @property
     def room(self) -> Floats:
-        """Width and height of what is inside the margins and above the foot, mm."""
+        """Width and height of the area inside the margins and above the foot, mm."""
         return np.array([self.width, self.height - FOOT]) - 2 * self.margin

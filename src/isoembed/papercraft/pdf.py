@@ -9,11 +9,11 @@ from isoembed.papercraft.drawing import Drawing
 
 INCH, POINT = 25.4, 25.4 / 72  # mm
 WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2}  # mm
-DASHES = {"cut": "solid", "mountain": (0, (10, 6)), "valley": (0, (15, 5, 2.5, 5))}  # in widths of the line
+DASHES = {"cut": "solid", "mountain": (0, (10, 6)), "valley": (0, (15, 5, 2.5, 5))}  # in line widths
 
 
 def write_pdf(path: Path, drawing: Drawing) -> None:
-    """Write the pages."""
+    """Write all pages."""
     from matplotlib.backends.backend_pdf import PdfPages
     from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure

@@ -5,19 +5,19 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.papercraft.material import Material
 
-FEWEST = 3  # dashes, by which whoever reads the file sees that they are one fold
+FEWEST = 3  # dashes, so that readers of the file recognize a single fold
 
 
 def pieces(line: Floats, material: Material) -> Floats:
-    """Pieces of a fold that are cut or scored, shape (m, 2, 2).
+    """Pieces of a fold to be cut or scored, shape (m, 2, 2).
 
-    With n = floor((l - gap) / (dash + gap)) dashes on a length l, n + 1 gaps of (l - n dash) / (n + 1) are
-    left, which are at least as wide as `Material.gap`.  A fold too short for three dashes has shorter ones.
+    On a length l, n = floor((l - gap) / (dash + gap)) dashes leave n + 1 gaps of (l - n dash) / (n + 1),
+    which are at least as wide as `Material.gap`.  Folds too short for three dashes have shorter ones.
 
     Parameters
     ----------
     line : ndarray, shape (2, 2)
-        Its ends, mm.
+        Endpoints of the fold, mm.
     material : Material
     """
     if material.bends == "score":
@@ -28,7 +28,7 @@ def pieces(line: Floats, material: Material) -> Floats:
     if n < FEWEST:
         n = FEWEST
         dash *= length / (n * dash + (n + 1) * gap)
-    dash = max(dash - material.kerf, dash / 2)  # a beam cuts half of its width beyond either end
+    dash = max(dash - material.kerf, dash / 2)  # the beam cuts half its width beyond either end
     gap = (length - n * dash) / (n + 1)
     begins = (gap + (dash + gap) * np.arange(n)) / length
     parts = np.stack([begins, begins + dash / length], axis=1)

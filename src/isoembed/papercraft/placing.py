@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 GAP = 14.0  # mm, between sheets, for the tabs of both
 NO_FORMAT = "no format has room for it: give a page of your own, paper='WIDTHxHEIGHT' in mm"
-SLACK = 1e-9  # of what fits exactly
+SLACK = 1e-9  # relative tolerance for an exact fit
 RIGHT_ANGLE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 @dataclass(frozen=True, eq=False)
 class Placing:
-    """Placement of a sheet: mm from the upper left corner, y upward; the pages are below one another.
+    """Placement of a sheet, in mm from the upper left corner, y upward; pages are arranged downward.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Placing:
     shift: Floats
 
     def put(self, points: Floats) -> Floats:
-        """Points of the sheet on the paper."""
+        """Transform points of the sheet to the paper."""
         return points @ self.turn + self.shift
 
 
@@ -50,14 +50,14 @@ class Layout:
     Attributes
     ----------
     unfolding : Unfolding
-        The sheets, those that were too large for a page in islands.
+        Sheets; those larger than a page are divided into islands.
     places : list of Placing
-        Of each sheet.
+        Placement of each sheet.
     pages : int
     width, height : float
-        Of a page, mm.
+        Size of a page, mm.
     scale : float
-        Millimeters a unit of the solid.
+        Millimeters per unit of the solid.
     """
 
     unfolding: Unfolding
@@ -76,28 +76,27 @@ def laid_out(
     size: float | None = None,
     beyond: float = 0.0,
 ) -> Layout:
-    """Put a net on pages.
+    """Arrange a net on pages.
 
-    With a `scale` or `size`, sheets that are larger than a page are cut into islands, as few and along folds
-    as short as are found, and the pages are upright or sideways, whichever takes fewer islands, then pages.
+    At a given `scale` or `size`, sheets larger than a page are divided into islands by few and short cuts
+    along folds.  Of portrait and landscape, the one with fewer islands, then fewer pages, is used.
 
     Parameters
     ----------
     unfolding : Unfolding
     paper : str
-        As of `Paper.of`.
+        See `Paper.of`.
     scale : float, optional
-        Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+        Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
     size : float, optional
-        Instead of a scale: millimeters of the solid along that axis of its coordinates along which it is
-        longest.
+        Alternative to a scale: largest extent of the solid along a coordinate axis, in mm.
     beyond : float
-        How much farther than tabs what is cut stands out of the sheets, mm.
+        Extent of cuts beyond that of tabs, mm.
 
     Raises
     ------
     InvalidParameter
-        There is no such paper, a face is larger than a page, or there are both scale and size.
+        The paper is unknown, a face is larger than a page, or both scale and size are given.
     """
     page = replace(Paper.of(paper), beyond=beyond)
     given = _given(scale, size)
@@ -113,7 +112,7 @@ def laid_out(
 
 
 def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
-    """The name and value of the scale or size, if there is one."""
+    """Name and value of the scale or size, if given."""
     given = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
     for name, value in given:
         if not is_number(value) or not 0 < value < np.inf:
@@ -133,7 +132,7 @@ def _extent(unfolding: Unfolding) -> float:
 
 
 def _uncut(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
-    """Uncut parts: faces, by name, or sheets whose faces are not known."""
+    """Uncut parts with their names: faces, or sheets with unknown faces."""
     for p, sheet in enumerate(unfolding.sheets):
         if not unfolding.faces:
             yield f"sheet {p}", sheet
@@ -142,11 +141,11 @@ def _uncut(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
 
 
 def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
-    """The largest scale at which all faces fit on a page as it lies, and the first that fits up to it."""
+    """Largest scale at which all faces fit on a page in this orientation, and the face that limits it."""
     found, worst = np.inf, ""
     for name, part in _uncut(unfolding):
         if page.room.min() >= found * np.hypot(*np.ptp(part, axis=0)):
-            continue  # however it is turned
+            continue  # fits in any orientation
         largest = best_turn(part, page.room, oblique=True)[1]
         if largest < found * (1 - SLACK):
             found, worst = largest, name
@@ -154,7 +153,7 @@ def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
 
 
 def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, value: float) -> str:
-    """Message on the face that does not fit, and the scale and the paper with which it would."""
+    """Error message about the face that does not fit, with a scale and a paper for which it would."""
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
     most = value * largest / wanted
     digits = 10.0 ** (np.floor(np.log10(most)) - 3)
@@ -174,7 +173,7 @@ def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, val
 
 
 def _in_islands(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
-    """A layout with islands of those sheets that do not fit."""
+    """Layout with islands of the sheets that do not fit."""
     cuts = [
         []
         if best_turn(sheet, page.room, oblique=True)[1] * (1 + SLACK) >= scale
@@ -190,7 +189,7 @@ def _cut_length(unfolding: Unfolding) -> float:
 
 
 def _on_pages(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
-    """A layout of sheets that fit on pages as they lie."""
+    """Layout of sheets that fit on pages in this orientation."""
     ways = zip(*(_turned(scale * sheet, page.room) for sheet in unfolding.sheets), strict=True)
     tries = [_packed(unfolding.sheets, turns, page, scale) for turns in ways]
     used = [float(np.ceil((corners + sizes)[:, 1].max())) for sizes, _, corners, _ in tries]
@@ -198,7 +197,7 @@ def _on_pages(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
     sizes, turns, corners, pages = tries[best]
     height = used[best] + FOOT + 2 * page.margin if page.is_roll else page.height
     room = np.array([page.width, height - FOOT]) - 2 * page.margin
-    for k in range(int(pages.max()) + 1):  # to the middle
+    for k in range(int(pages.max()) + 1):  # center the sheets
         mine = pages == k
         corners[mine] += page.margin + (room - (corners + sizes)[mine].max(axis=0)) / 2 + [0, k * height]
     placings = []
@@ -209,7 +208,7 @@ def _on_pages(unfolding: Unfolding, page: Paper, scale: float) -> Layout:
 
 
 def _turned(sheet: Floats, room: Floats) -> tuple[Floats, Floats]:
-    """Two ways to turn a sheet, in mm: so that it fits best, and so that it takes the least of a page."""
+    """Two rotations of a sheet in mm: one with the best fit, one with the smallest bounding box."""
     turn, largest = best_turn(sheet, room)
     if largest * (1 + SLACK) >= 1:
         return turn, compact_turn(sheet, room)
@@ -220,7 +219,7 @@ def _turned(sheet: Floats, room: Floats) -> tuple[Floats, Floats]:
 def _packed(
     sheets: Sequence[Floats], turns: Sequence[Floats], page: Paper, scale: float
 ) -> tuple[Floats, list[Floats], Floats, Indices]:
-    """Sizes of the sheets on the paper, how they are turned, their upper left corners, and their pages."""
+    """Sizes of the sheets on the paper, their rotations, their upper left corners, and their pages."""
     sizes = scale * np.array(
         [np.ptp(sheet @ turn, axis=0) for sheet, turn in zip(sheets, turns, strict=True)]
     )

@@ -26,12 +26,12 @@ SHEET_ENDINGS = (".svg", ".pdf", ".dxf", *PAGE_ENDINGS)
 
 
 def sheets_writer(path: str | os.PathLike[str], unfolding: Unfolding, **drawing: Any) -> Writer:
-    """Return what writes a net in the format of this ending; see `write_atomically` and `write_sheets`."""
+    """Writer of a net in the format of the path's ending; see `write_atomically` and `write_sheets`."""
     return drawing_writer(path, unfolding, drawn(unfolding, **drawing))
 
 
 def drawing_writer(path: str | os.PathLike[str], unfolding: Unfolding, pages: Drawing) -> Writer:
-    """Return what writes the drawing of a net in the format of this ending."""
+    """Writer of the drawing of a net in the format of the path's ending."""
     if ending(path) in PAGE_ENDINGS:
         return folding_page_writer(path, unfolding, pages)
     if ending(path) == ".pdf":
@@ -53,45 +53,44 @@ def write_sheets(
     numbers: bool = False,
     material: Material | None = None,
 ) -> None:
-    """Write a net to cut out: with tabs, folds, and the same number on both sides that are glued.
+    """Write a net for cutting, with tabs, folds, and equal numbers on glued sides.
 
-    One sees the outside of the solid.  Solid lines are cut, dashed ones folded away from oneself, dash-dotted
-    ones toward oneself.  Tabs are as deep as there is room for them, 7 mm at most; where there is none for a
-    millimeter, a side has none.  A number that would be another one upside down is underlined.  At the foot
-    of each page are samples of the lines and a ruler of 50 mm, which shows whether a printer has scaled it,
-    and in its corners marks to align it.
+    The outside of the solid is visible.  Solid lines are cut, dashed ones folded away from the viewer,
+    dash-dotted ones toward the viewer.  Tabs are as deep as possible up to 7 mm; sides with less than about a
+    millimeter of room have none.  Numbers that are ambiguous upside down are underlined.  Each page has
+    samples of the lines and a ruler of 50 mm at its foot, for checking the scale of printing, and alignment
+    marks in its corners.
 
-    At a given `scale` or `size`, sheets that are larger than a page are cut along folds into islands, as few
-    and with cuts as short as are found, and the sides of each cut are glued like others.
+    At a given `scale` or `size`, sheets larger than a page are divided into islands by few and short cuts
+    along folds, whose sides are glued like others.
 
     Parameters
     ----------
     path : path
-        Ending in ``.svg`` or ``.dxf``, in layers and with the pages below one another, or in ``.pdf``; or in
-        ``.html``, a page for the browser that shows how a net of one sheet is folded, with the net beside it.
+        Ends with ``.svg`` or ``.dxf`` for layers with pages arranged downward, with ``.pdf``, or with
+        ``.html`` for a browser page that shows the folding of a net of one sheet beside the net.
     unfolding : Unfolding
     paper : str
         ``"A0"`` to ``"A5"``, ``"letter"``, ``"legal"``, ``"tabloid"``, ``"WIDTHxHEIGHT"``, or
-        ``"roll:WIDTH"``, which is as long as needed, in mm or with a unit, as ``"8.5x11in"``.  At a given
-        scale, pages are turned where that takes fewer islands.
+        ``"roll:WIDTH"`` of unlimited length, in mm or with a unit, as in ``"8.5x11in"``.  At a given scale,
+        pages are rotated if this requires fewer islands.
     scale : float, optional
-        Millimeters a unit of the solid; by default the largest with which each sheet fits on a page.
+        Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
     size : float, optional
-        Instead of a scale: millimeters of the solid along that axis of its coordinates along which it is
-        longest.
+        Alternative to a scale: largest extent of the solid along a coordinate axis, in mm.
     numbers : bool, optional
-        Number the faces, and draw the solid with the same numbers on another page.
+        Whether to number the faces, and draw the solid with these numbers on an additional page.
     material : Material, optional
-        What it is cut from and with; by default paper, with tabs.
+        Material and cutting parameters; by default paper with tabs.
 
     Raises
     ------
     FileError
-        The ending is not known, the file cannot be written, or matplotlib for PDF or ezdxf for DXF is not
+        The ending is unknown, the file cannot be written, or matplotlib (for PDF) or ezdxf (for DXF) is not
         installed.
     InvalidParameter
-        There is no such paper, a face does not fit on it, an allowance or the kerf closes a notch, or of a
-        page for the browser the net has several sheets.
+        The paper is unknown, a face does not fit on it, an allowance or the kerf closes a notch, or a browser
+        page is requested for a net with several sheets.
 
     Warns
     -----

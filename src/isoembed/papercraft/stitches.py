@@ -14,18 +14,18 @@ Side = tuple[int, int]
 def stitches(
     outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]], material: Material
 ) -> list[Floats]:
-    """The middles of the holes of each sheet, shape (n, 2).
+    """Centers of the holes of each sheet, shape (n, 2).
 
-    A side of length l has floor(l / spacing) equal parts, or one, with a hole in the middle of each.  Of
-    holes inside of their side, those less than 1.5 spacings from another side are left out on both sides of
-    the seam, so that holes of different sides are at least half a spacing apart.
+    A side of length l has max(1, floor(l / spacing)) equal parts, with a hole in the middle of each.  Of
+    holes inset from their side, those within 1.5 spacings of another side are omitted on both sides of the
+    seam, so that holes of different sides are at least half a spacing apart.
 
     Parameters
     ----------
     outlines : sequence of ndarray, shape (n, 2)
-        Counterclockwise, mm.
+        Outlines of the sheets, counterclockwise, mm.
     sides : sequence of pairs
-        Which sides ``((p, k), (q, m))`` are joined.
+        Pairs of joined sides ``((p, k), (q, m))``.
     material : Material
     """
     found: list[list[Floats]] = [[] for _ in outlines]
@@ -42,7 +42,7 @@ def stitches(
             inward = np.array([-along[1], along[0]])
             here = start + parts[:, None] * (end - start) + inset * inward
             clear = _clear(outlines[p], k, here, 1.5 * inset) if inset else np.ones(count, dtype=np.bool_)
-            fit &= clear if len(places) == 0 else clear[::-1]  # the other side runs the other way
+            fit &= clear if len(places) == 0 else clear[::-1]  # the sides have opposite directions
             places.append(here)
         for (p, _), here, kept in zip(pair, places, (fit, fit[::-1]), strict=True):
             found[p].append(here[kept])
@@ -50,7 +50,7 @@ def stitches(
 
 
 def _clear(outline: Floats, side: int, points: Floats, distance: float) -> Mask:
-    """Mask of points beside a side that are on the sheet, and this far from all other sides."""
+    """Mask of points beside a side that are on the sheet and far enough from all other sides."""
     starts, ends = np.delete(outline, side, axis=0), np.delete(np.roll(outline, -1, axis=0), side, axis=0)
     step = ends - starts
     away = points[:, None] - starts

@@ -1,4 +1,4 @@
-"""SVG output of a paper net: millimeters, layers of Inkscape, six decimals."""
+"""SVG output of paper nets: millimeters, Inkscape layers, six decimals."""
 
 from collections.abc import Iterable
 from html import escape
@@ -16,14 +16,14 @@ COLORS = {
     "seam": "#ff00ff",
     "engrave": "#000000",
 }
-"""Machines that cut tell what to do by the color of a line."""
+"""Line colors, by which cutting machines distinguish operations."""
 INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
 WIDTHS = {"cut": 0.3, "mountain": 0.2, "valley": 0.2, "seam": 0.2, "engrave": 0.2}  # mm
 DASHES = {"mountain": "2 1.2", "valley": "3 1 0.5 1", "seam": "1 1"}  # mm
 
 
 def svg(drawing: Drawing) -> str:
-    """The text of the file: what to cut, to fold, to glue and to read are layers, those inside cut first."""
+    """SVG text of a drawing, with layers for cutting, folding, gluing and information; inner cuts first."""
     width, height = drawing.width, drawing.pages * drawing.height
     read = {
         "engrave": [
@@ -88,7 +88,7 @@ def _stroke(kind: str) -> str:
 
 
 def _dashes(kind: str) -> str:
-    """Style of a line on the screen; machines draw it whole."""
+    """Dash pattern for the screen; machines draw the whole line."""
     return f'stroke-dasharray="{DASHES[kind]}"' if kind in DASHES else ""
 
 
@@ -97,7 +97,7 @@ def _said(name: str, millimeters: float) -> str:
 
 
 def _angle(angle: float | None) -> str:
-    """Attribute with the angle of a fold in degrees, which `isoembed.glue` reads."""
+    """Attribute with the fold angle in degrees, which `isoembed.glue` reads."""
     return "" if angle is None else f'data-angle="{np.degrees(angle):.6f}"'
 
 

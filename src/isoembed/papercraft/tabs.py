@@ -9,32 +9,32 @@ from isoembed.arrays import Floats
 from isoembed.gluing.line_graph import is_inside
 from isoembed.papercraft.convex import Pieces, overlaps
 
-DEPTH, LEAST = 7.0, 0.8  # mm
-SHARE = 0.4  # of the side, at most
-SLANT = np.radians(55.0)  # of a leg against the side, at most
-BESIDE, BETWEEN = 0.45, 0.8  # of the angle beside a side: with room for another tab, and for none
+DEPTH, LEAST = 7.0, 0.8  # mm, largest and smallest depth
+SHARE = 0.4  # largest depth relative to the side
+SLANT = np.radians(55.0)  # largest angle of a leg to the side
+BESIDE, BETWEEN = 0.45, 0.8  # of the angle beside a side: leaving room for another tab, or not
 SHRINK = 0.85
-CLEAR = 1.1  # a tab so much deeper would not meet anything either
-OFF = 1e-3  # of a leg; there it meets others that end in the same corner
+CLEAR = 1.1  # clearance: a tab this much deeper must not meet anything either
+OFF = 1e-3  # of a leg, omitted at the corner shared with other tabs
 
 Side = tuple[int, int]
 
 
 def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict[Side, Floats]:
-    """Tabs that overlap neither a sheet nor one another.
+    """Tabs that overlap neither sheets nor each other.
 
     Parameters
     ----------
     outlines : sequence of ndarray, shape (n, 2)
-        Counterclockwise, in mm on the paper.
+        Outlines of the sheets, counterclockwise, in mm on the paper.
     sides : sequence of pairs
-        Which sides ``((p, k), (q, m))`` are glued.
+        Pairs of glued sides ``((p, k), (q, m))``.
 
     Returns
     -------
     dict
-        The outer corners, (2, 2), of the tab on side ``(p, k)``, the one nearer to its beginning first.  A
-        pair for which there is no room has none.
+        Outer corners, (2, 2), of the tab on side ``(p, k)``, in the order of the side.  Pairs without room
+        for a tab are omitted.
     """
     rims = (np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines)
     segments, others = Pieces(2, chain.from_iterable(rims)), Pieces(4)
@@ -55,7 +55,7 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
 def _deepest(
     outlines: Sequence[Floats], side: Side, mate: Side, segments: Pieces, others: Pieces
 ) -> tuple[float, Floats]:
-    """The depth of the deepest tab on a side, and its outer corners; 0 if there is no room."""
+    """Depth and outer corners of the deepest tab on a side; depth 0 if there is no room."""
     p, k = side
     outline = outlines[p]
     n = len(outline)
@@ -83,7 +83,7 @@ def _deepest(
     while depth >= LEAST:
         deeper = top(CLEAR * depth)
         piece, whole = _piece(ends, deeper), np.vstack([ends, deeper[::-1]])
-        # Across a narrow slit it meets no side of a sheet, and is inside of it.
+        # Across a narrow slit, a tab could lie inside a sheet without meeting its sides.
         if (
             not overlaps(piece, rims[joined])
             and not overlaps(piece, pieces)
@@ -96,12 +96,12 @@ def _deepest(
 
 
 def _angle(first: Floats, second: Floats) -> float:
-    """The angle from one direction counterclockwise to another, from 0 to 2 pi."""
+    """Counterclockwise angle from one direction to another, from 0 to 2 pi."""
     cross, dot = first[0] * second[1] - first[1] * second[0], first @ second
     return float(np.arctan2(cross, dot) % (2 * np.pi))
 
 
 def _piece(ends: Floats, top: Floats) -> Floats:
-    """The tab, (4, 2), a bit off the side."""
+    """Tab outline, (4, 2), slightly detached from the side."""
     foot = ends + OFF * (top - ends)
     return np.array([foot[0], foot[1], top[1], top[0]])

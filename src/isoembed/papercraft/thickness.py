@@ -1,15 +1,15 @@
-"""Nets of thick sheets: bend allowance and setback of folds, room for the edges of faces that meet.
+"""Nets of thick sheets: bend allowance and setback of folds, clearance of edges of adjacent faces.
 
-A fold by the angle A of a sheet of thickness T, with the radius R on its inside, keeps its length at K T from
-there, so that the bend takes the length BA = A (R + K T) of the flat sheet.  Its tangent lines are the
-setback SB from the edge of the solid: (R + T) tan(A/2) where the faces of the solid are the outer surface of
-the bend, R tan(A/2) where they are the inner one.  So each face is shorter by SB - BA/2 than in the solid,
-up to the middle of the bend (Boljanovic, Sheet Metal Forming Processes and Die Design, 2004).
+A fold by the angle A of a sheet of thickness T, with inside radius R, preserves length at the depth K T from
+the inside, so that the bend takes the length BA = A (R + K T) of the flat sheet.  The setback SB of its
+tangent lines from the edge of the solid is (R + T) tan(A/2) if the faces of the solid are the outer surface
+of the bend, and R tan(A/2) if they are the inner surface.  Each face is thus shortened by SB - BA/2 relative
+to the solid, up to the middle of the bend (Boljanovic, Sheet Metal Forming Processes and Die Design, 2004).
 
-Two faces that were cut apart are shorter by T tan(A/2) where they would be inside of one another otherwise:
-with square edges, they touch along the edges of their inner surfaces.
+Two faces that were cut apart are shortened by T tan(A/2) if they would otherwise intersect: with square
+edges, they touch along the edges of their inner surfaces.
 
-Where the faces around a corner do not end in one point, a round relief is cut out there.
+If the faces around a corner do not end in a common point, a round relief is cut out there.
 """
 
 from __future__ import annotations
@@ -29,26 +29,26 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 Corner = tuple[int, int]
-"""A face of a sheet and a corner of that face, at which the side of the same number begins."""
-SAME = 1e-9  # of a sheet: corners of faces as near are one
-RELIEF = 1.1  # of the distance of the farthest of the corners
-STEP = np.pi / 6  # of the polygon of a relief
+"""A face of a sheet and a corner of that face, which is the start of the side with the same number."""
+SAME = 1e-9  # of the sheet size: distance within which corners of faces coincide
+RELIEF = 1.1  # radius of a relief relative to the distance of the farthest corner
+STEP = np.pi / 6  # angular step of the polygon of a relief
 
 
 def shortening(angle: float, material: Material, is_fold: bool) -> float:
-    """Shortening of a face at a side, against that of the solid, in mm.
+    """Shortening of a face at a side relative to the solid, in mm.
 
     Parameters
     ----------
     angle : float
-        The exterior dihedral angle there, radians, positive where the solid is convex.
+        Exterior dihedral angle in radians, positive where the solid is convex.
     material : Material
     is_fold : bool
-        Whether the sheet is folded there, or cut.
+        Whether the sheet is folded at the side, or cut.
     """
     bend = abs(angle)
     half = np.tan(bend / 2)
-    is_outer = (angle > 0) == (material.surface == "outside")  # the faces of the solid, of the bend
+    is_outer = (angle > 0) == (material.surface == "outside")  # faces of the solid on the outside of the bend
     if not is_fold:
         return float(material.thickness * half) if is_outer else 0.0
     setback = (material.radius + material.thickness * is_outer) * half
@@ -56,28 +56,28 @@ def shortening(angle: float, material: Material, is_fold: bool) -> float:
 
 
 def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfolding:
-    """The net from which a thick sheet is folded to a solid.
+    """Net for folding a thick sheet to a solid.
 
     Each face is shortened at its sides, and the faces of a sheet are moved together so that shortened sides
-    meet in the middle of a bend, which is the fold.
+    meet in the middle of the bend, which is the fold.
 
     Parameters
     ----------
     unfolding : Unfolding
     material : Material
     scale : float
-        Millimeters a unit of the sheets.
+        Millimeters per unit of the sheets.
 
     Returns
     -------
     Unfolding
-        Without `faces`: the outline has steps along folds where sides were shortened differently, and sides
-        that were cut apart need no longer be equal.
+        Net without `faces`: the outline has steps at folds whose sides were shortened differently, and sides
+        that were cut apart may have different lengths.
 
     Raises
     ------
     InvalidParameter
-        The unfolding does not know its faces and vertices, or a face vanishes.
+        Faces or vertices are unknown, or a face vanishes.
     """
     if unfolding.vertices is None or not unfolding.faces:
         raise InvalidParameter(
@@ -101,7 +101,7 @@ def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfoldi
         for (f, k), (a, b) in shape.ends.items():
             twin = shape.twins.get((f, k))
             other = mates.get((p, a)) if twin is None else (p, twin[0])
-            if other is None:  # on a boundary
+            if other is None:  # boundary side
                 bends[f, k] = 0.0
                 continue
             vertices = unfolding.vertices[unfolding.corners[p][[a, b]]]
@@ -135,7 +135,7 @@ def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfoldi
 
 
 class _Sheet:
-    """The faces of a sheet, and the sides between them."""
+    """Faces of a sheet, and the sides between them."""
 
     def __init__(self, sheet: Floats, faces: tuple[Indices, ...]) -> None:
         self.faces = [sheet[face] for face in faces]
@@ -151,7 +151,7 @@ class _Sheet:
     def shortened(
         self, distances: dict[Corner, float], numbers: Indices
     ) -> tuple[Floats, dict[int, int], list[tuple[Corner, Floats]]]:
-        """The outline, the corner of it at which each side of the sheet begins, and the folds."""
+        """Outline, start corner in it of each side of the sheet, and folds."""
         made = []
         for f, face in enumerate(self.faces):
             try:
@@ -191,7 +191,7 @@ class _Sheet:
                 reliefs |= dict.fromkeys(crossed, (middle, radius))
                 turn = self._angle(crossed, before)
                 outline += _relief(side(before)[::-1], side(at), middle, radius, turn)
-        # A side begins where the relief before it ends.
+        # Each side starts at the end of the preceding relief.
         corners = [*begins]
         begins = {corner: (begins[corner] - 1) % len(outline) for corner in corners}
         creases = []
@@ -214,7 +214,7 @@ class _Sheet:
         return np.array(outline), begins, creases
 
     def _angle(self, crossed: list[Corner], before: Corner) -> float:
-        """The angle of the sheet at the corner at which a side ends, with folds that begin there."""
+        """Angle of the sheet at the end corner of a side, from which the given folds start."""
         total = 0.0
         for f, k in [before, *(self.twins[at] for at in crossed)]:
             face = self.faces[f]
@@ -228,7 +228,7 @@ class _Sheet:
         return f, (k + 1) % len(self.faces[f])
 
     def _shifts(self, distances: dict[Corner, float]) -> list[Floats]:
-        """Shift of each face toward the first, across the folds between them."""
+        """Displacement of each face toward the first, across the folds between them."""
         shifts: dict[int, Floats] = {0: np.zeros(2)}
         waiting = [0]
         while waiting:
@@ -246,16 +246,16 @@ class _Sheet:
 
 
 def _relief(before: Floats, after: Floats, middle: Floats, radius: float, angle: float) -> list[Floats]:
-    """Points around a corner, from a side that ends there to one that begins there.
+    """Points of a relief around a corner, from the side that ends there to the one that starts there.
 
     Parameters
     ----------
     before, after : ndarray, shape (2, 2)
-        Their ends, that at the corner first.
+        Endpoints of the two sides, starting at the corner.
     middle, radius
-        Of the relief.
+        Center and radius of the relief.
     angle : float
-        Of the sheet at the corner.
+        Angle of the sheet at the corner.
     """
     ends = []
     for near, far in (before, after):
@@ -264,7 +264,7 @@ def _relief(before: Floats, after: Floats, middle: Floats, radius: float, angle:
         off = np.abs((middle - near) @ [-step[1], step[0]])
         ends.append(near + (along + np.sqrt(max(0.0, radius**2 - off**2))) * step)
     (x, y), (u, v) = ends[0] - middle, ends[1] - middle
-    # Clockwise through the sheet: by about its angle, not by a turn more or less.
+    # Clockwise through the sheet by approximately its angle, modulo full turns.
     sweep = np.arctan2(x * v - y * u, x * u + y * v)
     sweep += 2 * np.pi * np.rint((-angle - sweep) / (2 * np.pi))
     n = max(1, int(np.ceil(abs(sweep) / STEP)))
@@ -274,7 +274,7 @@ def _relief(before: Floats, after: Floats, middle: Floats, radius: float, angle:
 
 
 def _normals(unfolding: Unfolding) -> dict[Corner, Floats]:
-    """The normal of each face of each sheet, by Newell's formula."""
+    """Normal of each face of each sheet, by Newell's formula."""
     assert unfolding.vertices is not None
     found = {}
     size = float(np.ptp(unfolding.vertices, axis=0).max())
@@ -288,6 +288,6 @@ def _normals(unfolding: Unfolding) -> dict[Corner, Floats]:
 
 
 def _bend(normal: Floats, other: Floats, ends: Floats) -> float:
-    """The exterior dihedral angle at a side with these ends, from its face to that with the other normal."""
+    """Exterior dihedral angle at a side with given endpoints, between faces with the given normals."""
     along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
     return float(np.arctan2(np.cross(normal, other) @ along, normal @ other))

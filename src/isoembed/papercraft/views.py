@@ -1,4 +1,4 @@
-"""Hidden-line drawing of a solid from two sides, with face numbers."""
+"""Hidden-line drawings of a solid from two sides, with face numbers."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from isoembed.papercraft.numbers import face_numbers
 if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
-TOWARD = np.array([0.48, -0.72, 0.5])  # one of those from which the solid may be seen
-TURNS, RISES = 24, (0.3, 0.5, 0.7)  # of the others: directions around the vertical, heights
-EDGE_ON = 1e-3  # cosine below which all faces are as badly seen
-SAMPLES = 24  # of an edge, to see where it is hidden
-CLOSE = 1e-6  # of the size of the solid; nothing hides what is as near
+TOWARD = np.array([0.48, -0.72, 0.5])  # preferred direction of view
+TURNS, RISES = 24, (0.3, 0.5, 0.7)  # other directions: number of azimuths, heights
+EDGE_ON = 1e-3  # cosine below which visibility is considered equal
+SAMPLES = 24  # per edge, to determine hidden parts
+CLOSE = 1e-6  # of the size of the solid: closer objects do not hide anything
 CHUNK = 1 << 22
 
 
 def views(
     unfolding: Unfolding, vertices: Floats, low: Floats, high: Floats
 ) -> tuple[list[Floats], list[Label]]:
-    """Visible edges and face numbers of the solid, seen from two opposite sides, one above the other.
+    """Visible edges and face numbers of the solid, seen from two opposite sides, one view above the other.
 
-    The sides are those from which the faces are least foreshortened, in the geometric mean.  Of a surface
-    with boundary the inside is seen, too.
+    The direction minimizes the foreshortening of the faces in the geometric mean.  For a surface with
+    boundary, the inside is visible, too.
 
     Parameters
     ----------
     unfolding : Unfolding
     vertices : ndarray, shape (V, 3)
-        Of the solid.
+        Vertices of the solid.
     low, high : ndarray, shape (2,)
-        Corners of the rectangle that both views fill, mm.
+        Corners of the rectangle filled by both views, mm.
     """
     vertices = vertices / np.abs(vertices).max()
     vertices = vertices - vertices.mean(axis=0)
@@ -100,7 +100,7 @@ def _is_seen(faces: Sequence[Floats], triangles: Floats, close: float, k: int, p
 
 
 def _toward(triangles: Floats) -> Floats:
-    """The direction in which triangles, (n, 3, 3), are least foreshortened."""
+    """Direction in which triangles, (n, 3, 3), are least foreshortened."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     sizes = np.linalg.norm(normals, axis=1)
     normals = normals[sizes > 0] / sizes[sizes > 0, None]
@@ -113,7 +113,7 @@ def _toward(triangles: Floats) -> Floats:
 
 
 def _camera(toward: Floats) -> Floats:
-    """Columns to the right, upward and toward whoever looks."""
+    """Camera axes as columns: right, upward and toward the viewer."""
     toward = toward / np.linalg.norm(toward)
     right = np.cross([0.0, 0.0, 1.0], toward)
     right /= np.linalg.norm(right)
@@ -121,13 +121,13 @@ def _camera(toward: Floats) -> Floats:
 
 
 def _triangles(points: Floats, corners: Indices) -> Indices:
-    """Triangles of a face, by vertices of the solid."""
+    """Triangles of a face, as vertices of the solid."""
     found = triangulated((points - points.min(axis=0)) / np.ptp(points, axis=0).max())
     return corners[found if found is not None else [[0, k, k + 1] for k in range(1, len(corners) - 1)]]
 
 
 def _depths(face: Floats, points: Floats) -> Floats:
-    """Heights of the plane of a face, toward the viewer, at some points, (n, 2)."""
+    """Heights toward the viewer of a face's plane at given points, (n, 2)."""
     plane = np.linalg.lstsq(
         np.column_stack([face[:, :2] - face[0, :2], np.ones(len(face))]), face[:, 2], rcond=None
     )[0]
@@ -135,7 +135,7 @@ def _depths(face: Floats, points: Floats) -> Floats:
 
 
 def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:
-    """The parts of edges, (n, 2, 3), in front of all triangles."""
+    """Parts of edges, (n, 2, 3), in front of all triangles."""
     steps = np.linspace(0.0, 1.0, SAMPLES + 1)
     middles = (steps[1:] + steps[:-1]) / 2
     points = edges[:, :1] + middles[:, None] * (edges[:, 1:] - edges[:, :1])
@@ -148,7 +148,7 @@ def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:
 
 
 def _hidden(points: Floats, triangles: Floats, close: float) -> Mask:
-    """Mask of points, (n, 3), that are behind a triangle, (m, 3, 3), counterclockwise."""
+    """Mask of points, (n, 3), behind any counterclockwise triangle, (m, 3, 3)."""
     hidden = np.zeros(len(points), dtype=np.bool_)
     step = max(1, CHUNK // max(len(triangles), 1))
     sides = np.roll(triangles, -1, axis=1) - triangles

@@ -1,6 +1,6 @@
 """Pictures, films and browser pages of surfaces.
 
-Still ones and films need matplotlib: ``pip install matplotlib``.
+Pictures and films require matplotlib: ``pip install matplotlib``.
 
 The names are imported on first use.
 """

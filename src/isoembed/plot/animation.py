@@ -1,4 +1,4 @@
-"""Films (GIF, MP4) of the pull-back, with a final turn around the surface."""
+"""Films (GIF, MP4) of the deformation to a surface, with a final rotation."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -22,14 +22,14 @@ from isoembed.plot.panel import Panel
 from isoembed.plot.picture import INK, PAPER, check_drawable, color_scale, draw
 from isoembed.plot.view import Pose, View, camera
 
-IMAGES_PER_SECOND = 10  # of a film in a file
-LONGEST = 6.0  # seconds from the first surface to the answer
-TURN = 3.0  # seconds of the turn around the answer
+IMAGES_PER_SECOND = 10  # of a film file
+LONGEST = 6.0  # seconds from the first surface to the final one
+TURN = 3.0  # seconds of the final rotation
 
 
 Pixels = NDArray[np.uint8]
 
-WIDTH, DPI = 5.6, 100  # inches, dots an inch
+WIDTH, DPI = 5.6, 100  # inches, dots per inch
 FOOT, HEAD = 0.5, 0.6  # inches, below and above the surface
 
 
@@ -45,29 +45,29 @@ class _Image:
 
 
 def animation_writer(path: str | os.PathLike[str], embedding: Embedding, frames: Sequence[Frame]) -> Writer:
-    """Writer of the film in the format of this ending; see `write_atomically` and `write_animation`."""
+    """Writer of a film in the format of the path's ending; see `write_atomically` and `write_animation`."""
     check_animation(path)
     images = tuple(_images(embedding, frames))
     return pixels_writer(path, _drawn(embedding, images), [1 / IMAGES_PER_SECOND] * len(images))
 
 
 def write_animation(path: str | os.PathLike[str], embedding: Embedding, frames: Sequence[Frame]) -> None:
-    """Write the way to a surface, colored by mean curvature, as ``.gif`` or ``.mp4``.
+    """Write a film of the deformation to a surface, colored by mean curvature, as ``.gif`` or ``.mp4``.
 
-    Between the surfaces that were computed, straight lines; then the viewer walks around the answer.
+    Computed surfaces are interpolated linearly; the film ends with a rotation of the final surface.
 
     Parameters
     ----------
     path : path
     embedding : Embedding
-        The answer.
+        The final surface.
     frames : sequence of Frame
-        From `Film.frames`; if it holds the answer alone, the film only walks around it.
+        From `Film.frames`; if it contains only the final surface, the film shows its rotation.
 
     Raises
     ------
     FileError
-        The ending is not known, the file cannot be written, or matplotlib, or for MP4 imageio-ffmpeg, is not
+        The ending is unknown, the file cannot be written, or matplotlib, or for MP4 imageio-ffmpeg, is not
         installed.
     """
     check_output(path, ANIMATION_ENDINGS)
@@ -75,7 +75,7 @@ def write_animation(path: str | os.PathLike[str], embedding: Embedding, frames: 
 
 
 def check_animation(path: str | os.PathLike[str]) -> None:
-    """Refuse a film for which something is not installed.
+    """Raise an error if a package required for the film is missing.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def check_animation(path: str | os.PathLike[str]) -> None:
 
 
 def _images(embedding: Embedding, frames: Sequence[Frame]) -> Iterator[_Image]:
-    """All images, first to last."""
+    """Images in order."""
     shown = frames if frames else (Frame(ANSWER, 0.0, embedding.residual, embedding.vertices),)
     between = len(shown) - 1
     # half a second from one surface to the next
@@ -103,7 +103,7 @@ def _images(embedding: Embedding, frames: Sequence[Frame]) -> Iterator[_Image]:
 
 
 def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
-    """The heading and the caption of a surface."""
+    """Heading and caption of a surface."""
     surface = frame.surface(embedding)
     place = "" if frame.t is None else f"     t = {frame.t:.2f}"
     inverted = int(
@@ -118,13 +118,13 @@ def _texts(embedding: Embedding, frame: Frame) -> tuple[str, str]:
 
 
 def _values(embedding: Embedding, vertices: Floats) -> Floats:
-    """Mean curvature."""
-    with np.errstate(divide="ignore", invalid="ignore"):  # of a vertex without area
+    """Mean curvature at the vertices."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # vertices of zero area
         return embedding._shaped(vertices, ANSWER).mean_curvature
 
 
 def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
-    """The images as pixels, (height, width, 3), one after the other."""
+    """Rendered images as pixels, (height, width, 3), in order."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -141,7 +141,7 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
         bottom, top = -size, size
     height = top - bottom
     tall = WIDTH * height / (2 * size) + FOOT + HEAD
-    tall = 2 * round(tall * DPI / 2) / DPI  # films have even heights
+    tall = 2 * round(tall * DPI / 2) / DPI  # films require even heights
     for image in images:
         picture = Figure(figsize=(WIDTH, tall), facecolor=PAPER, dpi=DPI)
         canvas = FigureCanvasAgg(picture)
@@ -169,7 +169,7 @@ def _drawn(embedding: Embedding, images: Sequence[_Image]) -> Iterator[Pixels]:
 
 
 def pixels_writer(path: str | os.PathLike[str], pixels: Iterator[Pixels], seconds: Sequence[float]) -> Writer:
-    """Writer of a film in the format of this ending, of images that are seen for so long each."""
+    """Writer of a film in the format of the path's ending, from images and their durations."""
     return (_write_gif if ending(path) == ".gif" else _write_mp4)(pixels, seconds)
 
 
@@ -177,7 +177,7 @@ def _write_gif(pixels: Iterator[Pixels], seconds: Sequence[float]) -> Writer:
     def write(temporary: Path) -> None:
         from PIL import Image
 
-        # An octree keeps colors that are rare, as the lightest ones of a tip are; a median cut does not.
+        # An octree keeps rare colors, such as the lightest ones at a tip; a median cut does not.
         octree = Image.Quantize.FASTOCTREE
         first, *others = (Image.fromarray(image).quantize(256, method=octree) for image in pixels)
         times = [10 * round(100 * x) for x in seconds]

@@ -1,4 +1,4 @@
-"""Quantities shown by color: values at the vertices or faces, with label, scale and limits."""
+"""Quantities displayed by color: values at the vertices or faces, with label, scale and limits."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ if TYPE_CHECKING:
 
 
 EMPTY: Mapping[str, Quantity] = MappingProxyType({})
-SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: a residual of zero is shown as this
+SMALLEST_RESIDUAL = 1e-17  # mean edge lengths: displayed in place of zero
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Quantity:
-    """A number at every vertex, or of every face.
+    """A scalar field on the vertices or the faces.
 
     Attributes
     ----------
     name : str
     label : str
-        With its symbol, in TeX between dollar signs.
-    values : ndarray, shape (V,), or of the `Embedding.polygons`
-        NaN where it has no meaning.
+        Label with the symbol, in TeX between dollar signs.
+    values : ndarray, shape (V,), or one for each of the `Embedding.polygons`
+        NaN where undefined.
     scale : {"linear", "log"}
     at : {"vertices", "faces"}
     """
@@ -54,7 +54,7 @@ class Quantity:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Ends of the color scale: all but the outermost hundredths of the values lie between.
+        """Limits of the color scale: the 1st and 99th percentiles of the values, approximately.
 
         On a logarithmic scale they are powers of ten.
         """
@@ -63,7 +63,7 @@ class Quantity:
             return 0.0, 1.0
         if self.at == "faces":  # whole numbers, few of them
             return float(values.min() - 0.5), float(values.max() + 0.5)
-        low, high = np.percentile(values, (1.0, 99.0))  # the colors span nearly all values
+        low, high = np.percentile(values, (1.0, 99.0))  # outliers do not determine the scale
         if self.scale == "log":
             first = np.floor(np.log10(low))
             return float(10**first), float(10 ** max(np.ceil(np.log10(high)), first + 1))
@@ -71,7 +71,7 @@ class Quantity:
         largest = float(np.abs(values).max())
         half = max(
             (high - low) / 2, 0.05 * abs(middle), 1e-6 * largest
-        )  # less would show rounding as structure
+        )  # a smaller range would show rounding errors as structure
         if half == 0:
             return 0.0, 1.0
         return float(middle - half), float(middle + half)
@@ -79,29 +79,29 @@ class Quantity:
 
 MEAN_CURVATURE, GAUSSIAN_CURVATURE = "mean curvature", "Gaussian curvature"
 SIDES = "sides"
-FEW_FACES = 200  # polyhedra with more look smooth
+FEW_FACES = 200  # polyhedra with more faces look smooth
 
 
 def mean_curvature(embedding: Embedding) -> Quantity:
-    """H = (k1 + k2) / 2, from the dihedral angles."""
+    """Mean curvature H = (k1 + k2) / 2, from the dihedral angles."""
     return Quantity(MEAN_CURVATURE, "mean curvature  $H = (k_1 + k_2)/2$", embedding.mean_curvature)
 
 
 def intrinsic_curvature(embedding: Embedding) -> Quantity:
-    """K, the deficit over the circumcentric dual area and that of the triangles; unknown on a boundary."""
+    """Gaussian curvature K: deficit over circumcentric dual area, plus k; undefined on a boundary."""
     own = "$k$ + " if embedding.metric.curvature else ""
     label = f"Gaussian curvature  $K$ = {own}deficit / dual area"
     return Quantity(GAUSSIAN_CURVATURE, label, embedding.gaussian_curvature)
 
 
 def residual(embedding: Embedding) -> Quantity:
-    """The largest length error of the edges at each vertex, in mean edge lengths."""
+    """Largest length error of the edges at each vertex, in mean edge lengths."""
     values = np.maximum(vertex_residuals(embedding), SMALLEST_RESIDUAL)
     return Quantity("residual", "largest length error, in mean edge lengths", values, "log")
 
 
 def concavity(embedding: Embedding) -> Quantity:
-    """The share of the edges at each vertex that are concave; beyond 0.7 it is partially inverted."""
+    """Fraction of concave edges at each vertex; above 0.7 the vertex is partially inverted."""
     ends = embedding.metric.edges[embedding.surface.concave_edges].ravel()
     counts = np.bincount(ends, minlength=embedding.triangulation.n_vertices)
     return Quantity(
@@ -110,13 +110,13 @@ def concavity(embedding: Embedding) -> Quantity:
 
 
 def conformal_factor(embedding: Embedding) -> Quantity | None:
-    """The u of the discretely conformal map to the sphere of the same area, centered; None if there is none.
+    """Log factor u of the centered discrete conformal map to the sphere of equal area, if it exists.
 
-    A length on the sphere is the length on the surface times ``e^u``, in hyperbolic and spherical space the
-    chord; Springborn, Schroeder and Pinkall, ACM TOG 27 (2008).
+    A length on the sphere is the length on the surface times ``e^u`` (the chord in hyperbolic and spherical
+    space); Springborn, Schroeder and Pinkall, ACM TOG 27 (2008).
     """
     t = embedding.triangulation
-    if not t.is_sphere or t.n_faces == 2:  # of the two sides of a triangle nothing is left without the pole
+    if not t.is_sphere or t.n_faces == 2:  # a doubly covered triangle has no faces away from the pole
         return None
     from isoembed.metric.conformal_sphere import conformal_factors, conformal_sphere  # slow to import
     from isoembed.metric.delaunay import delaunay
@@ -131,9 +131,9 @@ def conformal_factor(embedding: Embedding) -> Quantity | None:
 
 
 def sides(embedding: Embedding) -> Quantity | None:
-    """The number of sides of each face of a polyhedron; None of a surface that is only triangles.
+    """Number of sides of each face of a polyhedron; None for surfaces without polygonal faces.
 
-    What lies in one line is one side.
+    Collinear edges count as one side.
     """
     if not isinstance(embedding.surface.flat_faces, FlatFaces):
         return None
@@ -142,14 +142,14 @@ def sides(embedding: Embedding) -> Quantity | None:
 
 
 def vertex_deviation(deviation: Changes) -> Quantity:
-    """Deviation of the vertices by errors of the lengths, over its root mean square, which the label has."""
+    """Deviation of the vertices due to length errors, relative to its root mean square (in the label)."""
     rms = deviation.report["vertices_rms"]
     label = f"deviation of vertices, over {rms:.2g}"
     return Quantity("deviation", label, deviation.vertices / (rms or 1.0))
 
 
 def mean_curvature_difference(comparison: Comparison) -> Quantity:
-    """H of the second surface less that of the first, over the root mean square, which the label states."""
+    """Difference of H, second surface minus first, relative to its root mean square (in the label)."""
     differences = comparison.difference.mean_curvature
     rms = comparison.difference.report["mean_curvature_rms"]
     return Quantity(
@@ -175,13 +175,13 @@ def usual(embedding: Embedding) -> str:
 
 
 def quantities(embedding: Embedding, given: Mapping[str, Quantity] = EMPTY) -> tuple[Quantity, ...]:
-    """All quantities of a surface, the default one first.
+    """Quantities of a surface, the default one first.
 
     Parameters
     ----------
     embedding : Embedding
     given : mapping of str to Quantity
-        By name, those that are shown in place of the surface's own.
+        Quantities by name that replace the computed ones.
     """
     names = sorted(QUANTITIES, key=usual(embedding).__ne__)
     all_found = (given.get(name) or QUANTITIES[name](embedding) for name in names)
@@ -189,7 +189,7 @@ def quantities(embedding: Embedding, given: Mapping[str, Quantity] = EMPTY) -> t
 
 
 def from_file(curvatures: Mapping[str, Floats]) -> dict[str, Quantity]:
-    """The quantities of curvatures (V,) in the file of a surface, by their names there."""
+    """Quantities for the curvatures (V,) stored in a surface file."""
     named = {MEAN_CURVATURE: "mean curvature  $H$", GAUSSIAN_CURVATURE: "Gaussian curvature  $K$"}
     return {
         name: Quantity(name, f"{label}, as in the file", curvatures[spelled(name).replace("-", "_")])
@@ -199,23 +199,23 @@ def from_file(curvatures: Mapping[str, Floats]) -> dict[str, Quantity]:
 
 
 def spelled(name: str) -> str:
-    """The name of a quantity as the command spells it: ``gaussian-curvature``."""
+    """Command-line spelling of a quantity's name: ``gaussian-curvature``."""
     return name.lower().replace(" ", "-").replace("_", "-")
 
 
 def quantity(embedding: Embedding, color: str | Quantity | ArrayLike) -> Quantity:
-    """The quantity that colors show: of this name, in any of its spellings, or given by its values.
+    """Quantity displayed by color, selected by name in any spelling, or given by its values.
 
     Parameters
     ----------
     embedding : Embedding
     color : str, Quantity, or array_like, shape (V,)
-        Of a name that the surface has no such quantity for, the values are NaN.
+        If the named quantity is undefined for the surface, the values are NaN.
 
     Raises
     ------
     InvalidParameter
-        There is no such quantity, or it has no value for each vertex or face.
+        The quantity is unknown, or the number of values is not that of the vertices or faces.
     """
     if not isinstance(color, str):
         return _own(embedding, color)
@@ -233,7 +233,7 @@ def quantity(embedding: Embedding, color: str | Quantity | ArrayLike) -> Quantit
 
 
 def _own(embedding: Embedding, color: Quantity | ArrayLike) -> Quantity:
-    """A quantity of the caller's, checked."""
+    """Checked quantity given by the caller."""
     if not isinstance(color, Quantity):
         try:
             color = Quantity("values", "", np.asarray(color, dtype=np.float64))
@@ -252,7 +252,7 @@ def _own(embedding: Embedding, color: Quantity | ArrayLike) -> Quantity:
 
 
 def face_means(values: Floats, faces: Polygons) -> Floats:
-    """The means of values at the vertices over the corners of each face where they are known, shape (F,)."""
+    """Mean of the defined values at the corners of each face, shape (F,)."""
     corners, sizes = flattened(faces)
     known, begins = np.isfinite(values[corners]), np.cumsum(sizes) - sizes
     sums = np.add.reduceat(np.where(known, values[corners], 0.0), begins)

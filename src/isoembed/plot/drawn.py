@@ -1,7 +1,7 @@
-"""Surfaces of hyperbolic and spherical space in a conformal model, for drawing.
+"""Drawing of surfaces in hyperbolic and spherical space in a conformal model.
 
-Hyperbolic space is drawn as Poincare's ball, spherical space in stereographic projection.  Straight edges are
-arcs of circles there, and plane faces parts of spheres: large ones are drawn in pieces.
+Hyperbolic space is drawn as Poincare ball, spherical space in stereographic projection.  Geodesic edges are
+circular arcs in these models, and planar faces parts of spheres; large ones are subdivided.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from isoembed.space import Space
 from isoembed.space.models import radius_of, to_model
 from isoembed.surface.segments import Segments
 
-MAX_BEND = 1e-3  # half diameters by which a straight piece of an edge may miss the arc
-MAX_PIECES = 20_000  # with more pieces there is no further subdivision
-BALL_RADIUS = 6.0  # half diameters beyond which the sphere at infinity is out of the picture
+MAX_BEND = 1e-3  # half diameters: maximal distance of a straight piece of an edge from the arc
+MAX_PIECES = 20_000  # limit of subdivision
+BALL_RADIUS = 6.0  # half diameters: a larger sphere at infinity is not drawn
 
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """Drawing of a surface, and of others with the same triangles.
+    """Drawing of a surface, or of others with the same triangulation.
 
     Attributes
     ----------
     surface : Embedding
     center : ndarray, shape (3,)
-        The point of space that is moved to the origin.
+        Point of space that is translated to the origin.
     pieces : Pieces
-        The triangles, in pieces where one would see that they are straight.
+        Triangles, subdivided where their curvature in the model is visible.
     """
 
     surface: Embedding
@@ -45,7 +45,7 @@ class Drawn:
 
     @classmethod
     def of(cls, surface: Embedding) -> Drawn:
-        """A surface in R^3 is drawn as it is."""
+        """Drawing of a surface; in R^3 no transformation is applied."""
         space, pieces = surface.space, Pieces.whole(surface.faces, surface.metric.edges)
         if space.is_euclidean:
             return cls(surface, np.zeros(3), pieces)
@@ -61,7 +61,7 @@ class Drawn:
 
     @property
     def infinity(self) -> float:
-        """The radius of the sphere at infinity about the origin of a picture; infinite if there is none."""
+        """Radius of the sphere at infinity about the origin of the model; infinite if there is none."""
         return radius_of(self.space, WRITTEN) if self.space.curvature < 0 else np.inf
 
     @property
@@ -70,42 +70,42 @@ class Drawn:
         return self.pieces.faces if self.pieces.cuts else self.surface.polygons
 
     def points(self, vertices: Floats) -> Floats:
-        """Points of space at all vertices that are drawn, for those (V, 3) of a surface."""
+        """Points of space at the vertices of the drawing, for given vertices (V, 3) of the surface."""
         if self.space.is_euclidean:
             return vertices
         return self.pieces.points(self.space, self.space.translated(vertices, -self.center))
 
     def put(self, vertices: Floats) -> Floats:
-        """Positions in a picture of the vertices of the drawing, for those (V, 3) of a surface."""
+        """Model coordinates of the vertices of the drawing, for given vertices (V, 3) of the surface."""
         return to_model(self.space, self.points(vertices), WRITTEN)
 
     def face_values(self, shown: Quantity) -> Floats:
-        """Values of what is drawn: each face has one, that of its pieces."""
+        """Values of the drawn faces; the pieces of a face share its value."""
         faces, pieces = self.surface.surface.flat_faces, self.pieces
         values = shown.values if shown.at == "faces" else face_means(shown.values, faces.polygons)
         return np.repeat(values[faces.of_triangles], pieces.per_face) if pieces.cuts else values
 
     def spread(self, shown: Quantity) -> Quantity:
-        """A quantity at all vertices that are drawn; one of faces as it is."""
+        """Quantity at the vertices of the drawing; face quantities are returned unchanged."""
         if shown.at == "faces":
             return shown
         return replace(shown, values=self.pieces.values(shown.values))
 
     def outlines(self, placed: Floats) -> Segments | None:
-        """The edges between faces as `put` has placed them; None where the outlines of faces are those."""
+        """Edges between faces, placed by `put`; None if the drawn faces have these outlines anyway."""
         if not self.pieces.cuts:
             return None
         between = self.surface.surface.flat_faces.edges[self.pieces.owners]
         return Segments(placed[self.pieces.edges[between]], self.pieces.beside()[between])
 
     def boundary(self, placed: Floats) -> Segments:
-        """The edges on the boundary of a surface in R^3 as `put` has placed them."""
+        """Boundary edges of a surface in R^3, placed by `put`."""
         t = self.surface.triangulation
         beside = self.surface.surface.flat_faces.of_triangles[t.edge_flanks[t.boundary_edges] // 3]
         return Segments(placed[t.edges[t.boundary_edges]], beside)
 
     def seams_in_space(self) -> Segments:
-        """The seams of a net in pieces, between points of space, and the triangles beside them."""
+        """Seams of a net in pieces, between points of space, and the adjacent triangles."""
         ends, beside = self.surface.surface.seams
         if self.space.is_euclidean or not len(ends):
             return Segments(ends, beside)
@@ -117,7 +117,7 @@ class Drawn:
         return Segments(ends, beside)
 
     def seams(self) -> Segments:
-        """The seams of a net on the surface, and the faces that are drawn beside them."""
+        """Seams of a net on the surface, and the adjacent drawn faces."""
         ends, beside = self.seams_in_space()
         placed = to_model(self.space, ends, WRITTEN)
         if not self.pieces.cuts:
@@ -129,7 +129,7 @@ class Drawn:
 
     @property
     def _bend(self) -> float:
-        """Distance of the middle of a piece of an edge from the line between its ends, in half diameters."""
+        """Largest distance of an edge piece's midpoint from its chord, in half diameters."""
         points, edges = self.points(self.surface.vertices), self.pieces.edges
         placed = to_model(self.space, points, WRITTEN)
         off = to_model(self.space, middles(self.space, points[edges]), WRITTEN) - placed[edges].mean(axis=1)
@@ -138,7 +138,7 @@ class Drawn:
 
 
 def said(space: Space) -> str:
-    """Part of a caption: which space a picture shows, and in which model; nothing of R^3."""
+    """Part of a caption: the space and the model of a picture; empty for R^3."""
     if space.is_euclidean:
         return ""
     model = "Poincaré ball" if space.curvature < 0 else "stereographic projection"
@@ -146,7 +146,7 @@ def said(space: Space) -> str:
 
 
 def _center(space: Space, vertices: Floats) -> Floats:
-    """The center of a surface, or the origin where on the sphere that leaves it more than half of it wide."""
+    """Center of a surface; the origin if translating it would leave the drawable half of the sphere."""
     center = space.center(vertices)
     try:
         space.translated(vertices, -center)

@@ -1,4 +1,4 @@
-"""Surfaces of a film: those on the way to an answer, or a series."""
+"""Frames of a film: the intermediate surfaces of a computation, or a series."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,18 +20,18 @@ ANSWER = "answer"
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A surface on the way.
+    """A frame of a film.
 
     Attributes
     ----------
     stage : str
-        The stage of the method that reached it, `ANSWER` for the last one; or the heading of a series.
+        Stage of the method that reached the surface, `ANSWER` for the last one; or the heading in a series.
     t : float or None
         Position on the path of metrics: 1 is the uniform or the convex metric, 0 the given one.
     residual : float or None
-        Largest length error in mean edge lengths, against the metric at this t.
+        Largest length error in mean edge lengths, relative to the metric at this t.
     vertices : ndarray, shape (V, 3)
-        In the unit of the given lengths, each surface turned onto the next.
+        Vertices in the unit of the given lengths, each surface aligned with the next.
     """
 
     stage: str
@@ -40,25 +40,25 @@ class Frame:
     vertices: Floats
 
     def surface(self, embedding: Embedding) -> Embedding:
-        """Surface of the frame, of which only the shape is of interest: it may be folded flat."""
+        """Surface of the frame, for its shape only: it may be folded flat."""
         return embedding._shaped(self.vertices, self.stage)
 
 
 def frames_of(surfaces: Sequence[Embedding], headings: Sequence[str]) -> tuple[Frame, ...]:
-    """Frames of a series of surfaces on the same triangles, such as a sheet that swells.
+    """Frames of a series of surfaces with the same triangles, such as a swelling sheet.
 
     Parameters
     ----------
     surfaces : sequence of Embedding
-        In the order of the film.
+        Surfaces in the order of the film.
     headings : sequence of str
-        One each.
+        One heading per surface.
 
     Returns
     -------
     tuple of Frame
-        Each surface is turned onto the next, and mirrored if it has a boundary and is nearer then; for
-        `write_animation` with the last surface.
+        Frames for `write_animation` with the last surface.  Each surface is aligned with the next, by a
+        reflection if it has a boundary and is nearer then.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def frames_of(surfaces: Sequence[Embedding], headings: Sequence[str]) -> tuple[F
 
 
 class Film:
-    """A listener that keeps the surfaces that a computation reaches.
+    """A progress listener that stores the intermediate surfaces of a computation.
 
     Examples
     --------
@@ -95,20 +95,20 @@ class Film:
         self._taken: list[Progress] = []
 
     def __call__(self, progress: Progress) -> None:
-        """Take a snapshot in."""
+        """Store a snapshot."""
         if progress.vertices is not None:
             self._taken.append(progress)
 
     def frames(self, embedding: Embedding) -> tuple[Frame, ...]:
-        """The surfaces met on the way to this answer, with it as the last.
+        """Frames of the intermediate surfaces of a computation, ending with its result.
 
-        Surfaces that can hardly be told from the next are left out.  A method that changes the triangles, or
-        goes to its answer at once, leaves the answer alone.
+        Surfaces hardly distinguishable from the next are omitted.  A method that changes the triangles, or
+        takes a single step, yields only the result.
 
         Parameters
         ----------
         embedding : Embedding
-            What the computation returned.
+            Result of the computation.
 
         Returns
         -------
@@ -126,9 +126,9 @@ class Film:
                     vertices = aligned(outward(embedding.faces, given, space), after, space)
                 else:
                     vertices = aligned_image(given, after)
-            except InvalidParameter:  # on the sphere not within the half that can be shown
+            except InvalidParameter:  # not within the drawable half of the sphere
                 continue
-            # two surfaces that look the same
+            # Surfaces that look the same are omitted.
             if (
                 np.linalg.norm(vertices - after, axis=1).max()
                 > 1e-3 * embedding.metric.normalized.mean_length

@@ -17,16 +17,16 @@ FILL, RIM = "#eef2f6", "#8c98a8"
 
 
 def ball(pose: Pose, infinity: float) -> tuple[Floats, float] | None:
-    """The center (3,) and the radius, in half diameters of a surface, of a sphere about the origin.
+    """Center (3,) and radius, in half diameters of a surface, of a sphere about the origin.
 
-    None if it is so large that it is not drawn.
+    None if the sphere is too large to be drawn.
     """
     radius = infinity / pose.size
     return (pose.put(np.zeros(3)), radius) if radius <= BALL_RADIUS else None
 
 
 def window(view: View, infinity: float) -> tuple[Floats, Floats]:
-    """The lower left and the upper right corner of what is seen, with the sphere at infinity."""
+    """Lower left and upper right corner of a view, including the sphere at infinity."""
     low, high = view.extent
     if (around := ball(view.pose, infinity)) is None:
         return low, high
@@ -35,7 +35,7 @@ def window(view: View, infinity: float) -> tuple[Floats, Floats]:
 
 
 def draw_infinity(axes: Axes, view: View, infinity: float) -> None:
-    """Draw the sphere at infinity, of this radius about the origin, behind a surface."""
+    """Draw the sphere at infinity, of the given radius about the origin, behind a surface."""
     from matplotlib.collections import LineCollection
     from matplotlib.patches import Circle
 

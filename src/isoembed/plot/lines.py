@@ -1,4 +1,4 @@
-"""Lines on a surface, drawn among its faces by the painter's algorithm."""
+"""Drawing of lines on a surface among its faces, by the painter's algorithm."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from isoembed.surface.segments import Segments
 
 
 class Shapes(NamedTuple):
-    """Faces and lines in the order in which they are drawn.
+    """Faces and lines in drawing order.
 
     Attributes
     ----------
     polygons : sequence of ndarray, shape (m, 2)
-        Lines have two corners.
+        Polygons; lines have two corners.
     fills, rims : ndarray, shape (n, 3)
-        Colors of the inside and of the outline.
+        Colors of the interiors and of the outlines.
     widths : ndarray, shape (n,)
-        Of the outlines.
+        Widths of the outlines.
     """
 
     polygons: Sequence[Floats]
@@ -32,15 +32,15 @@ class Shapes(NamedTuple):
 
 
 def among_faces(view: View, faces: Shapes, lines: Sequence[tuple[Segments, Floats, float]]) -> Shapes:
-    """Put lines among the faces that are seen.
+    """Insert lines among the visible faces.
 
     Parameters
     ----------
     view : View
     faces : Shapes
-        Those of the view, farthest first.
+        Faces of the view, farthest first.
     lines : sequence of (Segments, ndarray, float)
-        With their colors, (n, 3), those of the lines beside each face, or (3,), of all; and their widths.
+        Lines, colors, and widths; colors (n, 3) are those of lines beside each face, (3,) of all lines.
     """
     n = len(view.faces)
     indices = [view.faces, *(segments.faces for segments, *_ in lines)]

@@ -11,7 +11,7 @@ from isoembed.io.files import FileError
 from isoembed.plot.page import page_html
 from isoembed.plot.picture import figure
 
-PAGE_VERTICES = 5000  # more, and the report takes seconds: no page is shown
+PAGE_VERTICES = 5000  # above, the report of a page takes seconds, and a picture is shown
 
 
 def notebook_html(embedding: Embedding) -> str | None:
@@ -20,8 +20,8 @@ def notebook_html(embedding: Embedding) -> str | None:
     Returns
     -------
     str or None
-        A frame with the page of `isoembed.plot.write_page`, which loads nothing from anywhere; of more than
-        5,000 vertices a picture.  None, so that the notebook shows the text, without matplotlib.
+        A frame with the self-contained page of `isoembed.plot.write_page`, or a picture if there are more
+        than 5,000 vertices.  None without matplotlib, so that the notebook shows the text.
     """
     if embedding.triangulation.n_vertices <= PAGE_VERTICES:
         page = escape(page_html(embedding, title="Surface"))

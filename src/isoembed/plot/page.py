@@ -45,8 +45,8 @@ from isoembed.space.models import MODELS, NAMES
 from isoembed.strict_json import plain
 from isoembed.surface.flat_faces import FlatFaces
 
-MAX_FRAMES = 40  # of a film in a page: more are not seen
-MAX_BYTES = 6_000_000  # of all frames of a page but the last; as text a third more
+MAX_FRAMES = 40  # in a page
+MAX_BYTES = 6_000_000  # of all frames of a page but the last, before base64 encoding
 
 
 LEAPT = (
@@ -54,9 +54,9 @@ LEAPT = (
     "the method 'paper' has them."
 )
 ALONE = "This method has no intermediate surfaces."
-LARGER = 1.25  # half diameters of the answer, that fit beside it
+LARGER = 1.25  # half diameters of the final surface that fit into the picture
 PAUSE = 140  # milliseconds from one frame to the next
-COLORS = 65  # the browser interpolates between them
+COLORS = 65  # interpolated by the browser
 UNITS = {
     "mean curvature": "1 / length",
     "Gaussian curvature": "1 / length²",
@@ -68,19 +68,19 @@ TITLES = {
     **{"poincare": "Poincaré ball", "klein": "Klein ball", "hyperboloid": "hyperboloid, x y z"},
     **{"stereographic": "stereographic", "gnomonic": "gnomonic", "sphere": "sphere, x y z"},
 }
-"""Names of the models of a space on the page."""
+"""Names on the page of the models of a space."""
 TEX = {"$": "", "k_1": "k₁", "k_2": "k₂", "  ": " "}
 
 
 def page_writer(
     path: str | os.PathLike[str], embedding: Embedding, *, title: str = "", **contents: Any
 ) -> Writer:
-    """Return what writes the page of a surface; see `write_atomically` and `write_page`."""
+    """Writer of the page of a surface; see `write_atomically` and `write_page`."""
     return _page(embedding, title or Path(path).stem, **contents).writer
 
 
 def page_html(embedding: Embedding, *, title: str, **contents: Any) -> str:
-    """The text of the page of a surface; see `write_page`."""
+    """HTML of the page of a surface; see `write_page`."""
     return _page(embedding, title, **contents).text
 
 
@@ -94,11 +94,11 @@ def write_page(
     beside: str = "",
     given: Mapping[str, Quantity] = EMPTY,
 ) -> None:
-    """Write a page for the browser: one file, which loads nothing from anywhere.
+    """Write a self-contained page for the browser.
 
-    It shows the surface in WebGL, with the colors of every quantity of `isoembed.plot.quantities`; the frames
-    of a film, at most 40 of them; and the report, with the JSON to download.  The vertices are in single
-    precision in units of the half diameter; of frames before the last, positions and colors are in 16 bit.
+    The page shows the surface in WebGL, colored by any quantity of `isoembed.plot.quantities`; at most 40
+    frames of a film; and the report, with its JSON for download.  The vertices are in single precision in
+    units of the half diameter; positions and colors of frames before the last are 16-bit.
 
     Parameters
     ----------
@@ -108,9 +108,9 @@ def write_page(
     frames : sequence of Frame
         `Film.frames`; the last one is the embedding itself.
     title : str
-        By default the name of the file.
+        Title of the page; by default the file name.
     caption : str
-        A line below; by default the numbers of vertices and triangles, int H dA and the residual.
+        Line below the surface; by default the numbers of vertices and faces, int H dA and the residual.
     beside : str
         HTML above the report.
     given : mapping of str to Quantity
@@ -119,7 +119,7 @@ def write_page(
     Raises
     ------
     FileError
-        The ending is not known or the file cannot be written.
+        The ending is unknown or the file cannot be written.
     """
     check_output(path, PAGE_ENDINGS)
     writer = page_writer(
@@ -138,7 +138,7 @@ def _page(
     tables: Mapping[str, Mapping[str, Any]] | None = None,
     given: Mapping[str, Quantity] = EMPTY,
 ) -> Document:
-    """The page, with other tables than those of the report, by their captions, if there are some."""
+    """Page of a surface; `tables`, by caption, replace those of the report."""
     data, arrays = _data(embedding, frames, given)
     if tables is None:
         found = report(embedding)
@@ -165,7 +165,7 @@ def _caption(embedding: Embedding) -> str:
 def _data(
     embedding: Embedding, frames: Sequence[Frame], given: Mapping[str, Quantity]
 ) -> tuple[dict[str, Any], Packed]:
-    """Data for the script: a JSON object, and the arrays that it points to."""
+    """Data for the script: a JSON object, and the arrays that it refers to."""
     packed, drawn = Packed(), Drawn.of(embedding)
     pieces = drawn.pieces
     earlier = list(frames[:-1])
@@ -213,12 +213,12 @@ def _data(
 
 
 def _bits(edges: Indices, mask: Mask) -> NDArray[np.uint8]:
-    """A mask of edges, (E,), at those of the sides of faces, -1 inside of one."""
+    """Packed mask (E,) at the edges of the faces' sides; -1 denotes the inside of a face."""
     return np.packbits((edges >= 0) & mask[edges], bitorder="little")
 
 
 def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) -> dict[str, Any]:
-    """The triangles that are drawn, and the faces that they are parts of."""
+    """Drawn triangles and the faces that contain them."""
     faces, t = embedding.surface.flat_faces, embedding.triangulation
     faceted = pieces.cuts > 0 or isinstance(faces, FlatFaces)
     return {
@@ -233,7 +233,7 @@ def _mesh(embedding: Embedding, pieces: Pieces, edges: Indices, packed: Packed) 
 
 
 def _named(quantity: Quantity) -> dict[str, Any]:
-    """Names of a quantity for the script, and its colors if it has its own."""
+    """Names of a quantity for the script, and its color ramp if it has its own."""
     return {
         "name": quantity.name,
         "label": _plain(quantity.label),
@@ -245,14 +245,14 @@ def _named(quantity: Quantity) -> dict[str, Any]:
 
 
 def own_ramp(scale: str, low: float, high: float) -> list[str] | None:
-    """The colors of values of both signs; None where they are those of all other quantities."""
+    """Diverging colors for values of both signs; None for the default ramp."""
     return diverging(COLORS, low, high) if scale == "linear" and low < 0 < high else None
 
 
 def _pose(drawn: Drawn, frames: Sequence[Frame]) -> Pose:
-    """The pose of points of space: in a curved one the origin stays, which is the center of its models.
+    """Pose of points of space; in curved space the origin, the center of the models, stays fixed.
 
-    Where a surface on the way is much larger than the answer, as a net is, it fills the picture instead.
+    If a frame is much larger than the final surface, as a net is, the picture is scaled to the frame.
     """
     vertices = drawn.surface.vertices
     pose = Pose.of(drawn.put(vertices), drawn.surface.faces)
@@ -263,7 +263,7 @@ def _pose(drawn: Drawn, frames: Sequence[Frame]) -> Pose:
 
 
 def _space(space: Space, unit: float) -> dict[str, Any] | None:
-    """The curvature in this unit of length, and the models that the script can show; none of R^3."""
+    """Curvature in the given unit of length, and the models offered on the page; None for R^3."""
     if space.is_euclidean:
         return None
     models = [{"model": model, "name": TITLES[NAMES[space.name][model]]} for model in MODELS]
@@ -271,16 +271,16 @@ def _space(space: Space, unit: float) -> dict[str, Any] | None:
 
 
 def _why_alone(method: str) -> str:
-    """Reason why there are no intermediate surfaces."""
+    """Explanation for the lack of intermediate surfaces."""
     try:
         found = method_class(method)
-    except InvalidParameter:  # it was passed as it is
+    except InvalidParameter:  # the method is not registered
         return ALONE
     return LEAPT if found.keeps_triangles and not found.shows_path else ALONE
 
 
 def _on_the_way(surface: Embedding) -> list[Quantity]:
-    """Quantities that change from frame to frame: Gaussian curvature is that of the frame's own lengths."""
+    """Quantities of a frame; its Gaussian curvature is that of its own lengths."""
     metric, unit = surface.metric, surface.metric.unit
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a frame may be folded flat
         found = [mean_curvature(surface), residual(surface), concavity(surface)]
@@ -290,13 +290,13 @@ def _on_the_way(surface: Embedding) -> list[Quantity]:
         lengths = unit * metric.normalized.space.distances(points[a], points[b])
         try:
             own = PolyhedralMetric.on(metric.triangulation, lengths, metric.space)
-        except InvalidMetric:  # a triangle without area has no curvature at its corners
+        except InvalidMetric:  # degenerate triangles have no angles
             return found
         return [*found, intrinsic_curvature(Embedding(own, surface.vertices, method="", tolerance=1.0))]
 
 
 def shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]], polygons: Polygons) -> dict[str, Any]:
-    """Values, of a logarithmic scale their logarithms, and where the colors begin and end."""
+    """Values, or their logarithms on a logarithmic scale, and the limits of the colors."""
     values, bounds = quantity.values, np.array(quantity.bounds)
     if quantity.scale == "log":
         values, bounds = np.log10(values), np.log10(bounds)
@@ -310,7 +310,7 @@ def shades(quantity: Quantity, add: Callable[[Floats], dict[str, Any]], polygons
 
 
 def _plain(label: str) -> str:
-    """A label without TeX."""
+    """Label without TeX."""
     for tex, text in TEX.items():
         label = label.replace(tex, text)
     return label

@@ -1,4 +1,4 @@
-"""One panel of a picture: a surface, its face values and a title."""
+"""Panel of a picture: a surface, its face values and a title."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from isoembed.surface.segments import Segments
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One surface of several in a row.
+    """A surface in a row of several.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
     faces : ndarray of int, shape (F, 3), or sequence of such arrays of any lengths
-        The vertices around each, counterclockwise, seen from outside.
+        Vertices around each face, counterclockwise seen from outside.
     values : ndarray, shape (V,)
-        What the colors show; of the faces, shape (F,), if the quantity is one of faces.
+        Displayed values; for a face quantity, shape (F,).
     title : str
     seams : Segments
-        Lines that are drawn on the surface, beside these faces.
+        Lines drawn on the surface, with the adjacent faces.
     at : {"vertices", "faces"}
-        What the values are of.
+        Location of the values.
     outlines : Segments or None
-        Edges, where faces are drawn in pieces whose own are not to be seen.
+        Edges to draw where faces are subdivided, instead of the outlines of the pieces.
     boundary : Segments
-        Lines along the boundary of a surface.
+        Boundary edges of the surface.
     infinity : float
-        The radius of the sphere at infinity about the origin.
+        Radius of the sphere at infinity about the origin.
     """
 
     vertices: Floats
@@ -52,7 +52,7 @@ class Panel:
 
     @classmethod
     def of(cls, drawn: Drawn, vertices: Floats, shown: Quantity) -> Panel:
-        """A surface of vertices (V, 3), with its boundary, and the seams of a net on it."""
+        """Panel of a surface with vertices (V, 3), its boundary, and the seams of a net."""
         placed = drawn.put(vertices)
         cut = drawn.pieces.cuts > 0
         return cls(
@@ -68,5 +68,5 @@ class Panel:
 
     @property
     def face_values(self) -> Floats:
-        """Values that the colors of the faces show, shape (F,)."""
+        """Values displayed on the faces, shape (F,)."""
         return self.values if self.at == "faces" else face_means(self.values, self.faces)

@@ -31,17 +31,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-WIDTH, DPI = 8.0, 220  # inches, dots an inch
-COLORS, DARKEST = "viridis", 0.14  # ordered in lightness, so it survives color blindness and gray printing
+WIDTH, DPI = 8.0, 220  # inches, dots per inch
+COLORS, DARKEST = "viridis", 0.14  # monotone in lightness, for color blindness and gray printing
 SHADES = 256
-UNKNOWN = 0.72  # gray, where a quantity has no meaning
+UNKNOWN = 0.72  # gray level of undefined values
 MARGINS = 0.9  # inches, below with the caption and above
-SHARE = 0.82  # of the width; the rest is for the color bar
+SHARE = 0.82  # of the width; the rest holds the color bar
 MIDDLE, LONGEST = 0.43, 0.96  # of a caption, as shares of the width
 TITLE = 0.35  # inches, above panels
 GAP = 0.04  # of a panel's width, on both sides
 UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-"""Metadata with which the same picture makes the same bytes."""
+"""Metadata without dates, for reproducible files."""
 INK, PAPER, SEAM = "#1c2430", "white", "#e8502a"
 OUTLINE, SEWN, RIM = 0.8, 1.2, 1.4  # widths of edges, of seams and of boundaries
 
@@ -59,26 +59,25 @@ def figure(
     ----------
     embedding : Embedding
     color : str, Quantity, or array_like, shape (V,), optional
-        What the colors show: a quantity or the name of one, of `isoembed.plot.QUANTITIES`, or a number at
-        each vertex.  By default the
-        mean curvature; of polyhedra with up to 200 faces the number of sides of a face.
+        Displayed quantity or its name (see `isoembed.plot.QUANTITIES`), or one number per vertex.  By default
+        the mean curvature; for polyhedra with up to 200 faces the number of sides of a face.
     caption : str
-        By default the number of vertices, int H dA and the residual; in axes of one's own their title, and
-        by default none.
+        By default the number of vertices, int H dA and the residual.  With `ax`, the title of the axes, by
+        default none.
     ax : matplotlib.axes.Axes, optional
-        Where to draw, with a color bar beside it; by default a figure of its own.
+        Axes to draw into, with a color bar beside them; by default a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
-        That of `ax`, or a new one with a canvas of its own: no window and no global state.
+        Figure of `ax`, or a new one with its own canvas: no window and no global state.
 
     Raises
     ------
     FileError
         matplotlib is not installed.
     InvalidParameter
-        There is no such quantity, or its values do not fit the surface.
+        The quantity is unknown, or its values do not match the surface.
     """
     shown = quantity(embedding, usual(embedding) if color is None else color)
     panel = Panel.of(Drawn.of(embedding), embedding.vertices, shown)
@@ -88,13 +87,13 @@ def figure(
 
 
 def _into(ax: Axes, panel: Panel, shown: Quantity, title: str) -> Figure:
-    """Draw a surface into axes, and a color bar beside them; return their figure."""
+    """Draw a surface into axes, with a color bar beside them; return their figure."""
     scale = color_scale(*shown.bounds, shown.scale)
     draw_panel(ax, panel, scale)
     ax.autoscale_view()
     if title:
         ax.set_title(title, color=INK, fontsize=10)
-    whole = ax.figure.figure  # of a SubFigure its Figure
+    whole = ax.figure.figure  # the Figure of a SubFigure
     bar = whole.colorbar(scale, ax=ax, shrink=0.8)
     bar.outline.set_visible(False)
     bar.set_label(shown.label, color=INK)
@@ -108,16 +107,16 @@ def panels(
     bounds: tuple[float, float] | None = None,
     caption: str = "",
 ) -> Figure:
-    """Draw surfaces side by side, in one size and with one scale of colors.
+    """Draw surfaces side by side at the same scale and with the same colors.
 
     Parameters
     ----------
     surfaces : sequence of Panel
-        Where they have the same vertices, turned alike beforehand (`isoembed.surface.alignment.aligned`).
+        If they share vertices, align them beforehand (`isoembed.surface.alignment.aligned`).
     label : str
-        What the values are.
+        Label of the values.
     bounds : (float, float), optional
-        Where the colors begin and end; by default for the first surface's values.
+        Limits of the color scale; by default those of the first surface's values.
     caption : str
 
     Returns
@@ -133,16 +132,16 @@ def panels(
 
 
 def draw_panel(axes: Axes, panel: Panel, colors: ScalarMappable) -> None:
-    """Draw a surface into axes of one's own, turned as in every picture: its longest axis lies across.
+    """Draw a surface into the caller's axes in the standard pose: its longest axis lies across.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Set to equal aspect, without a frame; call its ``autoscale_view`` afterward, or set its limits.
+        Axes, set to equal aspect without a frame; call ``autoscale_view`` afterward, or set the limits.
     panel : Panel
-        Its title is left out.
+        Panel; its title is not drawn.
     colors : matplotlib.cm.ScalarMappable
-        From values to colors: a `color_scale`, or one's own.
+        Map from values to colors: a `color_scale`, or the caller's own.
     """
     view = View.of(panel.vertices, panel.faces)
     draw_infinity(axes, view, panel.infinity)
@@ -150,12 +149,12 @@ def draw_panel(axes: Axes, panel: Panel, colors: ScalarMappable) -> None:
 
 
 def picture_writer(path: str | os.PathLike[str], embedding: Embedding, **drawing: Any) -> Writer:
-    """Return what writes the picture in the format of this ending; see `write_atomically` and `figure`."""
+    """Writer of a picture in the format of the path's ending; see `write_atomically` and `figure`."""
     return figure_writer(path, figure(embedding, **drawing))
 
 
 def figure_writer(path: str | os.PathLike[str], drawn: Figure) -> Writer:
-    """Return what writes a figure in the format of this ending; see `write_atomically`."""
+    """Writer of a figure in the format of the path's ending; see `write_atomically`."""
     form = ending(path)[1:]
 
     def write(temporary: Path) -> None:
@@ -170,23 +169,23 @@ def figure_writer(path: str | os.PathLike[str], drawn: Figure) -> Writer:
 def write_picture(
     path: str | os.PathLike[str], embedding: Embedding, *, color: str | Quantity | ArrayLike | None = None
 ) -> None:
-    """Write the picture of a surface as ``.png``, ``.svg`` or ``.pdf``; the last two are vectors.
+    """Write a picture of a surface as ``.png``, or in vector format as ``.svg`` or ``.pdf``.
 
-    The color is that of `figure`.
+    The color is as in `figure`.
 
     Raises
     ------
     FileError
-        The ending is not known, the file cannot be written, or matplotlib is not installed.
+        The ending is unknown, the file cannot be written, or matplotlib is not installed.
     InvalidParameter
-        There is no such quantity.
+        The quantity is unknown.
     """
     check_output(path, PICTURE_ENDINGS)
     write_atomically({Path(path): picture_writer(path, embedding, color=color)})
 
 
 def check_drawable() -> None:
-    """Refuse to draw without matplotlib.
+    """Raise an error if matplotlib is not installed.
 
     Raises
     ------
@@ -243,7 +242,7 @@ def _row(
     _put_caption(picture, caption, 0.25 * MARGINS / total)
     values = np.concatenate([panel.values for panel in surfaces])
     fontsize = 10 if height > 2.5 else 8
-    if shown.at == "faces" and np.ptp(values) == 0:  # one color, and nothing to compare it with
+    if shown.at == "faces" and np.ptp(values) == 0:  # a single value needs no color bar
         words = f"{shown.label}: {values[0]:g}"
         picture.text(0.9, foot + share / 2, words, rotation=90, va="center", fontsize=fontsize, color=INK)
     else:
@@ -256,7 +255,7 @@ def _row(
 
 
 def _put_caption(picture: Figure, caption: str, height: float) -> None:
-    """Write a caption below the surfaces: farther to the right or smaller, where it is too long."""
+    """Write a caption below the surfaces, shifted to the right or shrunk if it is too long."""
     text = picture.text(MIDDLE, height, caption, ha="center", va="center", fontsize=9, color=INK)
     width = text.get_window_extent().width / picture.bbox.width
     text.set_fontsize(9 * LONGEST / max(width, LONGEST))
@@ -264,10 +263,10 @@ def _put_caption(picture: Figure, caption: str, height: float) -> None:
 
 
 def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappable:
-    """The colors of all pictures, from a low to a high value.
+    """Color map of all pictures between two values.
 
-    They are ordered in lightness.  From a value below zero to one above they diverge from nearly white at
-    zero: blue below, orange above.
+    Colors are monotone in lightness.  If the values have both signs, the colors diverge from nearly white at
+    zero: blue for negative, orange for positive values.
 
     Parameters
     ----------
@@ -277,7 +276,7 @@ def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappabl
     Returns
     -------
     matplotlib.cm.ScalarMappable
-        It also takes a color bar: ``figure.colorbar(colors, cax=axes)``.
+        Map that also accepts a color bar: ``figure.colorbar(colors, cax=axes)``.
     """
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
@@ -291,12 +290,12 @@ def color_scale(low: float, high: float, scale: str = "linear") -> ScalarMappabl
 
 
 def color_bar(picture: Figure, axes: Axes, scale: ScalarMappable, values: Floats) -> None:
-    """Draw a scale of colors, with a pointed end where there are values beyond it."""
+    """Draw a color bar, with pointed ends if there are values beyond the limits."""
     low, high = scale.get_clim()
-    ends = (bool((values < low).any()), bool((values > high).any()))  # of NaN, none
+    ends = (bool((values < low).any()), bool((values > high).any()))  # false for NaN
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}.get(ends, "both")
     bar = picture.colorbar(scale, cax=axes, extend=extend)
-    axes.yaxis.set_minor_formatter("")  # between powers of ten
+    axes.yaxis.set_minor_formatter("")  # no labels between powers of ten
     bar.outline.set_visible(False)
     axes.tick_params(which="both", colors=INK, length=3, width=0.6, labelsize=9)
 
@@ -311,25 +310,25 @@ def draw(
     outlines: Segments | None = None,
     boundary: Segments | None = None,
 ) -> None:
-    """Draw the faces that are seen.
+    """Draw the visible faces.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Made equal, and without a frame.
+        Axes, set to equal aspect without a frame.
     view : View
     values : ndarray, shape (F,)
-        Of all faces; a face that has none is gray.
+        Values of all faces; faces with NaN are gray.
     scale : matplotlib.cm.ScalarMappable
         From `color_scale`.
     seams : Segments, optional
         Lines on the faces.
     opacity : float
-        What is behind is seen through faces of less than 1.
+        Opacity of the faces; below 1 they are translucent.
     outlines : Segments, optional
-        Edges to draw instead of the outlines of all faces.
+        Edges to draw instead of the outlines of the faces.
     boundary : Segments, optional
-        Edges along a boundary.
+        Edges along the boundary.
     """
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.colors import to_rgb
@@ -354,9 +353,9 @@ def draw(
         linewidths=shapes.widths,
         joinstyle="round",
         alpha=None if opacity == 1.0 else opacity,
-        clip_on=False,  # lines along the silhouette have a width
+        clip_on=False,  # silhouette edges have a width
     )
-    # more triangles become an image in a vector file
+    # With more triangles, vector files contain an image.
     faces.set_rasterized(len(view.faces) > 20_000)
     axes.add_collection(faces)
     if outlines is None and seams is not None and len(seams.ends):

@@ -1,4 +1,4 @@
-"""Subdivision of triangles of hyperbolic and spherical space for drawing."""
+"""Subdivision of triangles in hyperbolic and spherical space for drawing."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from isoembed.space import Space
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Triangles cut in four by the middles of their edges, again and again.
+    """Triangles repeatedly divided in four by the midpoints of their edges.
 
     Attributes
     ----------
     faces : ndarray of int, shape (4^n F, 3)
-        The pieces of each triangle, one after the other.  The first vertices are those of the triangles.
+        Pieces of the triangles, consecutive for each.  The first vertices are those of the triangles.
     edges : ndarray of int, shape (2^n E, 2)
-        The pieces of the edges.
+        Pieces of the edges.
     owners : ndarray of int, shape (2^n E,)
-        The edge that each of those is a piece of.
+        Original edge of each piece.
     parents : sequence of n ndarrays of int, shape (m, 2)
-        The ends of what further vertices are the middles of, cut by cut.
+        Endpoints of the edges whose midpoints are the vertices added by each subdivision.
     """
 
     faces: Indices
@@ -34,12 +34,12 @@ class Pieces:
 
     @classmethod
     def whole(cls, faces: Indices, edges: Indices) -> Pieces:
-        """The triangles (F, 3) and edges (E, 2) themselves."""
+        """Triangles (F, 3) and edges (E, 2) without subdivision."""
         return cls(faces, edges, np.arange(len(edges)))
 
     @property
     def cuts(self) -> int:
-        """Number of times that the triangles are cut, n."""
+        """Number of subdivisions n."""
         return len(self.parents)
 
     @property
@@ -53,7 +53,7 @@ class Pieces:
         return int(self.faces.max()) + 1
 
     def cut(self) -> Pieces:
-        """Pieces after one more cut of each triangle."""
+        """Pieces after one more subdivision."""
         n, (a, b, c) = self.n_vertices, self.faces.T
         sides = np.concatenate([np.column_stack(pair) for pair in ((a, b), (b, c), (c, a))])
         ends = np.sort(np.concatenate([sides, self.edges]), axis=1)
@@ -69,19 +69,19 @@ class Pieces:
         )
 
     def values(self, values: Floats) -> Floats:
-        """Values at all vertices, from those at the vertices of the triangles: means in the middles."""
+        """Values at all vertices, averaged at midpoints, from those at the vertices of the triangles."""
         for ends in self.parents:
             values = np.concatenate([values, values[ends].mean(axis=1)])
         return values
 
     def points(self, space: Space, points: Floats) -> Floats:
-        """Points of space at all vertices, (n, 3), on straight edges and in plane triangles."""
+        """Points of space at all vertices, (n, 3), on geodesic edges and in planar triangles."""
         for ends in self.parents:
             points = np.concatenate([points, middles(space, points[ends])])
         return points
 
     def beside(self) -> Indices:
-        """The pieces of triangles on both sides of the pieces of edges, shape (2^n E, 2)."""
+        """Pieces of triangles on both sides of the edge pieces, shape (2^n E, 2)."""
         n, keys = self.n_vertices, self._keys()
         order = np.argsort(keys)
         a, b = self.edges.T
@@ -89,7 +89,7 @@ class Pieces:
         return np.column_stack(halves) // 3
 
     def edges_of_faces(self) -> Indices:
-        """The edges, pieces of which the sides of all `faces` are that rise to a larger vertex; -1 inside."""
+        """Original edges of the sides of `faces` that ascend to a larger vertex; -1 inside a triangle."""
         n, keys = self.n_vertices, self._keys()
         low, high = np.sort(self.edges, axis=1).T
         own = low * n + high
@@ -99,19 +99,19 @@ class Pieces:
         return np.where(own[place] == rising, self.owners[place], -1)
 
     def nearest(self) -> Indices:
-        """Index of a vertex of the triangles near each vertex of the pieces."""
+        """Index of an original vertex near each vertex of the pieces."""
         own = np.arange(self.n_vertices - sum(map(len, self.parents)))
         for ends in self.parents:
             own = np.append(own, own[ends[:, 0]])
         return own
 
     def _keys(self) -> Indices:
-        """A number for the ends of each side of `faces`."""
+        """Integer key of the endpoints of each side of `faces`."""
         return (self.faces * self.n_vertices + np.roll(self.faces, -1, axis=1)).ravel()
 
 
 def middles(space: Space, ends: Floats) -> Floats:
-    """The middles, (n, 3), of the straight lines between pairs of points (n, 2, 3)."""
+    """Midpoints, (n, 3), of the geodesics between pairs of points (n, 2, 3)."""
     sums, heights = ends.sum(axis=1), space.heights(ends).sum(axis=1)
     squares = heights * heights + space.curvature * np.einsum("ij,ij->i", sums, sums)
     return sums / np.sqrt(squares)[:, None]

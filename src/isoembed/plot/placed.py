@@ -1,4 +1,4 @@
-"""Pictures of surfaces with axes: named coordinates, a length scale, an arrow."""
+"""Pictures of surfaces in fixed position, with axes, a length scale and an arrow."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SIZE = (6.4, 5.2)  # inches, an even number of dots
+SIZE = (6.4, 5.2)  # inches, an even number of pixels
 WINDOW = (-1.75, 1.6, -1.5, 1.5)  # in units of the largest distance from the origin
-TRIAD, LENGTH = np.array([-1.4, -1.25]), 0.3  # place and size of the axes
-BAR = np.array([1.55, -1.3])  # right end of the scale of lengths, which is half as long or less
+TRIAD, LENGTH = np.array([-1.4, -1.25]), 0.3  # position and size of the axes
+BAR = np.array([1.55, -1.3])  # right end of the scale bar, whose length is at most half a unit
 TIP, TAIL = 1.3, 1.15  # ends of the arrow through the surface
-NAME = np.array([-1.65, 1.35])  # left end of what it is called
+NAME = np.array([-1.65, 1.35])  # left end of the arrow's name
 ARROW = "#c8102e"
 ORIGIN = np.zeros(3)
 
 
 @dataclass(frozen=True)
 class Scale:
-    """Scale of lengths and colors that several pictures share.
+    """Length and color scale shared by several pictures.
 
     Attributes
     ----------
     reach : float
-        The largest distance of a vertex from the origin.
+        Largest distance of a vertex from the origin.
     bounds : (float, float)
-        Values at which the colors begin and end.
+        Limits of the color scale.
     extremes : (float, float)
-        The least and the largest value.
+        Smallest and largest value.
     """
 
     reach: float
@@ -49,7 +49,7 @@ class Scale:
 
     @classmethod
     def of(cls, surfaces: Sequence[Panel]) -> Scale:
-        """The scale that shows all of some surfaces."""
+        """Scale that fits all given surfaces."""
         reach = max(float(np.linalg.norm(panel.vertices, axis=1).max()) for panel in surfaces)
         values = np.concatenate([panel.values for panel in surfaces])
         return cls(
@@ -66,21 +66,21 @@ def placed_figure(
     name: str = "",
     scale: Scale | None = None,
 ) -> Figure:
-    """Draw a surface as it lies in space, the z-axis upward, always from the same side.
+    """Draw a surface in its position in space, with the z-axis upward, from a fixed direction.
 
     Parameters
     ----------
     panel : Panel
-        Around the origin.
+        Surface around the origin.
     label : str
-        What the values are.
+        Label of the values.
     caption : str
     arrow : sequence of three floats, optional
-        A direction, which is drawn through the origin.
+        Direction of an arrow through the origin.
     name : str
-        Of the arrow.
+        Name of the arrow.
     scale : Scale, optional
-        By default that of this surface.
+        Scale; by default that of this surface.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def placed_figure(
 
 
 def draw_triad(axes: Axes, at: Floats = TRIAD) -> None:
-    """Draw the directions of x, y and z from a point."""
+    """Draw the directions of x, y and z at a point."""
     for letter, direction in zip("xyz", camera()[:2].T, strict=True):
         _draw_tip(axes, at, at + LENGTH * direction, INK, 1.2)
         right, up = at + (LENGTH + 0.1) * direction
@@ -128,8 +128,8 @@ def draw_triad(axes: Axes, at: Floats = TRIAD) -> None:
 
 
 def draw_length(axes: Axes, reach: float, end: Floats = BAR) -> None:
-    """Draw a bar of a round length to its right end: 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** np.floor(np.log10(0.5 * reach))  # the next one, if the logarithm is rounded up
+    """Draw a scale bar with the given right end; its length is 1, 2 or 5 times a power of ten."""
+    power = 10.0 ** np.floor(np.log10(0.5 * reach))  # may be the next one if the logarithm is rounded up
     length = max(m for m in (0.5, 1, 2, 5) if m * power <= 0.5 * reach) * power
     right, up = end
     left = right - length / reach
@@ -139,9 +139,9 @@ def draw_length(axes: Axes, reach: float, end: Floats = BAR) -> None:
 
 
 def draw_arrow(axes: Axes, along: Floats, vertices: Floats, center: Floats = ORIGIN) -> None:
-    """Draw an axis through a surface about its center, which hides what is behind it.
+    """Draw an axis through the center of a surface, hidden by the surface.
 
-    A dot is where it comes toward the viewer, a cross where it goes away.
+    A dot marks the end that points toward the viewer, a cross the other one.
     """
     along = along / np.linalg.norm(along)
     own, middle = vertices - center, camera()[:2] @ center

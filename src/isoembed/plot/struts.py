@@ -26,26 +26,26 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLORS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#000000", "#b8a800")
-"""Colors that most people tell apart (Okabe and Ito 2008), for up to eight types."""
+"""Colors distinguishable with color blindness (Okabe and Ito 2008), for up to eight types."""
 FACES = np.array([0.82, 0.82, 0.8])
-STRUT, DENSE = 2.6, 24.0  # points: the width of a strut, and what many share
-NUMBERED = 100  # hubs, of which each has its number in the picture
+STRUT, DENSE = 2.6, 24.0  # points: largest width of a strut; width of a strut times root of their number
+NUMBERED = 100  # largest number of hubs that are numbered in the picture
 LABEL = {"boxstyle": "round,pad=0.15", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
-SHARE = 0.74  # of the width; the rest is for the legend
+SHARE = 0.74  # of the width; the rest holds the legend
 LISTED = 30  # types in the legend
-ROW, FOOT = 0.24, 0.25  # inches, of a line of the legend and around the picture
+ROW, FOOT = 0.24, 0.25  # inches: height of a legend row, margin of the picture
 
 
 def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
-    """Draw a frame, with its struts colored by type, and the numbers of its hubs if they are at most 100.
+    """Draw a frame with its struts colored by type; up to 100 hubs are numbered.
 
-    Where a hub is behind, the frame is seen from the opposite side, too, below.
+    If some hubs are hidden, a second view from the opposite side is drawn below.
 
     Parameters
     ----------
     surface : Embedding
     table : StrutTable
-        Of this surface.
+        Strut table of this surface.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
     ]
     views = [View.of(x, surface.faces)]
     if set(np.unique(table.edges).tolist()) - set(_outside(surface, views[0]).tolist()):
-        # Turned around the long axis; the viewer's azimuth then has the other sign.
+        # Rotated about the long axis, so the azimuth changes sign.
         pose = replace(views[0].pose, axes=views[0].pose.axes * [1.0, -1.0, -1.0])
         views.append(View.of(x, surface.faces, pose, -2 * AZIMUTH))
     low, high = views[0].extent
@@ -113,7 +113,7 @@ def strut_figure(surface: Embedding, table: StrutTable) -> Figure:
 
 
 def _outside(surface: Embedding, view: View) -> Indices:
-    """The vertices whose outside is seen."""
+    """Vertices of faces whose outside is visible."""
     return np.unique(surface.faces[view.faces[~view.inside]])
 
 
@@ -142,17 +142,17 @@ def _draw(axes: Axes, view: View, lines: Sequence[tuple[Segments, Floats, float]
 
 
 def struts_picture_writer(path: str | os.PathLike[str], surface: Embedding, table: StrutTable) -> Writer:
-    """Return what writes the picture of a frame in the format of this ending; see `write_atomically`."""
+    """Writer of a picture of a frame in the format of the path's ending; see `write_atomically`."""
     return figure_writer(path, strut_figure(surface, table))
 
 
 def write_struts_picture(path: str | os.PathLike[str], surface: Embedding, table: StrutTable) -> None:
-    """Write the picture of a frame as ``.png``, ``.svg`` or ``.pdf``, as `strut_figure` draws it.
+    """Write the picture of `strut_figure` as ``.png``, ``.svg`` or ``.pdf``.
 
     Raises
     ------
     FileError
-        The ending is not known, the file cannot be written, or matplotlib is not installed.
+        The ending is unknown, the file cannot be written, or matplotlib is not installed.
     """
     check_output(path, PICTURE_ENDINGS)
     write_atomically({Path(path): struts_picture_writer(path, surface, table)})

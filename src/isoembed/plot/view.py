@@ -15,12 +15,12 @@ from isoembed.surface.principal_axes import SAME, principal_axes
 AZIMUTH, ELEVATION = np.radians(24.0), np.radians(20.0)
 LIGHT = np.array([-0.5, 0.8, 0.8])  # right, up, toward the viewer
 AMBIENT, DIFFUSE, GLOSS, SHARPNESS = 0.66, 0.42, 0.14, 20
-INSIDE = 0.4  # light on faces that are seen from inside
+INSIDE = 0.4  # brightness of faces seen from inside
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Pose of a surface before the viewer: along its principal axes, longest first, with half diameter 1.
+    """Pose of a surface: principal axes, longest first, and half diameter.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Pose:
     axes : ndarray, shape (3, 3)
         Columns, right-handed.
     size : float
-        Half the diameter, in the unit of the vertices.
+        Half diameter, in the unit of the vertices.
     """
 
     center: Floats
@@ -37,10 +37,10 @@ class Pose:
 
     @classmethod
     def of(cls, vertices: Floats, faces: Polygons | None = None) -> Pose:
-        """The pose of a surface by its own axes; the outer side of one with a boundary is up."""
+        """Pose by the principal axes of a surface; the outer side of a surface with boundary faces up."""
         center = vertices.mean(axis=0)
         centered = vertices - center
-        largest = float(np.abs(centered).max()) or 1.0  # all may be one point
+        largest = float(np.abs(centered).max()) or 1.0  # all vertices may coincide
         centered /= largest
         axes = principal_axes(centered, centered.T @ centered)
         if faces is not None and (_area_vector(centered, faces) @ axes[:, 2]) < -SAME:
@@ -48,12 +48,12 @@ class Pose:
         return cls(center, axes, largest * float(np.linalg.norm(centered, axis=1).max()) or 1.0)
 
     def put(self, vertices: Floats) -> Floats:
-        """The vertices, (V, 3), along long, middle and short axis."""
+        """Vertices, (V, 3), in coordinates along the long, middle and short axis."""
         return (vertices - self.center) / self.size @ self.axes
 
 
 def _area_vector(points: Floats, faces: Polygons) -> Floats:
-    """Area vector over the area: 0 if there is no boundary."""
+    """Vector area divided by the area; 0 without a boundary."""
     corners, sizes = flattened(faces)
     normals = polygon_normals(points[corners], sizes)
     total = np.linalg.norm(normals, axis=1).sum()
@@ -61,7 +61,7 @@ def _area_vector(points: Floats, faces: Polygons) -> Floats:
 
 
 def _has_boundary(corners: Indices, sizes: Indices) -> bool:
-    """Whether an edge belongs to one polygon only, of polygons that are flattened."""
+    """Whether flattened polygons have an edge in only one of them."""
     ends = np.cumsum(sizes)
     after = np.arange(1, len(corners) + 1)
     after[ends - 1] = ends - sizes
@@ -71,26 +71,26 @@ def _has_boundary(corners: Indices, sizes: Indices) -> bool:
 
 @dataclass(frozen=True)
 class View:
-    """The visible faces of a surface in orthographic projection, farthest first.
+    """Visible faces of a surface in orthographic projection, farthest first.
 
-    Of a closed surface these are the faces that look toward the viewer; of one with a boundary all faces.
+    For a closed surface these are the faces turned toward the viewer, for one with boundary all faces.
 
     Attributes
     ----------
     polygons : sequence of ndarray, shape (m, 2)
-        Right and up, in the unit of the surface's half diameter.
+        Right and up coordinates, in half diameters of the surface.
     faces : ndarray of int, shape (n,)
-        Which faces they are.
+        Indices of the visible faces.
     light : ndarray, shape (n,)
-        Diffuse light on them, 0 to about 1.
+        Diffuse light, 0 to about 1.
     gloss : ndarray, shape (n,)
-        Reflected light, 0 to 1.
+        Specular light, 0 to 1.
     inside : ndarray of bool, shape (n,)
-        Whether they are seen from inside.
+        Mask of faces seen from inside.
     pose : Pose
-        Where the surface is put.
+        Pose of the surface.
     camera : ndarray, shape (3, 3)
-        From there to right, up and toward the viewer.
+        Rotation from the pose's axes to right, up and toward the viewer.
     """
 
     polygons: Floats | Sequence[Floats]
@@ -103,17 +103,17 @@ class View:
 
     @classmethod
     def of(cls, vertices: Floats, faces: Polygons, pose: Pose | None = None, turn: float = 0.0) -> View:
-        """Look at a surface: its longest axis lies across the picture, its shortest one points up.
+        """View of a surface: its longest axis lies across the picture, its shortest one points up.
 
         Parameters
         ----------
         vertices : ndarray, shape (V, 3)
         faces : ndarray of int, shape (F, 3), or sequence of such arrays of any lengths
-            The vertices around each, counterclockwise, seen from outside.
+            Vertices around each face, counterclockwise seen from outside.
         pose : Pose, optional
-            Where the surface is put: by default by its own axes.
+            Pose of the surface; by default by its principal axes.
         turn : float
-            Radians by which the viewer has walked around the shortest axis.
+            Rotation of the viewer about the shortest axis, in radians.
         """
         pose, turned = pose or Pose.of(vertices, faces), camera(turn)
         points = pose.put(vertices) @ turned.T
@@ -139,22 +139,22 @@ class View:
 
     @property
     def extent(self) -> tuple[Floats, Floats]:
-        """The lower left and the upper right corner of what is seen, or might be if there were any."""
+        """Lower left and upper right corner of the visible faces; a default extent if there are none."""
         points = np.concatenate([*self.polygons] or [np.array([[-1.0, -1.0], [1.0, 1.0]])])
         return points.min(axis=0), points.max(axis=0)
 
     def put(self, points: Floats) -> Floats:
-        """Coordinates in the view of points (..., 3) of the surface: right and up."""
+        """Coordinates (right, up) in the view of points (..., 3) of the surface."""
         return self.pose.put(points) @ self.camera[:2].T
 
     def shade(self, colors: Floats) -> Floats:
-        """Return the colors (n, 3) of the visible faces under this light."""
+        """Shaded colors (n, 3) of the visible faces."""
         lit = colors * np.where(self.inside, INSIDE, AMBIENT + DIFFUSE * self.light)[:, None]
         return np.clip(lit + GLOSS * self.gloss[:, None], 0.0, 1.0)
 
 
 def camera(turn: float = 0.0) -> Floats:
-    """Rotation from (long, middle, short) axes to right, up and toward the viewer, who may walk around."""
+    """Rotation from the (long, middle, short) axes to right, up and toward the viewer, for a given turn."""
     (ca, sa), (ce, se) = ((np.cos(x), np.sin(x)) for x in (AZIMUTH + turn, ELEVATION))
     right, toward = np.array([ca, sa, 0.0]), np.array([sa * ce, -ca * ce, se])
     return np.array([right, np.cross(toward, right), toward])

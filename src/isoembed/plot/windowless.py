@@ -1,4 +1,4 @@
-"""Matplotlib figures without a window (import of `Figure` without pyplot)."""
+"""Matplotlib figures without a window (without pyplot)."""
 
 import io
 from typing import Any
@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 
 class WindowlessFigure(Figure):
-    """A figure with a canvas of its own, without pyplot and its global state, that notebooks show."""
+    """A figure with its own canvas, independent of pyplot's global state, displayable in notebooks."""
 
     def __init__(self, width: float, height: float, **options: Any) -> None:
         super().__init__(figsize=(width, height), **options)

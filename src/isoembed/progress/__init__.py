@@ -1,6 +1,6 @@
 """Progress of a computation: stages, snapshots, remaining time, checkpoints.
 
-`bar` shows it live.
+`bar` displays it live.
 """
 
 from isoembed.progress.live import bar

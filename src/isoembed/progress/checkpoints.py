@@ -1,4 +1,4 @@
-"""Checkpoints: states of a computation, from which another run goes on."""
+"""Checkpoints: states from which a computation can be resumed."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ Arrays = Mapping[str, NDArray[Any]]
 
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
-    """State of an interrupted computation, from which it can go on.
+    """State from which an interrupted computation can be resumed.
 
     Attributes
     ----------
     key : str
-        The strategy that was running, as its method calls it; empty in a method of one strategy.
+        Method's key of the running strategy; empty for a method with a single strategy.
     arrays : mapping of str to ndarray
-        What that strategy needs to go on; nothing if it is to begin anew.
+        Arrays from which the strategy can be resumed; empty if it must restart.
     state : mapping of str to ndarray
-        What was known when the strategy began.
+        State at the start of the strategy.
     fingerprint : Fingerprint or None
-        What was being computed.
+        Identity of the computation.
     factorizations : int
-        Sparse factorizations of the computation until then.
+        Number of sparse factorizations so far.
     """
 
     key: str
@@ -42,21 +42,21 @@ class Checkpoint:
 
 @dataclass
 class Checkpoints:
-    """Checkpoints of one computation: the one that it goes on from, and the last one that it has kept.
+    """Checkpoints of one computation: the one it resumes from, and the last one kept.
 
     Parameters
     ----------
     resumed : Checkpoint, optional
-        To go on from.
+        Checkpoint to resume from.
     fingerprint : Fingerprint, optional
-        What is being computed.
+        Identity of the computation.
 
     Attributes
     ----------
     work : Work
-        Of the computation.
+        Work of the computation.
     last : Checkpoint or None
-        The one kept last; until then the resumed one.
+        Last checkpoint kept; initially the resumed one.
     """
 
     resumed: Checkpoint | None = None
@@ -71,28 +71,28 @@ class Checkpoints:
         self.last = self.resumed
 
     def begin(self, key: str, state: Mapping[str, ArrayLike]) -> None:
-        """Begin a strategy: what is kept from now on is its own, and comes with this state."""
+        """Begin a strategy: subsequent checkpoints have this key and state."""
         self._key, self._state = key, _arrays(state)
 
     def keep(self, **arrays: ArrayLike) -> None:
-        """Replace the last checkpoint by what the running strategy could go on from.
+        """Replace the last checkpoint by one from which the running strategy can be resumed.
 
-        It costs nothing: arrays are not copied, so they must not change any more.  What is kept has to hold
-        in the unit of ``metric.normalized``, and for the given vertices in the given order.
+        Arrays are not copied, so they must not be modified afterward.  They must be valid in the unit of
+        ``metric.normalized``, and for the given vertices in the given order.
         """
         self.last = Checkpoint(
             self._key, _arrays(arrays), self._state, self.fingerprint, self.work.factorizations
         )
 
     def resume(self, **belonging: ArrayLike) -> Arrays | None:
-        """Arrays of the checkpoint to go on from, if the running strategy kept them; once.
+        """Arrays of the checkpoint to resume from, if the running strategy kept them; only once.
 
-        The work is then that of the checkpoint: what was done again to come here does not count.
+        The work counter is reset to that of the checkpoint: work repeated on the way here is not counted.
 
         Parameters
         ----------
         **belonging : ndarray
-            Arrays that the checkpoint must hold: otherwise it was kept by another part of the strategy.
+            Arrays that the checkpoint must contain; otherwise it was kept by another part of the strategy.
         """
         found = self.resumed
         if found is None or self._taken or found.key != self._key or not found.arrays:

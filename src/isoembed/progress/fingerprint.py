@@ -1,4 +1,4 @@
-"""Fingerprint of a computation: decides whether a checkpoint belongs to it."""
+"""Fingerprint of a computation, which decides whether a checkpoint belongs to it."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from isoembed.version import __version__
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """Identity of the computation that a checkpoint belongs to.
+    """Identity of a computation, stored in its checkpoints.
 
     Attributes
     ----------
     metric : str
-        A digest of its triangles and of its lengths over ``metric.unit``.
+        Digest of the triangles and of the lengths divided by ``metric.unit``.
     method : str
-        The method with its parameters, all that decide what it computes.
+        Method with all parameters that affect the result.
     tolerance : float
     version : str
-        Of isoembed.
+        Version of isoembed.
     """
 
     metric: str
@@ -35,24 +35,24 @@ class Fingerprint:
 
     @classmethod
     def of(cls, tables: Iterable[NDArray], method: object, tolerance: float) -> Fingerprint:
-        """Fingerprint of embedding a metric by a method.
+        """Fingerprint of the embedding of a metric by a method.
 
         Parameters
         ----------
         tables : iterable of ndarray
-            The ``tables`` of the metric.
+            Attribute ``tables`` of the metric.
         method : configured method
         tolerance : float
         """
         return cls(_digest(tables), described(method), float(tolerance), __version__)
 
     def check(self, found: Fingerprint | None) -> None:
-        """Refuse the fingerprint of another computation.
+        """Raise an error unless a fingerprint belongs to this computation.
 
         Raises
         ------
         InvalidParameter
-            There is none, or the metric, the method, the tolerance or the version is another one.
+            The fingerprint is missing, or differs in metric, method, tolerance or version.
         """
         if found is None:
             raise InvalidParameter("the checkpoint does not say which computation it belongs to")
@@ -72,7 +72,7 @@ class Fingerprint:
 
 
 def _digest(tables: Iterable[NDArray]) -> str:
-    """SHA-256 of arrays of integers and floats, hexadecimal; the same on any machine."""
+    """Hexadecimal SHA-256 digest of integer and float arrays, independent of the platform."""
     digest = hashlib.sha256()
     for table in tables:
         kind = "<f8" if table.dtype.kind == "f" else "<i8"
@@ -82,7 +82,7 @@ def _digest(tables: Iterable[NDArray]) -> str:
 
 
 def described(method: object) -> str:
-    """A method in words: its name and its parameters, all that decide what it computes."""
+    """Name of a method with all parameters that affect the result."""
     if not is_dataclass(method):
         return repr(method)
     shown = (field.name for field in fields(method) if field.repr)

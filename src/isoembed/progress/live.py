@@ -1,4 +1,4 @@
-"""Live display of a running computation, one line for each stage."""
+"""Live display of a running computation, one line per stage."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ HEADINGS = ("stage", "iteration", "level", "t", "residual", "inverted", "partial
 
 
 class StageTable:
-    """The last snapshot of every stage, in the order in which they began, and the time left.
+    """Last snapshot of every stage, in order of their start, and the remaining time.
 
     Parameters
     ----------
     clock : callable
-        The time in seconds.
+        Function that returns the time in seconds.
     """
 
     def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
@@ -37,7 +37,7 @@ class StageTable:
         self._running: tuple[Progress, float] | None = None
 
     def listen(self, progress: Progress) -> None:
-        """Take a snapshot in."""
+        """Process a snapshot."""
         start, _ = self._stages.get(progress.stage, (progress.seconds, progress))
         self._stages[progress.stage] = (start, progress)
         self._running = progress, self._clock()
@@ -77,19 +77,19 @@ class StageTable:
         )
 
     def _left(self) -> str | None:
-        running = self._running  # of another thread's making
+        running = self._running  # may be set by another thread
         if running is None or running[0].remaining is None:
             return None
         return f"about {duration(running[0].remaining - self._since(running[0]))} left"
 
     def _since(self, last: Progress) -> float:
-        """Seconds since a snapshot came, if it is the last of all."""
+        """Seconds since a snapshot arrived, if it is the latest."""
         running = self._running
         return self._clock() - running[1] if running is not None and running[0] is last else 0.0
 
 
 def duration(seconds: float) -> str:
-    """Seconds in words, as exactly as an estimate deserves.
+    """Duration in words, rounded to the accuracy of an estimate.
 
     Parameters
     ----------
@@ -114,18 +114,18 @@ def _count(value: int | None) -> str:
 
 @contextmanager
 def bar(console: Console | None = None) -> Iterator[Listener]:
-    """A live view of a running computation: its stages, and about how long it will still take.
+    """Live view of a running computation: its stages and approximate remaining time.
 
     Parameters
     ----------
     console : rich.console.Console, optional
-        Where it is shown; by default on standard error, or below the cell of a notebook.  What is no terminal
-        gets the last state alone.
+        Output console; by default standard error, or the output of a notebook cell.  Without a terminal,
+        only the final state is shown.
 
     Yields
     ------
     callable
-        The ``progress`` of `isoembed.embed`.
+        Listener for the ``progress`` argument of `isoembed.embed`.
 
     Examples
     --------
@@ -151,7 +151,7 @@ def bar(console: Console | None = None) -> Iterator[Listener]:
 
 @contextmanager
 def _cell(table: StageTable) -> Iterator[None]:
-    """Show a table below the cell of a notebook: rich's own view would need ipywidgets."""
+    """Show a table in the output of a notebook cell; rich's own live view requires ipywidgets."""
     from IPython.display import display  # type: ignore[import-not-found,unused-ignore]
 
     handle, over = display(table.__rich__(), display_id=True), threading.Event()

@@ -1,7 +1,7 @@
 """Stages of a computation: their costs, and snapshots for a listener.
 
-They only watch.  The factorizations, by which budgets are measured, are counted by the solvers
-(`isoembed.linalg.work`); no decision of a computation depends on stages, least of all on their names.
+Stages are passive.  Factorizations, which determine the budgets, are counted by the solvers
+(`isoembed.linalg.work`); no decision of a computation depends on stages or their names.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Stage:
     Attributes
     ----------
     name : str
-        What the stage is called in the method's description.
+        Name of the stage in the method's description.
     seconds : float
         Wall-clock time.
     iterations : int
@@ -49,27 +49,27 @@ class Progress:
     Attributes
     ----------
     stage : str
-        The running stage.
+        Running stage.
     iteration : int
-        Its iteration so far.
+        Current iteration of the stage.
     t : float or None
         Position on the path of metrics: 1 is the uniform metric, 0 the given one.
     residual : float or None
         Current largest ``| |x_a - x_b| - l_ab |`` over the mean edge length, or the stage's own residual.
     inverted, partially_inverted : int or None
-        Vertices of that kind.
+        Number of vertices of that kind.
     seconds : float
-        Since the computation began.
+        Seconds since the start of the computation.
     level : str or None
-        What size of problem the stage is working on, such as ``"40,000 vertices"``.
+        Current problem size, such as ``"40,000 vertices"``.
     remaining : float or None
-        Seconds left, an estimate; None while there is nothing to go by.
+        Estimated remaining seconds; None if there is no estimate.
     vertices : ndarray, shape (V, 3), or None
-        The surface that the stage has reached, in the unit of ``metric.normalized``, in any position; None in
-        snapshots of what is not decided yet, which are most.
+        Current surface in the unit of ``metric.normalized``, in any position; None in most snapshots, which
+        belong to undecided trials.
     checkpoint : Checkpoint or None
-        What another run could go on from: it can be kept in memory, or in a file by
-        `isoembed.io.write_checkpoint`.  None as long as there is nothing.
+        Checkpoint to resume from, to be kept in memory or written by `isoembed.io.write_checkpoint`.  None
+        if there is none yet.
     """
 
     stage: str
@@ -92,14 +92,14 @@ Listener = Callable[[Progress], None]
 class StageRecorder:
     """Recorder of one running stage, its snapshots and checkpoints.
 
-    A stage's code counts its iterations here, calls `show`, and `keep` with what it could go on from.
-    Solvers made with its `work` count their factorizations; code that factors by other means adds them here.
+    The code of a stage counts its iterations here and calls `show` and `keep`.  Solvers created with its
+    `work` count their factorizations; code that factors by other means adds them here.
     """
 
     name: str
     log: Log
     iterations: int = 0
-    _begun: int = field(init=False)  # factorizations of the computation when the stage began
+    _begun: int = field(init=False)  # factorizations of the computation before the stage
     _last: dict[str, Any] = field(
         default_factory=lambda: dict.fromkeys(("t", "residual", "inverted", "partially_inverted", "level"))
     )
@@ -109,12 +109,12 @@ class StageRecorder:
 
     @property
     def work(self) -> Work:
-        """Work of the computation, by which budgets are measured."""
+        """Work of the computation, which determines budgets."""
         return self.log.work
 
     @property
     def factorizations(self) -> int:
-        """Sparse factorizations of the stage, which are work of the computation."""
+        """Sparse factorizations of the stage; setting them changes the work of the computation."""
         return self.work.factorizations - self._begun
 
     @factorizations.setter
@@ -132,16 +132,16 @@ class StageRecorder:
         done: float | None = None,
         vertices: Floats | None = None,
     ) -> None:
-        """Send a snapshot to the listener, if there is one.  What is not given stays as it was.
+        """Send a snapshot to the listener, if there is one; omitted values are unchanged.
 
         Parameters
         ----------
         t, residual, inverted, partially_inverted, level : optional
-            As in `Progress`.
+            See `Progress`.
         done : float, optional
-            The share of the stage's work that is done, from 0 to 1.
+            Completed fraction of the stage's work.
         vertices : ndarray, shape (V, 3), optional
-            As in `Progress`.  They are not copied, so they must not change any more, and are sent once.
+            See `Progress`.  Vertices are not copied, so they must not be modified; they are sent once.
         """
         given = (t, residual, inverted, partially_inverted, level)
         self._last |= {key: value for key, value in zip(self._last, given, strict=True) if value is not None}
@@ -154,29 +154,29 @@ class StageRecorder:
             log.listener(Progress(self.name, self.iterations, **now, checkpoint=log.checkpoints.last))
 
     def keep(self, **arrays: ArrayLike) -> None:
-        """Replace the checkpoint by what the running strategy could go on from; see `Checkpoints.keep`."""
+        """Keep a checkpoint of the running strategy; see `Checkpoints.keep`."""
         self.log.checkpoints.keep(**arrays)
 
 
 @dataclass
 class Log:
-    """Record of the stages of one computation, which sends snapshots of them to a listener.
+    """Record of the stages of one computation, which sends snapshots to a listener.
 
     Parameters
     ----------
     listener : callable, optional
         Receives a `Progress` at every iteration.
     checkpoints : Checkpoints, optional
-        Of the computation, with its work.
+        Checkpoints and work of the computation.
     clock : callable
-        The time in seconds; by default it stands still while functions are compiled.
+        Time in seconds; by default `time.perf_counter`.
 
     Attributes
     ----------
     start : float
-        When it began.
+        Start time.
     time_left : TimeLeft
-        Estimate of how long it will still take.
+        Estimate of the remaining time.
     """
 
     listener: Listener | None = None
@@ -196,12 +196,12 @@ class Log:
         return self.checkpoints.work
 
     def expect(self, weights: Mapping[str, float]) -> None:
-        """Announce which stages come next and what they cost; see `TimeLeft.expect`."""
+        """Announce the next stages and their costs; see `TimeLeft.expect`."""
         self.time_left.expect(weights)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[StageRecorder]:
-        """Open a stage; its costs are recorded when it closes, also when it fails."""
+        """Open a stage; its costs are recorded when it closes, even after an exception."""
         recorder, begin = StageRecorder(name, self), self.clock()
         self.time_left.begin(name)
         try:
@@ -214,5 +214,5 @@ class Log:
 
     @property
     def stages(self) -> tuple[Stage, ...]:
-        """The closed stages, in order."""
+        """Closed stages, in order."""
         return tuple(self._stages)

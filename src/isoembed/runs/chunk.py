@@ -20,14 +20,14 @@ MEMORY = "there was not enough memory for it"
 
 @dataclass(frozen=True)
 class Wish:
-    """Rerun policy: which tasks with stored results are computed again.
+    """Rerun policy: which tasks with stored results are recomputed.
 
     Attributes
     ----------
     again : bool
-        Whether to compute all of them again.
+        Whether to recompute all of them.
     retry : bool
-        Whether to compute those without an answer again.
+        Whether to recompute those without an answer.
     """
 
     again: bool = False
@@ -65,7 +65,7 @@ def solve_chunk(tasks: Sequence[Task], store: Store | None, wish: Wish) -> list[
 
 
 def solved(tasks: Sequence[Task], store: Store | None, wish: Wish) -> Iterator[Outcome]:
-    """Outcomes of the tasks of a chunk, each of which may start from the one before."""
+    """Outcomes of the tasks of a chunk; each task may start from the previous answer."""
     before: Result | None = None
     for task in tasks:
         outcome = _outcome(task, before, store, wish)
@@ -104,7 +104,7 @@ def _computed(task: Task, before: Result | None) -> Result:
             return task.compute(before)
     except MemoryError:
         return Result.without_answer(task.label, FAILED, MEMORY, **task.facts)
-    except Exception as error:  # a mistake of ours: it is kept with its traceback, and ends no other task
+    except Exception as error:  # a bug: stored with its traceback, without affecting other tasks
         message = f"{type(error).__name__}: {error}"
         where = {"traceback": traceback.format_exc()}
         return Result.without_answer(task.label, FAILED, message, **task.facts, **where)

@@ -15,10 +15,10 @@ PATIENCE = 10.0  # seconds to wait for a scheduler
 
 @contextmanager
 def dask_workers(address: str) -> Iterator[Executor]:
-    """An executor that hands tasks to the workers of a scheduler that runs already.
+    """Executor on the workers of a running Dask scheduler.
 
-    A worker that is lost is replaced by another one: Dask does its tasks again.  All of them must see the
-    files of the tasks and of the store under the same paths, have isoembed installed, and one thread each.
+    Dask reruns the tasks of a lost worker on another.  All workers must see the files of the tasks and the
+    store under the same paths, have isoembed installed, and have one thread each.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def dask_workers(address: str) -> Iterator[Executor]:
     Raises
     ------
     InvalidParameter
-        Dask is not installed, or there is no such scheduler.
+        Dask is not installed, or the scheduler does not answer.
     """
     if not ADDRESS.fullmatch(address):
         raise InvalidParameter(f"{address!r} is not a scheduler address such as tcp://127.0.0.1:8786")
@@ -38,7 +38,7 @@ def dask_workers(address: str) -> Iterator[Executor]:
         raise InvalidParameter("a cluster needs Dask: pip install distributed") from None
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:  # nobody answers; the address is none
+    except (OSError, ValueError) as error:  # no answer, or an invalid address
         why = " ".join(str(error).split())
         raise InvalidParameter(f"there is no scheduler of Dask at {address}: {why}") from None
     with client:
@@ -46,6 +46,6 @@ def dask_workers(address: str) -> Iterator[Executor]:
         try:
             yield executor
         except BaseException:
-            executor.shutdown(wait=False)  # cancels what is under way
+            executor.shutdown(wait=False)  # cancels running tasks
             raise
         executor.shutdown()

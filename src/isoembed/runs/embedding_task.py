@@ -26,9 +26,9 @@ from isoembed.space import Space
 class EmbeddingTask:
     """A metric in a file, to be embedded.
 
-    The arrays of its result are the ``vertices``, the ``corners`` of all faces one after the other and the
-    ``sizes``, how many each face has, at the vertices ``mean_curvature`` and ``residual``, and a
-    ``curvature`` of space; see `isoembed.io.write_surface`.
+    The arrays of the result are the ``vertices``, the concatenated ``corners`` of all faces and their
+    ``sizes``, the vertex data ``mean_curvature`` and ``residual``, and the ``curvature`` of a curved space;
+    see `isoembed.io.write_surface`.
 
     Attributes
     ----------
@@ -38,9 +38,9 @@ class EmbeddingTask:
     tolerance : float
     merge : float or None
     space : Space, str or None
-        As of `isoembed.io.read_metric`.
+        See `isoembed.io.read_metric`.
     length_error : float or None
-        As of `isoembed.embed`, or for a method without them of `Embedding.with_length_errors`.
+        See `isoembed.embed`, or, for methods without length errors, `Embedding.with_length_errors`.
     """
 
     label: str
@@ -70,7 +70,7 @@ class EmbeddingTask:
         return hashlib.sha256(repr(parts).encode()).hexdigest()
 
     def compute(self, before: Result | None) -> Result:
-        """See `isoembed.runs.Task`; nothing is taken from the one before."""
+        """See `isoembed.runs.Task`; the previous result is not used."""
         with warnings.catch_warnings(record=True) as notes:
             warnings.simplefilter("always", MeshNote)
             try:

@@ -1,4 +1,4 @@
-"""Result of a task: a report, with arrays where it succeeded."""
+"""Result of a task: a report and, if successful, arrays."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from isoembed.io.input_file import InputFile
 from isoembed.strict_json import plain, strict_json
 
 TEXTS = ("label", "status", "report")
-ARRAY = "array/"  # before the names of the arrays, which are the task's own
+ARRAY = "array/"  # prefix of the array names, which the task chooses
 REFUSED, FAILED = "refused", "failed"
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Result of a task, for a file and for the task after it.
+    """Result of a task, for storage and as a starting point of the next task.
 
     Attributes
     ----------
     label : str
-        Of the task.
+        Label of the task.
     status : str
-        "refused" where the input is wrong, "failed" where the computation could not be done (memory, a worker
-        that was killed); others are the task's own, such as "embedded" and "not embedded".
+        "refused" if the input is invalid, "failed" if the computation could not be completed (out of memory,
+        killed worker); other values are the task's own, such as "embedded" and "not embedded".
     report : dict
-        Plain numbers and texts, for JSON; has a "message" where there is no answer.
+        Plain numbers and strings, for JSON; has a "message" if there is no answer.
     arrays : mapping of str to ndarray
-        Numbers by their names; none where there is no answer.
+        Arrays by name; empty if there is no answer.
     """
 
     label: str
@@ -44,11 +44,11 @@ class Result:
     arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "report", plain(self.report))  # as it is read again
+        object.__setattr__(self, "report", plain(self.report))  # equal to the report read from a file
 
     @classmethod
     def without_answer(cls, label: str, status: str, message: str, **facts: Any) -> Result:
-        """The result of a task that has no answer, with the reason."""
+        """Result of a task without an answer, with the reason."""
         return cls(label, status, {"status": status, "message": message, **facts})
 
     @property
@@ -58,24 +58,24 @@ class Result:
 
     @property
     def message(self) -> str:
-        """The reason where there is no answer."""
+        """Reason why there is no answer."""
         return str(self.report.get("message", ""))
 
     @property
     def writer(self) -> Writer:
-        """Writer of an archive with all of it; see `isoembed.io.write_atomically`."""
+        """Writer of the result as an archive; see `isoembed.io.write_atomically`."""
         tables: dict[str, Any] = {ARRAY + name: array for name, array in self.arrays.items()}
         tables |= {"label": self.label, "status": self.status, "report": strict_json(self.report)}
         return lambda temporary: npz.write(temporary, tables)
 
     @classmethod
     def read(cls, path: Path) -> Result:
-        """The result in a file.
+        """Read a result from a file.
 
         Raises
         ------
         FileError
-            The file cannot be read or holds no result.
+            The file cannot be read or contains no result.
         """
         with InputFile(path) as file:
             tables = npz.read(file)

@@ -15,8 +15,8 @@ from isoembed.runs.result import FAILED, Result
 from isoembed.runs.store import Store
 from isoembed.runs.task import Task, key_of
 
-CHUNK = 8  # tasks: the first of a chunk has no neighbor to start from
-PARTS = 8  # chunks of short runs, so that many processes have something to do
+CHUNK = 8  # tasks: the first task of a chunk has no predecessor to start from
+PARTS = 8  # chunks of short runs, to occupy many processes
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Shard:
     Attributes
     ----------
     number, of : int
-        The number of the part, from 1, and how many there are.
+        Number of the part, from 1, and number of parts.
     """
 
     number: int = 1
@@ -49,28 +49,28 @@ def run(
     shard: Shard = WHOLE,
     wish: Wish = MISSING,
 ) -> Iterator[Outcome]:
-    """Outcomes of tasks, as they come; those of one chunk come in their order.
+    """Run tasks, and yield their outcomes as available; outcomes of a chunk are in order.
 
     Parameters
     ----------
     tasks : iterable of Task
     store : Store, optional
-        Where results are kept; those that are there are not computed again.
+        Store of results; tasks with stored results are not recomputed.
     executor : concurrent.futures.Executor, optional
-        By default the tasks are done here, one after the other.  A chunk whose process is killed is done once
-        more, and if that fails, too, task by task.
+        By default the tasks run sequentially in this process.  If the process of a chunk is killed, the chunk
+        is rerun once; after a second failure, its tasks are run separately.
     chunk : int
-        Number of consecutive tasks that start from each other; stored results of a chunk are used, so that a
-        run that was interrupted has the same results.
+        Number of consecutive tasks that start from each other; stored results of a chunk are used, so that
+        an interrupted run has the same results.
     shard : Shard
-        Which of the chunks are done.
+        Part of the chunks to run.
     wish : Wish
-        Rerun policy: which tasks with stored results are computed again.
+        Rerun policy for tasks with stored results.
 
     Raises
     ------
     InvalidParameter
-        The chunk is not positive, or the executor, a cluster that is gone, cancels what is under way.
+        The chunk size is not positive, or the executor, such as a lost cluster, cancels running tasks.
     """
     if chunk < 1:
         raise InvalidParameter(f"chunk must be at least 1, not {chunk}")
@@ -93,7 +93,7 @@ def run(
 
 @dataclass(frozen=True)
 class _Attempt:
-    """Tasks that are done together by an executor, and how often their process was lost."""
+    """Tasks executed together, and the number of times their process was lost."""
 
     tasks: tuple[Task, ...]
     lost: int = 0
@@ -105,7 +105,7 @@ def _finished(
     store: Store | None,
     timeout: float | None,
 ) -> Iterator[Outcome]:
-    """Outcomes of the chunks that are done; those whose process was lost are begun again."""
+    """Outcomes of finished chunks; chunks whose process was lost are resubmitted."""
     for future in wait(under_way, timeout, FIRST_COMPLETED).done:
         attempt = under_way.pop(future)
         if future.cancelled():
@@ -123,7 +123,7 @@ def _finished(
 
 
 def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
-    """The outcome of a task that cannot be sent to a process, or whose process was lost twice."""
+    """Outcome of a task that cannot be sent to a process, or whose process was lost twice."""
     why = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, BrokenExecutor):
         why = (
@@ -137,7 +137,7 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
             f"module: {why}; without an executor they may be anywhere"
         )
     result = Result.without_answer(task.label, FAILED, why, **task.facts)
-    if store is None or not sent:  # what could not be sent may be computed here
+    if store is None or not sent:  # a task that cannot be sent may still be computed in this process
         return Outcome(result, computed=True)
     try:
         key = key_of(task.digest())
@@ -151,7 +151,7 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
 
 
 def chunk_of(tasks: int) -> int:
-    """Size of the chunks for a number of tasks; it depends on nothing else, so that no result does."""
+    """Chunk size for a number of tasks; independent of anything else, for reproducible results."""
     return min(max(tasks // PARTS, 1), CHUNK)
 
 

@@ -1,4 +1,4 @@
-"""Result store: a folder with one file for each task."""
+"""Result store: a folder with one file per result."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from isoembed.io.files import FileError, write_atomically
 from isoembed.runs.result import Result
 
 RESULTS, ENDING = "results", ".npz"
-HIDDEN = ".isoembed-"  # before the names of files that are being written
+HIDDEN = ".isoembed-"  # prefix of the names of files being written
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Store:
     ----------
     folder : Path
     labels : frozenset of str, optional
-        The tasks whose results an iteration includes; by default all.
+        Tasks whose results are iterated over; by default all.
     """
 
     folder: Path
@@ -35,12 +35,12 @@ class Store:
 
     @classmethod
     def made(cls, folder: Path) -> Store:
-        """The store in a folder, which is made if it is not there.
+        """Store in a folder, which is created if necessary.
 
         Raises
         ------
         FileError
-            The folder cannot be made.
+            The folder cannot be created.
         """
         try:
             (folder / RESULTS).mkdir(parents=True, exist_ok=True)
@@ -49,48 +49,48 @@ class Store:
         return cls(folder)
 
     def of(self, labels: Iterable[str]) -> Store:
-        """Store of the same folder, restricted to the results of these tasks in iterations."""
+        """Store in the same folder with iteration restricted to the given tasks."""
         return Store(self.folder, frozenset(labels))
 
     def path(self, label: str, key: str) -> Path:
-        """The file of a result."""
+        """Path of a result."""
         return self.folder / RESULTS / f"{label}.{key}{ENDING}"
 
     def find(self, label: str, key: str) -> Result | None:
-        """The result of this task, if it is there and can be read; from now on it is the one that counts."""
+        """Stored result of a task, or None if missing or unreadable; its file becomes the latest."""
         path = self.path(label, key)
         try:
             result = Result.read(path)
             os.utime(path)
-        except (FileError, OSError):  # none, a damaged one, or one that somebody removes
+        except (FileError, OSError):  # missing, damaged, or removed meanwhile
             return None
         return result
 
     def keep(self, result: Result, key: str) -> None:
-        """Keep a result.
+        """Store a result.
 
         Raises
         ------
         FileError
-            It cannot be written.
+            The file cannot be written.
         """
         write_atomically({self.path(result.label, key): result.writer})
 
     def __iter__(self) -> Iterator[Result]:
-        """One result of each task, by label; files that cannot be read are left out."""
+        """One result per task, in order of labels; unreadable files are skipped."""
         found: dict[str, list[tuple[int, Path]]] = {}
         for path in sorted((self.folder / RESULTS).glob(f"*{ENDING}")):
             label = path.name.removesuffix(ENDING).rpartition(".")[0]
             try:
                 asked = path.stat().st_mtime_ns
-            except OSError:  # it is gone
+            except OSError:  # removed meanwhile
                 continue
             if not path.name.startswith(HIDDEN):
                 found.setdefault(label, []).append((asked, path))
         for label in sorted(found if self.labels is None else self.labels & found.keys()):
             latest = (path for _, path in sorted(found[label], reverse=True))
             results = islice(_readable(latest), None if self.labels is None else 1)
-            best = max(results, key=lambda result: result.answered, default=None)  # of equals the first
+            best = max(results, key=lambda result: result.answered, default=None)  # the first of equals
             if best is not None:
                 yield best
 

@@ -9,24 +9,24 @@ from typing import Any, Protocol
 from isoembed.runs.result import Result
 from isoembed.version import __version__
 
-DIGITS = 16  # of a key, hexadecimal: two of a million results meet once in 10 million runs
+DIGITS = 16  # hexadecimal: two of a million results have the same key once in 10 million runs
 
 
 class Task(Protocol):
-    """One computation of many; it can be pickled, and holds paths rather than what is in files."""
+    """One computation of many; must be picklable, and holds paths rather than file contents."""
 
     @property
     def label(self) -> str:
-        """Name of the task: unique in the run and valid as a file name."""
+        """Label of the task, unique in the run and valid as a file name."""
         ...
 
     @property
     def facts(self) -> Mapping[str, Any]:
-        """Entries of the report of a result without an answer, besides status and message."""
+        """Report entries of a result without an answer, besides status and message."""
         ...
 
     def digest(self) -> str:
-        """A digest of the content of its input and of its options: all that decides what it computes.
+        """Digest of everything that affects the result: contents of the input, and options.
 
         Raises
         ------
@@ -41,16 +41,16 @@ class Task(Protocol):
         Parameters
         ----------
         before : Result, optional
-            Of the last task before it in its chunk that has an answer: something to start from.
+            Result of the last previous task in the chunk with an answer, as a starting point.
 
         Returns
         -------
         Result
-            With a status and a message where what the user gave has no answer.
+            Result, with status and message if the user's input has no answer.
         """
         ...
 
 
 def key_of(text: str) -> str:
-    """Key of a result: a digest of what decides it, and of the version of isoembed."""
+    """Key of a result: digest of everything that affects it, including the version of isoembed."""
     return hashlib.sha256(f"{__version__} {text}".encode()).hexdigest()[:DIGITS]

@@ -13,23 +13,23 @@ from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
 T = TypeVar("T")
-PATIENCE = 10.0  # seconds that a process takes to begin, at most
+PATIENCE = 10.0  # seconds for the start of a process
 
 
 class Workers(Executor):
-    """An executor of processes, each in a pool of its own.
+    """An executor of processes, each in its own pool.
 
-    In one pool a process that is killed, as by the system where memory runs out, ends all that is under way,
-    and nobody knows which task it was.  Here it is the future whose process it was that fails, with
-    `concurrent.futures.process.BrokenProcessPool`; another process takes its place.
+    In a single pool, a process killed by the system, for example when memory runs out, ends all running
+    tasks without identifying the one responsible.  Here only the future of the killed process fails, with
+    `concurrent.futures.process.BrokenProcessPool`, and the process is replaced.
 
-    `submit` waits while all are busy, so that no more is in memory than is worked on.  The processes are
-    spawned, begin when there is work for them, and end with this one, however it ends.
+    `submit` blocks while all processes are busy, which limits memory.  Processes are spawned on first use,
+    and end with the parent process in all cases.
 
     Parameters
     ----------
     jobs : int, optional
-        How many processes; by default one for each core that this process may use.
+        Number of processes; by default one per core available to this process.
     """
 
     def __init__(self, jobs: int | None = None) -> None:
@@ -50,13 +50,13 @@ class Workers(Executor):
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes: at once, if futures are to be canceled."""
+        """End the processes, immediately if futures are to be canceled."""
         for worker in self._all:
             worker.end(wait=wait, at_once=cancel_futures)
 
 
 class _Worker:
-    """A pool of one process, made anew after it was killed."""
+    """A pool of one process, recreated after the process is killed."""
 
     def __init__(self) -> None:
         self._pool: ProcessPoolExecutor | None = None
@@ -66,7 +66,7 @@ class _Worker:
         if self._pool is not None:
             try:
                 return self._pool.submit(function, *args, **options)
-            except BrokenExecutor:  # it was killed
+            except BrokenExecutor:  # killed
                 self._pool.shutdown()
         self._pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin)
         with _interruptions_ignored():
@@ -78,12 +78,12 @@ class _Worker:
             return
         if at_once:
             with suppress(BrokenExecutor, TimeoutError, ProcessLookupError):
-                os.kill(self._number.result(PATIENCE), signal.SIGTERM)  # as soon as it has begun
+                os.kill(self._number.result(PATIENCE), signal.SIGTERM)  # as soon as it has started
         self._pool.shutdown(wait=wait, cancel_futures=at_once)
 
 
 def cores() -> int:
-    """Number of cores that this process may use."""
+    """Number of cores available to this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -91,7 +91,7 @@ def cores() -> int:
 
 @contextmanager
 def _interruptions_ignored() -> Iterator[None]:
-    """Begin a process that Ctrl-C does not reach: what is ignored here, it ignores from its beginning."""
+    """Start child processes that ignore Ctrl-C, by inheritance of the ignored signal."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -103,7 +103,7 @@ def _interruptions_ignored() -> Iterator[None]:
 
 
 def _begin() -> None:
-    """Begin in a process: Ctrl-C is its parent's business, and it ends when that is gone."""
+    """Initialize a process: ignore Ctrl-C, which the parent handles, and end with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

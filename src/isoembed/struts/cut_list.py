@@ -11,23 +11,23 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 
-ROUNDING = 1e-9  # of a bar: struts that fill it exactly fit
-GAIN = 1e-6  # of a bar, of a further pattern at least; linear programs are solved to 1e-7
-TYPES = 40  # at most, for which patterns are sought: some seconds
-PARTS = 27720  # of a bar, to which sizes are rounded up; all numbers up to 12 divide it
+ROUNDING = 1e-9  # of a bar: tolerance for struts that fill it exactly
+GAIN = 1e-6  # of a bar: least improvement by a new pattern; linear programs are solved to 1e-7
+TYPES = 40  # limit for column generation, which takes some seconds
+PARTS = 27720  # of a bar, to which sizes are rounded up; divisible by all numbers up to 12
 
 
 @dataclass(frozen=True)
 class Bar:
-    """Bars that are cut alike.
+    """Bars with the same cutting pattern.
 
     Attributes
     ----------
     count : int
     struts : tuple of str
-        The types of the struts that are cut from each, longest first.
+        Types of the struts cut from each bar, longest first.
     rest : float
-        Length that is left of each.
+        Remaining length of each bar.
     """
 
     count: int
@@ -56,7 +56,7 @@ class CutList:
 
     @property
     def waste(self) -> float:
-        """Length that is left of all bars, over their length."""
+        """Remaining length of all bars, relative to their total length."""
         return sum(bar.count * bar.rest for bar in self.bars) / (self.count * self.stock)
 
     def __str__(self) -> str:
@@ -70,11 +70,10 @@ class CutList:
 
     @classmethod
     def of(cls, lengths: Sequence[tuple[str, float, int]], stock: float) -> CutList:
-        """Find few bars.
+        """Minimize the number of bars heuristically.
 
-        The longest struts are cut first, each from the first bar that has room.  That takes at most 11/9
-        of the fewest bars, and one (Dosa, 2007).  Of up to 40 types, fewer are then sought among the
-        patterns of the linear relaxation (Gilmore and Gomory, 1961).
+        First-fit decreasing uses at most 11/9 of the minimum plus one bar (Dosa, 2007).  For up to 40 types,
+        column generation on the linear relaxation (Gilmore and Gomory, 1961) may improve it.
 
         Parameters
         ----------
@@ -108,11 +107,11 @@ class CutList:
 
 
 def _first_fit(sizes: Floats, counts: Indices) -> Indices:
-    """Numbers of struts of each type in each bar, (bars, types), by first fit; sizes in bars, descending."""
+    """Numbers of struts of each type in each bar, (bars, types), by first fit; sizes are descending."""
     rests: list[float] = []
     bars: list[list[int]] = []
     for t, (size, count) in enumerate(zip(sizes.tolist(), counts.tolist(), strict=True)):
-        first = 0  # bars before it have no room for this size
+        first = 0  # earlier bars have no room for this size
         for _ in range(count):
             while first < len(rests) and rests[first] < size - ROUNDING:
                 first += 1
@@ -125,7 +124,7 @@ def _first_fit(sizes: Floats, counts: Indices) -> Indices:
 
 
 def _generated(sizes: Floats, counts: Indices, packed: Indices) -> Indices:
-    """Bars from whole parts of the linear relaxation, again and again of the struts that are left."""
+    """Bars from the integer parts of the linear relaxation, repeated for the remaining struts."""
     left, patterns = counts.copy(), packed
     bars: list[Indices] = []
     while left.any():
@@ -143,7 +142,7 @@ def _generated(sizes: Floats, counts: Indices, packed: Indices) -> Indices:
 
 
 def _relaxed(sizes: Floats, counts: Indices, patterns: Indices) -> tuple[Indices, Floats]:
-    """Patterns, and how many bars of each, in fractions, have all struts."""
+    """Patterns and fractional numbers of bars that solve the linear relaxation."""
     from scipy.optimize import linprog  # slow to import
 
     patterns = np.unique(patterns, axis=0)
@@ -156,7 +155,7 @@ def _relaxed(sizes: Floats, counts: Indices, patterns: Indices) -> tuple[Indices
 
 
 def _dearest(sizes: Floats, counts: Indices, prices: Floats) -> Indices:
-    """The pattern of the highest price: a knapsack, whose sizes are rounded up to parts of a bar."""
+    """Pattern of the highest price: a knapsack problem with sizes rounded up to parts of a bar."""
     units = np.ceil(sizes * PARTS - GAIN).astype(np.int64)
     value = np.zeros(PARTS + 1)
     taken: list[tuple[int, int, np.ndarray]] = []

@@ -1,4 +1,4 @@
-"""Frame of a surface: struts along its bends and its boundary, in their order around hubs and faces."""
+"""Frame of a surface: struts along bent and boundary edges, in their order around hubs and faces."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Frame:
     triangulation : Triangulation
     vertices : ndarray, shape (V, 3)
     is_strut : ndarray of bool, shape (E,)
-        Whether an edge is on the boundary, or between two triangles that are not in one plane.
+        Whether an edge is on the boundary, or between two triangles that are not coplanar.
     """
 
     triangulation: Triangulation
@@ -31,21 +31,21 @@ class Frame:
 
     @classmethod
     def of(cls, surface: Surface) -> Frame:
-        """The frame of a surface, in its normalized unit."""
+        """Frame of a surface, in its normalized unit."""
         bent = np.abs(surface.dihedral_angles) > FLAT_ANGLE + surface.bend_errors
         return cls(surface.triangulation, surface._normalized, surface.triangulation.boundary_edges | bent)
 
     def hubs(self) -> list[Indices]:
-        """The struts at each vertex, counterclockwise, seen from outside; at some vertices there are none.
+        """Struts at each vertex, counterclockwise seen from outside; empty at vertices without struts.
 
-        At a vertex on a boundary the first and the last one are along it.
+        At a boundary vertex the first and last struts are on the boundary.
         """
         t = self.triangulation
         edge_of, across = t.face_edges.ravel(), t.sides_across.tolist()
         leaving = np.empty(t.n_vertices, dtype=np.int64)
         leaving[t.faces.ravel()] = np.arange(t.faces.size)
         rim = np.flatnonzero(t.sides_across < 0)
-        leaving[t.faces.ravel()[rim]] = rim  # which has all others counterclockwise of it
+        leaving[t.faces.ravel()[rim]] = rim  # all others follow it counterclockwise
         found = []
         for first in leaving.tolist():
             edges, h = [], first
@@ -62,7 +62,7 @@ class Frame:
         return found
 
     def outlines(self) -> list[Indices]:
-        """The struts along each outline of a face: triangles in one plane are one face."""
+        """Struts along each outline of a face; coplanar triangles form one face."""
         t = self.triangulation
         edge_of, across = t.face_edges.ravel(), t.sides_across.tolist()
         left = self.is_strut[edge_of]
@@ -81,7 +81,7 @@ class Frame:
         return found
 
     def normals(self) -> Floats:
-        """Unit normals at the vertices, (V, 3): those of the triangles, weighted by their angles there."""
+        """Angle-weighted unit normals at the vertices, (V, 3)."""
         faces, x = self.triangulation.faces, self.vertices
         outward = face_normals(faces, x)
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)

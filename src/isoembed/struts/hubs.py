@@ -1,4 +1,4 @@
-"""Hubs of a frame: angles between struts in the tangent plane and against it, and types of hubs."""
+"""Hubs of a frame: angles between struts within and to the tangent plane, and types of hubs."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.struts.frame import Frame
 from isoembed.struts.types import first_reading, letters, readings
 
-SAME_ANGLE = 0.1  # degrees: hubs are made no nearer
+SAME_ANGLE = 0.1  # degrees: beyond manufacturing accuracy
 
 
 @dataclass(frozen=True)
 class HubType:
-    """Hubs at which the same struts meet at the same angles, or at mirrored ones.
+    """Hubs at which struts of the same types meet at the same angles, or at mirrored ones.
 
     Attributes
     ----------
     name : str
-        The number of struts; with a letter where there are several types with so many.
+        Number of struts, followed by a letter if there are several types with this number.
     count : int
     struts : tuple of str
-        The types of the struts in their order around the hub; at a boundary from one end to the other.
+        Types of the struts in order around the hub; at a boundary from one end to the other.
     angles : tuple of float
-        Between each strut and the next one, projected to the tangent plane, degrees.
+        Angles between consecutive struts, projected onto the tangent plane, in degrees.
     bends : tuple of float
-        Of each strut against the tangent plane, degrees: positive where it leans inward, below that plane.
+        Angle of each strut to the tangent plane, in degrees, positive if it points inward, below the plane.
     is_on_boundary : bool
     """
 
@@ -41,7 +41,7 @@ class HubType:
 
     @property
     def strut_angles(self) -> tuple[float, ...]:
-        """Between each strut and the next one, in space, degrees: that of the holes in a ball."""
+        """Angles between consecutive struts in space, in degrees, as for holes drilled into a ball."""
         leans = np.radians(self.bends)
         after = np.roll(leans, -1)[: len(self.angles)]
         leans = leans[: len(self.angles)]
@@ -54,23 +54,23 @@ class HubType:
 def hub_angles(
     frame: Frame, edges: Indices, around: Sequence[Indices], center: Floats | None
 ) -> tuple[Floats, list[Floats]]:
-    """Bends (n, 2) of struts at both ends, and at each hub the angles from each strut to the next, degrees.
+    """Bends (n, 2) of struts at both ends, and angles between consecutive struts at each hub, in degrees.
 
     Parameters
     ----------
     frame : Frame
     edges : ndarray of int, shape (n, 2)
-        The ends of the struts.
+        End vertices of the struts.
     around : sequence of ndarray of int
-        The struts at each vertex, counterclockwise.
+        Struts at each vertex, counterclockwise.
     center : ndarray, shape (3,), optional
-        Of the sphere on which the hubs lie, if they do.
+        Center of the sphere that contains the hubs, if any.
     """
     x, normals = frame.vertices, frame.normals()
     if center is not None:
         hubs = np.unique(edges)
         radial = (x[hubs] - center) / np.linalg.norm(x[hubs] - center, axis=1, keepdims=True)
-        # Which side of a surface with boundary is outside is a convention.
+        # The outside of a surface with boundary is a convention.
         normals[hubs] = radial if (radial * normals[hubs]).sum() >= 0 else -radial
     bends = np.empty((len(edges), 2))
     between = []
@@ -96,7 +96,7 @@ def hub_types(
     angles: Sequence[Floats],
     on_boundary: Mask,
 ) -> tuple[Indices, tuple[HubType, ...]]:
-    """The type of each vertex, -1 where no strut ends, and the types by their numbers of struts."""
+    """Hub type of each vertex, -1 if it has no struts, and the types ordered by number of struts."""
     kinds: list[HubType] = []
     members: list[list[int]] = []
     alike: dict[tuple[bool, tuple[int, ...]], list[int]] = {}

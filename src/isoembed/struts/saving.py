@@ -30,7 +30,7 @@ def save(table: StrutTable, path: str | os.PathLike[str]) -> None:
 
 
 def struts_writer(path: str | os.PathLike[str], table: StrutTable) -> Writer:
-    """Return what writes a strut table in the format of this ending; see `write_atomically`."""
+    """Writer of a strut table in the format of the path's ending; see `write_atomically`."""
     if ending(path) == ".json":
         return report_writer(report(table))
     return lambda temporary: temporary.write_text(csv_text(table), encoding="utf-8", newline="")
@@ -100,7 +100,7 @@ def csv_text(table: StrutTable) -> str:
 
 
 def text(table: StrutTable) -> str:
-    """The types, for the screen."""
+    """Tables of types, for the screen."""
     on_sphere, shorter = table.radius is not None, table.hub_radius > 0
     header = ["strut", "count", "length"] + ["cut length"] * shorter
     header += ["chord factor", "central angle"] * on_sphere
@@ -131,7 +131,7 @@ def text(table: StrutTable) -> str:
 
 
 def _steps(angles: Sequence[float]) -> str:
-    """The range of some angles."""
+    """Range of angles, as text."""
     if not angles:
         return ""
     least, most = (f"{value:.2f}" for value in (min(angles), max(angles)))

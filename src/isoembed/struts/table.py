@@ -22,12 +22,12 @@ from isoembed.struts.sphere import sphere_through
 from isoembed.struts.types import first_reading, length_types, letters
 from isoembed.surface.surface import Surface
 
-SAME_LENGTH = 1e-6  # mean strut lengths: what files with seven digits leave of equal lengths
+SAME_LENGTH = 1e-6  # mean strut lengths: difference of equal lengths in files with seven digits
 
 
 @dataclass(frozen=True)
 class StrutType:
-    """Struts of one length.
+    """Struts of equal length.
 
     Attributes
     ----------
@@ -35,14 +35,14 @@ class StrutType:
         ``"A"`` for the shortest, ``"B"``, ...
     count : int
     length : float
-        Between the centers of the hubs: the middle of the shortest and the longest.
+        Length between hub centers: mean of the shortest and longest.
     cut_length : float
-        Without the radii of the hubs at both ends.
+        Length minus the radii of the hubs at both ends.
     spread : float
-        Of the longest less the shortest.
+        Difference of the longest and shortest lengths.
     chord_factor, central_angle : float or None
-        Where the hubs lie on a sphere: length over radius, and the angle, in degrees, that a strut is seen
-        under from the center.
+        If the hubs lie on a sphere: length divided by radius, and the angle in degrees subtended by a strut
+        at the center.
     """
 
     name: str
@@ -56,7 +56,7 @@ class StrutType:
 
 @dataclass(frozen=True)
 class FaceType:
-    """Faces with the same struts around them, in one direction or the other.
+    """Faces with the same strut types around them, in either direction.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class FaceType:
 
 @dataclass(frozen=True, eq=False)
 class StrutTable:
-    """Struts, hubs and faces of a surface by types: `strut_table` makes it.
+    """Struts, hubs and faces of a surface by type; created by `strut_table`.
 
     Lengths are in the unit of the surface, angles in degrees.
 
@@ -80,24 +80,24 @@ class StrutTable:
     hubs : tuple of HubType
     faces : tuple of FaceType
     edges : ndarray of int64, shape (n, 2)
-        The hubs that each strut joins, by their numbers among the vertices.
+        Hubs joined by each strut, as vertex indices.
     lengths : ndarray, shape (n,)
     types : ndarray of int64, shape (n,)
-        The index of each in `struts`.
+        Index of each strut's type in `struts`.
     dihedral_angles : ndarray, shape (n,)
-        Between the faces on both sides, 180 where flat and less where convex; NaN on a boundary.
+        Angles between adjacent faces, 180 if flat and less if convex; NaN on a boundary.
     bends : ndarray, shape (n, 2)
-        Of each strut against the tangent planes of its two hubs, as in `HubType`.
+        Angles of each strut to the tangent planes at its two hubs, as in `HubType`.
     hub_types : ndarray of int64, shape (V,)
-        The index of each vertex in `hubs`; -1 where no strut ends.
+        Index of each vertex's type in `hubs`; -1 if it has no struts.
     tolerance : float
-        By which lengths of one type may differ.
+        Largest difference of lengths of one type.
     radius : float or None
-        Of the sphere on which the hubs lie.
+        Radius of the sphere that contains the hubs.
     hub_radius : float
-        By which struts are shorter at each end.
+        Length by which struts are shortened at each end.
     cuts : CutList or None
-        How to cut the struts from bars.
+        Cutting of the struts from bars.
     """
 
     struts: tuple[StrutType, ...]
@@ -132,25 +132,25 @@ class StrutTable:
 
     @property
     def report(self) -> dict[str, Any]:
-        """The table as it goes into JSON files."""
+        """Contents of the table for JSON files."""
         return saving.report(self)
 
     def to_csv(self) -> str:
-        """The table as comma-separated values.
+        """Table as comma-separated values.
 
-        Tables follow one another, each with a header and a blank line behind it: types of struts, hubs and
-        faces, bars, every strut with the hubs that it joins, and every hub with its type.
-        `isoembed.embed` and ``isoembed embed`` read such a file.
+        Tables with headers are separated by blank lines: types of struts, hubs and faces, bars, all struts
+        with their hubs, and all hubs with their types.  `isoembed.embed` and ``isoembed embed`` read such a
+        file.
         """
         return saving.csv_text(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the table, by the ending of the file: ``.csv`` or ``.json``.
+        """Write the table as ``.csv`` or ``.json``, depending on the file ending.
 
         Raises
         ------
         FileError
-            The ending is another one, or the file cannot be written.
+            The ending is unknown, or the file cannot be written.
         """
         saving.save(self, path)
 
@@ -164,21 +164,21 @@ def strut_table(
 ) -> StrutTable:
     """Tabulate the struts of a dome or a frame: the edges of a surface, with its vertices as hubs.
 
-    Edges between triangles in one plane are diagonals of a face, not struts.  The tangent plane of a hub is
-    that of the sphere where all hubs lie on one, and otherwise normal to the mean of the normals around it,
-    weighted by angles.
+    Edges between coplanar triangles are diagonals of a face, not struts.  The tangent plane of a hub is that
+    of the sphere if all hubs lie on one; otherwise it is perpendicular to the angle-weighted mean of the
+    adjacent normals.
 
     Parameters
     ----------
     surface : Embedding or Surface
-        In R^3, closed or with boundary: what `isoembed.embed` or `isoembed.io.read_surface` returns.
+        Surface in R^3, closed or with boundary, as from `isoembed.embed` or `isoembed.io.read_surface`.
     tolerance : float, optional
-        By which lengths of one type may differ, in the unit of the surface; also by which hubs may be off a
-        sphere.  By default a millionth of the mean length, or more if the coordinates are rounded.
+        Largest difference of lengths of one type, in the unit of the surface, and largest distance of hubs
+        from a sphere.  By default a millionth of the mean length, or more if the coordinates are rounded.
     hub_radius : float
-        By which struts are shorter at each end.
+        Length by which struts are shortened at each end.
     stock : float, optional
-        Length of the bars from which the struts are cut: the table then has a list of cuts.
+        Length of the bars from which the struts are cut; the table then contains a cut list.
 
     Returns
     -------
@@ -189,7 +189,7 @@ def strut_table(
     InvalidMetric
         The surface is in hyperbolic or spherical space.
     InvalidParameter
-        The tolerance or the radius is not a non-negative length, a strut is no longer than two hub radii, or
+        The tolerance or radius is not a nonnegative length, or a strut is not longer than two hub radii, or
         longer than the stock.
 
     Examples

@@ -8,7 +8,7 @@ from isoembed.arrays import Floats, Indices
 
 
 def length_types(lengths: Floats, tolerance: float) -> Indices:
-    """The type of each length, shape (E,), from 0 for the shortest: the fewest that the tolerance allows.
+    """Type of each length, shape (E,), from 0 for the shortest, with the fewest types for the tolerance.
 
     Lengths of one type differ by no more than the tolerance.
     """
@@ -22,7 +22,7 @@ def length_types(lengths: Floats, tolerance: float) -> Indices:
 
 
 def letters(number: int) -> str:
-    """A, B, ..., Z, AA, AB, ... for 0, 1, ..., as columns of a spreadsheet are called."""
+    """Spreadsheet column names A, B, ..., Z, AA, AB, ... for 0, 1, ...."""
     name = ""
     while number >= 0:
         name = chr(ord("A") + number % 26) + name
@@ -31,9 +31,9 @@ def letters(number: int) -> str:
 
 
 def readings(n: int, closed: bool) -> Iterator[tuple[Indices, Indices]]:
-    """The ways to read n things around a circle, or along a line, in both directions.
+    """All readings of n items around a circle, or along a line, in both directions.
 
-    Each is the things in their order, and the gaps behind them, gap k being between things k and k + 1.
+    Each consists of the items in order, and the gaps after them; gap k is between items k and k + 1.
     """
     there, gaps = np.arange(n), np.arange(n if closed else n - 1)
     for k in range(n if closed else 1):
@@ -42,5 +42,5 @@ def readings(n: int, closed: bool) -> Iterator[tuple[Indices, Indices]]:
 
 
 def first_reading(values: Indices, closed: bool = True) -> tuple[int, ...]:
-    """The lexicographically first reading of a sequence: the same of all that are alike."""
+    """Lexicographically first reading of a sequence, equal for all equivalent sequences."""
     return min((tuple(values[order].tolist()) for order, _ in readings(len(values), closed)), default=())

@@ -1,4 +1,4 @@
-"""HTML document of a browser page, self-contained in one file."""
+"""Self-contained HTML document of a browser page."""
 
 import base64
 import hashlib
@@ -18,7 +18,7 @@ from isoembed.version import __version__
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """A page for the browser.
+    """A browser page.
 
     Attributes
     ----------
@@ -27,11 +27,11 @@ class Document:
     report : str
         HTML beside the surface.
     download : object
-        What the JSON to download holds.
+        Object for download as JSON.
     data : mapping
-        What the script shows; see ``page-lint/page.d.ts``.
+        Input of the script; see ``page-lint/page.d.ts``.
     arrays : Packed
-        The numbers that the data point to.
+        Arrays referenced by the data.
     """
 
     title: str
@@ -49,7 +49,7 @@ class Document:
 
     @property
     def text(self) -> str:
-        """Text of the whole page."""
+        """HTML text of the page."""
         assets = files("isoembed.plot") / "browser"
         style, script, page = ((assets / f"page.{kind}").read_text("utf-8") for kind in ("css", "js", "html"))
         parts = {
@@ -62,16 +62,16 @@ class Document:
             "script hash": _hash(script),
             "report": self.report,
             "json": base64.b64encode(strict_json(self.download, indent=2).encode()).decode("ascii"),
-            "data": strict_json(self.data).replace("<", r"\u003c"),  # nothing may end the element
+            "data": strict_json(self.data).replace("<", r"\u003c"),  # prevents closing tags in the data
             "arrays": self.arrays.text,
         }
         return re.sub(r"\{\{([a-z ]+)\}\}", lambda match: parts[match[1]], page)
 
 
 def _hash(text: str) -> str:
-    """Hash by which the page's policy recognizes its own style and script."""
+    """Hash of a style or script for the page's content security policy."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
 
 
 def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", errors="replace")  # names of files may hold any bytes
+    path.write_text(text, encoding="utf-8", errors="replace")  # file names may contain any bytes

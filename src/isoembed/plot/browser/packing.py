@@ -8,17 +8,17 @@ from numpy.typing import NDArray
 
 from isoembed.arrays import Floats
 
-MISSING, LAST = 65535, 65534  # of 16 bit: no value; the largest one
+MISSING, LAST = 65535, 65534  # 16-bit codes: no value, and the largest value
 
 
 class Packed:
-    """Arrays one after the other, little-endian, each at a multiple of four bytes."""
+    """Concatenated little-endian arrays, aligned to four bytes."""
 
     def __init__(self) -> None:
         self._bytes = bytearray()
 
     def add(self, array: NDArray[Any]) -> dict[str, Any]:
-        """Append an array of floats as they are, in single precision, or of indices; say where it is."""
+        """Append an array of floats, in single precision, or of indices; return its location."""
         if array.dtype.kind == "f":
             kind = "f4"
         elif array.dtype == np.uint8:
@@ -31,13 +31,13 @@ class Packed:
         return entry
 
     def add_floats(self, values: Floats) -> dict[str, Any]:
-        """Append floats of any size in single precision: a value is ``step`` times its entry."""
+        """Append floats of any magnitude in single precision; values are ``step`` times the entries."""
         finite = np.isfinite(values)
         step = float(np.abs(values[finite]).max(initial=0.0)) or 1.0
         return {**self.add(np.where(finite, values, np.nan) / step), "low": 0.0, "step": step}
 
     def add_short(self, values: Floats) -> dict[str, Any]:
-        """Append floats in 16 bit, between the least and the largest: a value is ``low + step * entry``."""
+        """Append floats as 16-bit integers; values are ``low + step * entry``."""
         finite = np.isfinite(values)
         low = float(values[finite].min(initial=np.inf)) if finite.any() else 0.0
         high = float(values[finite].max(initial=-np.inf)) if finite.any() else 0.0
@@ -47,5 +47,5 @@ class Packed:
 
     @property
     def text(self) -> str:
-        """The packed arrays in base64."""
+        """Packed arrays in base64."""
         return base64.b64encode(self._bytes).decode("ascii")

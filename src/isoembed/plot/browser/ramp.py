@@ -1,8 +1,8 @@
 """Color maps of pages and pictures.
 
-Both ramps are curves in OKLCh, the polar form of the space of Ottosson, "A perceptual color space for image
-processing" (2020).  The one of a page rises evenly in lightness, from dark violet over teal to light yellow,
-to be read without telling hues apart.  Where values have both signs, a diverging ramp shows which: blue below
+Both color ramps are curves in OKLCh, the polar form of Oklab (Ottosson, "A perceptual color space for image
+processing", 2020).  The default ramp has uniformly increasing lightness, from dark violet over teal to light
+yellow, and is readable without distinguishing hues.  A diverging ramp shows the sign of values: blue below
 zero, orange above, and nearly white at zero.
 """
 
@@ -12,11 +12,11 @@ from isoembed.arrays import Floats
 
 LIGHTNESS = (0.36, 0.93)
 HUE = (292.0, 102.0)  # degrees
-ZERO, FAR = 0.92, 0.50  # lightness at zero, and at the value that is farthest from it
+ZERO, FAR = 0.92, 0.50  # lightness at zero, and at the value farthest from it
 BLUE, ORANGE, STRONG = 252.0, 45.0, 0.145  # degrees, degrees, chroma
-CHROMA = (0.102, 0.17, 0.4)  # least, growth and place of the least: just within what screens show
+CHROMA = (0.102, 0.17, 0.4)  # minimum, growth and position of the minimum: just within the sRGB gamut
 
-# Ottosson's matrices: from L, a, b to the cube roots of cone responses, and from these to linear RGB.
+# Ottosson's matrices: from L, a, b to cube roots of cone responses, and from cone responses to linear RGB.
 TO_CONES = np.array(
     [
         [1.0, 0.3963377774, 0.2158037573],
@@ -34,12 +34,12 @@ TO_RGB = np.array(
 
 
 def ramp(count: int) -> list[str]:
-    """Return colors as ``#rrggbb``, from dark to light.
+    """Colors as ``#rrggbb``, from dark to light.
 
     Parameters
     ----------
     count : int
-        How many, evenly spaced.
+        Number of evenly spaced colors.
     """
     share = np.linspace(0.0, 1.0, count)
     lightness, hue = (low + (high - low) * share for low, high in (LIGHTNESS, np.radians(HUE)))
@@ -49,9 +49,9 @@ def ramp(count: int) -> list[str]:
 
 
 def diverging(count: int, low: float, high: float) -> list[str]:
-    """Return colors as ``#rrggbb`` for evenly spaced values from low < 0 to high > 0; zero is nearly white.
+    """Colors as ``#rrggbb`` for evenly spaced values from low < 0 to high > 0; zero is nearly white.
 
-    At the same distance from zero they are as strong on both sides.
+    Values of equal magnitude have equally strong colors.
     """
     share = np.linspace(low, high, count) / max(-low, high)
     lightness = ZERO + (FAR - ZERO) * np.abs(share)

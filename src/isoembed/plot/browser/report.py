@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any
 
-MARKS = {"converged": "yes", "best fit": "near"}  # the class of a status; any other is "no"
+MARKS = {"converged": "yes", "best fit": "near"}  # CSS class of a status; "no" for all others
 NONE, TIMES = "\N{EN DASH}", "\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -24,12 +24,12 @@ Rows = Iterable[tuple[str, str | float | None]]
 
 
 def report_html(report: Mapping[str, Any]) -> str:
-    """Return the tables.
+    """HTML tables of a report.
 
     Parameters
     ----------
     report : mapping
-        `isoembed.report`.
+        Output of `isoembed.report`.
     """
     given, residual, convexity = report["input"], report["residual"], report["convexity"]
     paths = [("along the given edges", residual["paths"])] if "paths" in residual else []
@@ -64,12 +64,12 @@ def report_html(report: Mapping[str, Any]) -> str:
 
 
 def tables_html(tables: Mapping[str, Mapping[str, Any]]) -> str:
-    """A table for each entry, under its key."""
+    """HTML tables of nested entries, captioned by their keys."""
     return "\n".join(_table(_words(key).capitalize(), _flattened(table)) for key, table in tables.items())
 
 
 def number(value: float | None) -> str:
-    """A number in at most six digits, with a power of ten if it is far from 1."""
+    """Number with at most six digits, in scientific notation if it is far from 1."""
     if value is None:
         return NONE
     if isinstance(value, int):
@@ -93,7 +93,7 @@ def _stages(stages: Iterable[Mapping[str, Any]]) -> list[tuple[str, ...]]:
 
 
 def _flattened(entries: Mapping[str, Any], above: str = "") -> list[tuple[str, str | float | None]]:
-    """Rows of nested entries; of a list its length."""
+    """Rows of nested entries; lists are represented by their lengths."""
     rows: list[tuple[str, str | float | None]] = []
     for key, value in entries.items():
         name = f"{above}{_words(key)}"
@@ -113,14 +113,14 @@ def _words(key: str) -> str:
 
 
 def _table(caption: str, rows: Rows) -> str:
-    """A table with a row for each entry: text as it is, or a number."""
+    """HTML table with one row per entry: text unchanged, or a formatted number."""
     texts = [(name, value if isinstance(value, str) else number(value)) for name, value in rows]
     body = "".join(f'<tr><th scope="row">{name}</th><td>{text}</td></tr>' for name, text in texts)
     return f"<table><caption>{caption}</caption>{body}</table>"
 
 
 def grid(caption: str, heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """A table of HTML with a line for each entry; nothing if there is none."""
+    """HTML table with one line per entry; empty if there are none."""
     if not rows:
         return ""
     head = "".join(f'<th scope="col">{name}</th>' for name in heads)

@@ -6,20 +6,20 @@ import numpy as np
 
 
 def thinned(stages: Sequence[str], limit: int) -> list[int]:
-    """Choose frames: the first and the last of every stage, and of the others evenly many.
+    """Select frames: the first and last of every stage, and evenly spaced others.
 
     Parameters
     ----------
     stages : sequence of str
-        The stage of each frame, in order; a stage that comes back counts again.
+        Stage of each frame, in order; a repeated stage counts again.
     limit : int
-        How many frames, at least 1.  Where there are more first and last ones than that, they are thinned
-        evenly, too; the last frame is always kept.
+        Largest number of frames, at least 1.  If there are more first and last frames, these are thinned
+        evenly, too; the last frame is always selected.
 
     Returns
     -------
     list of int
-        Indices, ascending.
+        Indices of the selected frames, ascending.
     """
     n = len(stages)
     if n <= limit:
@@ -34,7 +34,7 @@ def thinned(stages: Sequence[str], limit: int) -> list[int]:
 
 
 def _evenly(n: int, count: int, *, inner: bool = False) -> list[int]:
-    """Choose `count` of 0 .. n - 1 evenly, with both ends; or inner ones of them, counted from 0."""
+    """Select `count` of 0 .. n - 1 evenly, including both ends; or only inner ones, numbered from 0."""
     if count == 1:
         return [n - 1]
     chosen = np.rint(np.linspace(0, n - 1, count)).astype(int).tolist()

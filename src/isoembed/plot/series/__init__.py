@@ -1,6 +1,6 @@
 """Pictures of a simulation: time series, ParaView files, films and pages.
 
-All of them are made of the results of a run, in any order, and the same results make the same bytes.
+They depend only on the results of a run, in any order; equal results yield identical files.
 """
 
 from isoembed.plot.series.curves import FIGURES, series_figure, series_figures, write_series_figure

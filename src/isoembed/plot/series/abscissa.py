@@ -1,4 +1,4 @@
-"""Abscissa of a simulation's plots: time, or iteration number where no time is known."""
+"""Abscissa of a simulation's plots: time, or iteration number if no time is known."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from isoembed.relativity.series.table import SeriesTable
 
 @dataclass(frozen=True)
 class Abscissa:
-    """Time, iterations where no time is known, or positions in the series where neither is.
+    """Abscissa: time, iteration if no time is known, or position in the series if neither is.
 
     Attributes
     ----------
     column : str
-        Of the table; empty for the position.
+        Column of the table; empty for the position.
     symbol : str
-        With an equals sign or a space, before a number.
+        Symbol preceding a number, with an equals sign or a space.
     label : str
-        Of an axis; says which horizons are not on it.
+        Axis label; mentions the horizons without a known abscissa.
     """
 
     column: str
@@ -32,7 +32,7 @@ class Abscissa:
 
     @classmethod
     def of(cls, table: SeriesTable) -> Abscissa:
-        """Time if it is known in a run, or else the iteration, or else the position."""
+        """Abscissa for a table: time if any is known, otherwise iteration, otherwise position."""
         for column, symbol, label in (
             ("time", "t = ", "time  $t$"),
             ("iteration", "iteration ", "iteration"),
@@ -49,7 +49,7 @@ class Abscissa:
         return part[self.column] if self.column else np.arange(len(part.rows), dtype=np.float64)
 
     def written(self, values: Floats) -> list[str]:
-        """Values, ascending, with the symbol, all to one place: a digit more than tells them apart."""
+        """Ascending values with the symbol, with one digit more than needed to distinguish them."""
         steps = np.diff(values)
         step = float(np.median(steps)) if steps.size else 1.0
         places = max(0, 1 - int(np.floor(np.log10(step)))) if self.column == "time" else 0

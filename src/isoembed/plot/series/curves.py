@@ -33,42 +33,42 @@ FIGURES = {
     "energies": ("integrated_mean_curvature", "hawking", "brown_york", "liu_yau", "wang_yau"),
     "embedding": ("residual", "degree"),
 }
-"""The figures of a run by their names, with what their panels show."""
+"""Figures of a run by name, with the columns shown in their panels."""
 LOGARITHMIC = ("residual",)
 STYLES: dict[str, Any] = {"axis_x": "-", "axis_y": (0, (5, 1.5)), "axis_z": (0, (1, 1.2))}
-WIDTHS = (1.9, 0.9, 1.2)  # points, of lines of one series after the other: one is seen behind the next
-WIDTH, PANEL, STRIP = 6.4, 1.55, 0.17  # inches: of a figure, the height of a panel, and of a line of outcomes
+WIDTHS = (1.9, 0.9, 1.2)  # points, of lines of successive series: hidden lines stay visible
+WIDTH, PANEL, STRIP = 6.4, 1.55, 0.17  # inches: figure width; heights of a panel and of a row of outcomes
 
 
-BAND = 1.0  # ranges that error bands may reach beyond the values
-MARGIN = 0.06  # ranges of room above and below the lines
+BAND = 1.0  # largest extent of error bands beyond the values, relative to their range
+MARGIN = 0.06  # space above and below the lines, relative to the range
 
 
 def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
-    """Draw numbers of a run against time, one above the other: a line for each series, with its error band.
+    """Plot quantities of a run against time, in stacked panels: one line per series, with an error band.
 
-    Where a series has no embedding, its lines are interrupted, and a mark below the panels says why.  Above
-    each panel is its largest error, as bands may be thinner than lines; a band that is much wider than the
-    range of the values is cut off.
+    Lines are interrupted where a series has no embedding, and a mark below the panels gives the outcome.  The
+    largest error is written above each panel, as bands may be thinner than lines; bands much wider than the
+    range of the values are clipped.
 
     Parameters
     ----------
     table : SeriesTable
     names : sequence of str
-        What the panels show: columns of the table, or ``axis`` for the three of the axis of the spin.  What
-        is not known of any horizon has no panel.
+        Quantities of the panels: columns of the table, or ``axis`` for the three components of the spin axis.
+        Quantities unknown for all horizons are omitted.
 
     Returns
     -------
     matplotlib.figure.Figure
-        With a canvas of its own: no window and no global state.
+        Figure with its own canvas: no window and no global state.
 
     Raises
     ------
     FileError
         matplotlib is not installed.
     InvalidParameter
-        There is no such column, or none of them has a number that is known.
+        A column does not exist, or none has a known value.
     """
     for name in names:
         if name not in SYMBOLS:
@@ -115,12 +115,12 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
 
 
 def series_figures(results: Iterable[Result]) -> dict[str, Figure]:
-    """Draw a run against time: the `FIGURES` of which there is anything to see, by their names.
+    """Plot a run against time: all `FIGURES` with known values, by name.
 
     Parameters
     ----------
     results : iterable of Result
-        In any order.
+        Results in any order.
 
     Raises
     ------
@@ -136,12 +136,12 @@ def series_figures(results: Iterable[Result]) -> dict[str, Figure]:
 
 
 def write_series_figure(path: str | os.PathLike[str], table: SeriesTable, names: Sequence[str]) -> None:
-    """Write a `series_figure` as ``.png``, ``.svg`` or ``.pdf``; the same table makes the same bytes.
+    """Write a `series_figure` as ``.png``, ``.svg`` or ``.pdf``; equal tables yield identical files.
 
     Raises
     ------
     FileError
-        The ending is not known, the file cannot be written, or matplotlib is not installed.
+        The ending is unknown, the file cannot be written, or matplotlib is not installed.
     InvalidParameter
         See `series_figure`.
     """
@@ -150,13 +150,13 @@ def write_series_figure(path: str | os.PathLike[str], table: SeriesTable, names:
 
 
 def _known(table: SeriesTable, name: str) -> bool:
-    """Whether there is a number to show."""
+    """Whether a quantity has any known value."""
     return any(bool(np.isfinite(table[column]).any()) for column in AXIS.get(name, (name,)))
 
 
 @dataclass(frozen=True, eq=False)
 class _Curve:
-    """A number of a series against time."""
+    """A quantity of a series against time."""
 
     x: Floats
     values: Floats
@@ -170,12 +170,12 @@ class _Curve:
 
     @property
     def band(self) -> Floats:
-        """Half the width of the band, 0 where no error is known."""
+        """Half width of the error band, 0 if no error is known."""
         return np.where(np.isfinite(self.errors), self.errors, 0.0)
 
     @property
     def isolated(self) -> Mask:
-        """Mask of points without a neighbor to which a line could be drawn."""
+        """Mask of points without neighbors on the curve."""
         there = np.concatenate([[False], self.known, [False]])
         return self.known & ~there[:-2] & ~there[2:]
 
@@ -185,7 +185,7 @@ def _draw_panel(axes: Axes, name: str, curves: Sequence[_Curve]) -> None:
 
     for curve in curves:
         y = np.where(curve.known, curve.values, np.nan)
-        marker = "o" if curve.known.sum() <= 60 else ""  # with more horizons, dots would cover the line
+        marker = "o" if curve.known.sum() <= 60 else ""  # more markers would cover the line
         axes.plot(curve.x, y, linestyle=STYLES.get(curve.column, "-"), marker=marker, **curve.style)
         if curve.column in ERRORS:
             edges = y - curve.band, y + curve.band
@@ -210,14 +210,14 @@ def _draw_panel(axes: Axes, name: str, curves: Sequence[_Curve]) -> None:
 
 
 def _limits(curves: Sequence[_Curve]) -> tuple[float, float]:
-    """The range of an axis: all values, and of the error bands what does not dwarf these."""
+    """Axis limits: all values, and error bands as far as these do not dwarf the values."""
     values = np.concatenate([curve.values[curve.known] for curve in curves])
     bands = np.concatenate([curve.band[curve.known] for curve in curves])
-    if not values.size:  # none of them has a time
+    if not values.size:  # no time is known
         return 0.0, 1.0
     low, high = float(values.min()), float(values.max())
     typical = float(np.median(bands))
-    # below a range of 1e-5 a number is constant
+    # Variations below 1e-5 are shown as constant.
     span = max(high - low, 1e-5 * max(abs(low), abs(high)), 2.0 * typical) or 1.0
     lower = max(float((values - bands).min()), low - BAND * span)
     upper = min(float((values + bands).max()), high + BAND * span)
@@ -228,7 +228,7 @@ def _limits(curves: Sequence[_Curve]) -> tuple[float, float]:
 def _draw_legend(
     picture: Figure, colors: dict[str, str], widths: dict[str, float], lost: set[str], axis: bool
 ) -> None:
-    """Draw which line is which, above the panels."""
+    """Draw the legend above the panels."""
     from matplotlib.lines import Line2D
 
     lines = [

@@ -30,36 +30,36 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SHOWN = "mean_curvature"
-SIZE, DPI = (7.2, 6.0), 100  # inches, dots an inch: even numbers of dots
-PLACE = (0.0, 0.13, 0.86, 0.81)  # of the axes in the picture: left, bottom, width, height
+SIZE, DPI = (7.2, 6.0), 100  # inches, dots per inch: even numbers of pixels
+PLACE = (0.0, 0.13, 0.86, 0.81)  # axes in the picture: left, bottom, width, height
 WIDE = PLACE[2] * SIZE[0] / (PLACE[3] * SIZE[1])
-LINES = 3  # below, of each column
+LINES = 3  # per column of the text below
 
 
-STEP = 0.4  # seconds from one image to the next, at most
-REST = 2.0  # seconds that the last image stays
-MARGIN = 1.15  # size of the picture over its contents
-ZOOM = 3.0  # ratio of the largest to the least size of the contents, beyond which the scale changes
+STEP = 0.4  # seconds per image, at most
+REST = 2.0  # seconds for the last image
+MARGIN = 1.15  # size of the picture relative to its contents
+ZOOM = 3.0  # largest ratio of sizes of the contents shown at a fixed scale
 
 
 def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -> None:
-    """Write the embedded horizons of a run as a film, ``.gif`` or ``.mp4``.
+    """Write a film of the embedded horizons of a run as ``.gif`` or ``.mp4``.
 
-    Each horizon is where its center is in the slice, and turned as it lies there (`PlacedHorizons`); a common
-    horizon is seen through while it holds others.  Colors show the mean curvature in one scale.  The picture
-    follows the horizons, in one scale unless they come much nearer, and a bar shows a length.  Below are the
-    time, masses and spins, and what is lost.
+    Each horizon has the position of its center and its orientation in the slice (`PlacedHorizons`); a common
+    horizon is translucent while it contains others.  Colors show the mean curvature on a fixed scale.  The
+    view follows the horizons, at a fixed scale unless they approach each other strongly, and a scale bar
+    indicates length.  The text below gives time, masses, spins and lost horizons.
 
     Parameters
     ----------
     path : path
     results : iterable of Result
-        In any order.  The same results make the same bytes.
+        Results in any order; equal results yield identical files.
 
     Raises
     ------
     FileError
-        The ending is not known, the file cannot be written, or matplotlib, or for MP4 imageio-ffmpeg, is not
+        The ending is unknown, the file cannot be written, or matplotlib, or for MP4 imageio-ffmpeg, is not
         installed.
     InvalidParameter
         No horizon is embedded.
@@ -67,16 +67,16 @@ def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -
     check_output(path, ANIMATION_ENDINGS)
     check_animation(path)
     placed = PlacedHorizons.of(results, [SHOWN])
-    shown = evenly(scenes(placed), 240)  # images at most
+    shown = evenly(scenes(placed), 240)  # limit of images
     if not shown:
         raise InvalidParameter("no horizon of the run is embedded: there is nothing to film")
-    each = min(STEP, 16.0 / len(shown))  # a film of many images takes 16 seconds
+    each = min(STEP, 16.0 / len(shown))  # limits the film to 16 seconds
     seconds = [each] * (len(shown) - 1) + [REST]
     write_atomically({Path(path): pixels_writer(path, _drawn(placed, shown), seconds)})
 
 
 def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
-    """The images as pixels, (height, width, 3), one after the other."""
+    """Rendered images as pixels, (height, width, 3), in order."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -104,15 +104,15 @@ def _drawn(placed: PlacedHorizons, shown: Sequence[Scene]) -> Iterator[Pixels]:
 
 
 def _poses(shown: Sequence[Scene]) -> list[Pose]:
-    """Centers and sizes of the views: nothing leaves the picture, and it does not jump."""
-    calm = round(0.5 * 0.12 * len(shown))  # the part of the film within which the picture grows or shrinks
+    """Centers and sizes of the views, smoothed in time, with everything inside the picture."""
+    calm = round(0.5 * 0.12 * len(shown))  # half width of the smoothing window, 12 % of the film
     boxes = _filled([_box(scene) for scene in shown])
     low, high = boxes[:, :3], boxes[:, 3:]
     lower, higher = -_around(-low, calm).max(axis=-1), _around(high, calm).max(axis=-1)
     centers = _around(0.5 * (lower + higher), calm).mean(axis=-1)
     reaches = (np.maximum(high - centers, centers - low) / (WIDE, 1.0, np.inf)).max(axis=1)
     sizes = _around(_around(reaches, calm).max(axis=-1), calm).mean(axis=-1)
-    if reaches.max() <= ZOOM * reaches.min():  # sizes can be compared throughout
+    if reaches.max() <= ZOOM * reaches.min():  # a fixed scale keeps sizes comparable
         sizes[:] = reaches.max()
     return [
         Pose(camera().T @ center, np.eye(3), float(size)) for center, size in zip(centers, sizes, strict=True)
@@ -120,17 +120,17 @@ def _poses(shown: Sequence[Scene]) -> list[Pose]:
 
 
 def _box(scene: Scene) -> Floats | None:
-    """The least and the largest coordinates right, up and toward the viewer, with the axes of spins."""
+    """Smallest and largest coordinates right, up and toward the viewer, including the spin axes."""
     if not scene.shown:
         return None
     centers = np.array([horizon.center for horizon in scene.shown]) @ camera().T
     reaches = [horizon.radius * (1.0 if horizon.axis is None else TIP) for horizon in scene.shown]
-    around = np.array(reaches)[:, None]  # however they are turned, so that the picture stays
+    around = np.array(reaches)[:, None]  # independent of orientation, for a steady picture
     return np.concatenate([(centers - around).min(axis=0), (centers + around).max(axis=0)])
 
 
 def _filled(boxes: Sequence[Floats | None]) -> Floats:
-    """Boxes in which those that are missing are as the one before; the first one is there."""
+    """Boxes with missing ones replaced by their predecessors; the first must exist."""
     found = list[Floats]()
     for box in boxes:
         found.append(found[-1] if box is None else box)
@@ -138,17 +138,17 @@ def _filled(boxes: Sequence[Floats | None]) -> Floats:
 
 
 def _around(values: Floats, calm: int) -> Floats:
-    """Windows of the values with `calm` of them before and after each, along a last axis."""
+    """Windows with `calm` values before and after each value, along a last axis."""
     padded = np.pad(values, [(calm, calm)] + [(0, 0)] * (values.ndim - 1), "edge")
     return np.lib.stride_tricks.sliding_window_view(padded, 2 * calm + 1, axis=0)
 
 
 def _draw_scene(axes: Axes, scene: Scene, pose: Pose, scale: ScalarMappable, colors: dict[str, str]) -> None:
-    """Draw the horizons, those that hold others over these, their spins and their names."""
+    """Draw the horizons, enclosing ones on top of the enclosed, with spins and names."""
     shells = scene.shells
     _draw_surfaces(axes, [one for one in scene.shown if one not in shells], pose, scale, 1.0)
     for shell in shells:
-        # opacity of a horizon that contains others
+        # Translucent, as it contains others.
         _draw_surfaces(axes, [shell], pose, scale, 0.35)
     for horizon in scene.shown:
         points = pose.put(np.vstack([horizon.vertices, horizon.center]))
@@ -172,7 +172,7 @@ def _draw_scene(axes: Axes, scene: Scene, pose: Pose, scale: ScalarMappable, col
 def _draw_surfaces(
     axes: Axes, horizons: Sequence[PlacedHorizon], pose: Pose, scale: ScalarMappable, opacity: float
 ) -> None:
-    """Draw horizons beside each other, the farthest face first."""
+    """Draw disjoint horizons, the farthest face first."""
     if not horizons:
         return
     first = np.cumsum([0] + [len(horizon.vertices) for horizon in horizons[:-1]])
@@ -183,7 +183,7 @@ def _draw_surfaces(
 
 
 def _write_below(picture: Figure, scene: Scene, colors: dict[str, str], note: str) -> None:
-    """Write what is known of the horizons, a line for each series, and what is lost."""
+    """Write the properties of the horizons, one line per series, and the outcome of lost ones."""
     rows = [horizon.row for horizon in scene.shown] + list(scene.lost)
     lines = {row.series: known_of(row, "    ") for row in rows}
     for k, name in enumerate(colors):

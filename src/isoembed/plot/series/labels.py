@@ -1,4 +1,4 @@
-"""Labels of quantities in time series, and colors of horizons."""
+"""Labels of quantities in time series, and colors of series."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ SYMBOLS = {
     "residual": "relative error\nof lengths",
     "degree": "degree of the\nharmonics",
 }
-"""Labels of the columns of a table, in TeX between dollar signs."""
+"""Labels of the table columns, in TeX between dollar signs."""
 AXIS = {"axis": ("axis_x", "axis_y", "axis_z")}
-"""Columns that one panel shows together."""
+"""Columns shown together in one panel."""
 CURVATURE = "mean curvature  $H = (k_1 + k_2)/2$,  1/length"
-"""Label of the colors in pictures of horizons."""
+"""Label of the color scale in pictures of horizons."""
 FACTS = {"irreducible_mass": "Mᵢᵣᵣ", "christodoulou_mass": "M", "dimensionless_spin": "χ"}
-"""Symbols of the numbers written beside a horizon, as plain text."""
+"""Symbols of the numbers beside a horizon, as plain text."""
 COLORS = ("#0072b2", "#d55e00", "#1c2430", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
 
 def colors_of(series: Iterable[str]) -> dict[str, str]:
-    """Colors of series, which color-blind people tell apart: seven, and again from the first.
+    """Colors of series: seven, distinguishable with color blindness, repeated cyclically.
 
     Okabe and Ito, "Color universal design" (2008).
     """
@@ -40,12 +40,12 @@ def colors_of(series: Iterable[str]) -> dict[str, str]:
 
 
 def escaped(text: str) -> str:
-    """A text without mathematics, for matplotlib."""
+    """Text with dollar signs escaped for matplotlib."""
     return text.replace("$", r"\$")
 
 
 def power_of_ten(value: float) -> str:
-    """A size in one digit, in TeX."""
+    """Number with one significant digit, in TeX."""
     mantissa, _, power = f"{value:.0e}".partition("e")
     if value == 0 or -3 < int(power) < 4:
         return f"{value:.1g}"
@@ -53,7 +53,7 @@ def power_of_ten(value: float) -> str:
 
 
 def known_of(row: Row, between: str) -> str:
-    """The masses and the spin of an embedded horizon, or what became of it."""
+    """Masses and spin of an embedded horizon, or its status."""
     if "residual" not in row.numbers:
         return row.status
     known = ((symbol, row.numbers.get(name)) for name, symbol in FACTS.items())

@@ -22,21 +22,21 @@ MARKS: dict[str, dict[str, Any]] = {
     REFUSED: {"marker": "s", "color": WRONG, "markersize": 4, "markerfacecolor": "none"},
     FAILED: {"marker": "v", "color": WRONG, "markersize": 5},
 }
-"""Marks of what is not an embedding, by status."""
+"""Marker styles of horizons without embedding, by status."""
 
 
 def draw_outcomes(
     axes: Axes, series: Mapping[str, tuple[Floats, Sequence[str]]], colors: Mapping[str, str]
 ) -> None:
-    """Draw a line for each series: a tick for each embedded horizon, and the `MARKS` of the others.
+    """Draw a row per series: a tick for each embedded horizon, and the `MARKS` of the others.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
     series : mapping of str to (ndarray, sequence of str)
-        Where the horizons of a series are along the axis, and their statuses.
+        Positions of the horizons along the axis, and their statuses.
     colors : mapping of str to str
-        Of the series.
+        Colors of the series.
     """
     for row, (name, (x, statuses)) in enumerate(series.items()):
         for status in dict.fromkeys(statuses):

@@ -33,32 +33,32 @@ FIELDS = {
     "angular_momentum_density": ("angular momentum", "density of the angular momentum", "", "linear"),
     "residual": ("residual", "relative error of lengths", "", "log"),
 }
-"""Data at the vertices that a page shows if all horizons have them: name, label, unit and scale."""
+"""Vertex data shown on a page if all horizons have them: name, label, unit and scale."""
 
 
-MAX_FRAMES = 200  # times on the slider; of more, evenly many are taken
+MAX_FRAMES = 200  # times on the slider; more are thinned evenly
 
 
 def write_series_page(path: str | os.PathLike[str], results: Iterable[Result], *, title: str = "") -> None:
-    """Write the embedded horizons of a run as a page for the browser: one file, which loads nothing.
+    """Write a self-contained browser page of the embedded horizons of a run.
 
-    Horizons are placed as in `write_series_film`, which time on the slider goes through; beside them is a
-    table of all horizons, with those that do not embed, to download as JSON.  Positions and colors are in 16
-    bit; of many times evenly many are taken, at most 200.
+    Horizons are placed as in `write_series_film`, with time on a slider; a table beside them lists all
+    horizons, including those not embedded, and can be downloaded as JSON.  Positions and colors are 16-bit;
+    more than 200 times are thinned evenly.
 
     Parameters
     ----------
     path : path
         Ending in ``.html``.
     results : iterable of Result
-        In any order.  The same results make the same bytes.
+        Results in any order; equal results yield identical files.
     title : str
-        By default the name of the file.
+        Title of the page; by default the file name.
 
     Raises
     ------
     FileError
-        The ending is not known or the file cannot be written.
+        The ending is unknown or the file cannot be written.
     InvalidParameter
         No horizon is embedded.
     """
@@ -77,7 +77,7 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
     shades = [_Shade.of(name, shown) for name in names]
     meshes = dict[bytes, int]()
     entries, frames = list[dict[str, Any]](), list[dict[str, Any]]()
-    pause = round(1000 * min(0.4, 12.0 / len(shown)))  # milliseconds; to play many takes 12 seconds
+    pause = round(1000 * min(0.4, 12.0 / len(shown)))  # milliseconds; limits playing time to 12 seconds
     for scene in shown:
         shells = scene.shells
         horizons = [one for one in scene.shown if one not in shells] + list(shells)
@@ -130,12 +130,12 @@ def _most(shown: Sequence[Scene], fields: int) -> int:
         for scene in shown
         for one in scene.shown
     ]
-    # bytes of all frames; as text a third more
+    # Limit of 12 MB for all frames, before base64 encoding.
     return max(1, int(min(MAX_FRAMES, 12_000_000 * len(shown) // sum(sizes))))
 
 
 def _pose(shown: Sequence[Scene]) -> Pose:
-    """Pose of all horizons before the viewer, as they lie in their slices."""
+    """Pose that contains all horizons in their positions."""
     horizons = [one for scene in shown for one in scene.shown]
     low = np.min([one.vertices.min(axis=0) for one in horizons], axis=0)
     high = np.max([one.vertices.max(axis=0) for one in horizons], axis=0)
@@ -145,14 +145,14 @@ def _pose(shown: Sequence[Scene]) -> Pose:
 
 
 def _told(scene: Scene) -> list[str]:
-    """Text on the horizons beside the time."""
+    """Text about the horizons of a scene."""
     rows = [one.row for one in scene.shown] + list(scene.lost)
     return [f"{row.series}: {known_of(row, ', ')}" for row in sorted(rows, key=lambda row: row.place)]
 
 
 @dataclass(frozen=True, eq=False)
 class _Shade:
-    """A quantity at the vertices, and where its colors begin and end, the same at all times."""
+    """A quantity at the vertices, with color limits common to all times."""
 
     field: str
     shown: str

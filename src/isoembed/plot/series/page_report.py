@@ -1,4 +1,4 @@
-"""HTML tables beside the horizons of a simulation's page."""
+"""HTML tables beside the horizons on a simulation's page."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ COLUMNS = {
 
 
 def run_report_html(placed: PlacedHorizons) -> str:
-    """The tables of the series: a row for each horizon, with what became of those that are not embedded."""
+    """HTML tables of the series: a row per horizon, with the status of those not embedded."""
     along = Abscissa.of(placed.table)
     parts = []
     for name, part in placed.table.series.items():
@@ -37,7 +37,7 @@ def run_report_html(placed: PlacedHorizons) -> str:
 
 
 def run_caption(placed: PlacedHorizons, first: Scene, last: Scene) -> str:
-    """Numbers of horizons and embedded surfaces, and the first and last moment, in one line."""
+    """One line with the numbers of horizons and embedded surfaces, and the first and last time."""
     rows, names = placed.table.rows, placed.table.series
     words = [
         f"{len(names):,} horizon{'s' if len(names) > 1 else ''}: {len(placed.horizons):,} of {len(rows):,} "
@@ -48,5 +48,5 @@ def run_caption(placed: PlacedHorizons, first: Scene, last: Scene) -> str:
 
 
 def _short(value: float | None) -> str:
-    """A number in five digits."""
+    """Number with five significant digits."""
     return number(None if value is None else float(f"{value:.5g}"))

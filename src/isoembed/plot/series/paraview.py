@@ -21,23 +21,23 @@ PARAVIEW_ENDINGS = (".pvd",)
 
 
 def write_paraview(path: str | os.PathLike[str], results: Iterable[Result]) -> None:
-    """Write the embedded horizons of a run as a ParaView collection, with time.
+    """Write the embedded horizons of a run as a ParaView collection with time steps.
 
-    Each horizon is a ``.vtp`` file in a folder beside the collection, which has its name, with all data at
-    the vertices; series are the parts of one time.  A horizon is where its center is in the slice, and turned
-    as it lies there: see `PlacedHorizons.of`.  Horizons without a time are left out where others have one.
+    Each horizon is a ``.vtp`` file with all vertex data, in a folder named like the collection; the series
+    are parts.  Each horizon has the position of its center and its orientation in the slice; see
+    `PlacedHorizons.of`.  If some horizons have a time, those without one are omitted.
 
     Parameters
     ----------
     path : path
         Ending in ``.pvd``.
     results : iterable of Result
-        In any order.  The same results make the same bytes.
+        Results in any order; equal results yield identical files.
 
     Raises
     ------
     FileError
-        The ending is not known, or a file cannot be written.
+        The ending is unknown, or a file cannot be written.
     """
     check_output(path, PARAVIEW_ENDINGS)
     collection, placed = Path(path), PlacedHorizons.of(results)

@@ -21,21 +21,21 @@ FIELD, IN_SLICE = "field/", "slice_coordinates"
 
 @dataclass(frozen=True, eq=False)
 class PlacedHorizon:
-    """An embedded horizon at its place.
+    """An embedded horizon placed in space.
 
     Attributes
     ----------
     row : Row
-        Of the table.
+        Row of the table.
     vertices : ndarray, shape (V, 3)
-        About the ``center``.
+        Vertices around the ``center``.
     faces : ndarray of int, shape (F, 3)
     fields : mapping of str to ndarray
-        At the vertices, (V,) or (V, k).
+        Vertex data, (V,) or (V, k).
     center : ndarray, shape (3,)
-        In the unit of the lengths.
+        Center, in the unit of the lengths.
     axis : ndarray, shape (3,), or None
-        Of the spin, where it has one.
+        Spin axis, if known.
     """
 
     row: Row
@@ -47,11 +47,11 @@ class PlacedHorizon:
 
     @property
     def radius(self) -> float:
-        """The largest distance of a vertex from the center."""
+        """Largest distance of a vertex from the center."""
         return float(np.linalg.norm(self.vertices - self.center, axis=1).max())
 
     def holds(self, other: PlacedHorizon) -> bool:
-        """Whether the center of a smaller one lies inside."""
+        """Whether the center of a smaller horizon lies inside."""
         toward, own = other.center - self.center, self.vertices - self.center
         sizes = np.linalg.norm(own, axis=1)
         size = sizes[np.argmax(own @ toward / sizes)]
@@ -60,17 +60,17 @@ class PlacedHorizon:
 
 @dataclass(frozen=True, eq=False)
 class PlacedHorizons:
-    """Embedded horizons of a run at their places.
+    """Embedded horizons of a run, placed in space.
 
     Attributes
     ----------
     table : SeriesTable
-        With those that do not embed, too.
+        Table of all horizons, including those not embedded.
     horizons : mapping of str to PlacedHorizon
-        By label.
+        Placed horizons by label.
     stretch : float
-        By how much centers are farther apart than in the coordinates of the slice: as much as the largest
-        horizon is larger than there, so that they hold each other, or do not, much as they do there.
+        Factor of the distances between centers relative to slice coordinates: the ratio of areal to mean
+        coordinate radius for the largest horizon, which approximately preserves enclosure.
     """
 
     table: SeriesTable
@@ -79,24 +79,24 @@ class PlacedHorizons:
 
     @property
     def note(self) -> str:
-        """Note on the distances in a picture, if they are not those of coordinates."""
-        if abs(self.stretch - 1.0) <= 0.05:  # a picture does not show less
+        """Note about the scaling of distances, if they differ from coordinate distances."""
+        if abs(self.stretch - 1.0) <= 0.05:  # invisible in a picture
             return ""
         return f"distances of centers: coordinates \N{MULTIPLICATION SIGN} {self.stretch:.2f}"
 
     @classmethod
     def of(cls, results: Iterable[Result], fields: Collection[str] | None = None) -> PlacedHorizons:
-        """Place what is embedded of a run.
+        """Place the embedded horizons of a run.
 
-        Where the points of a horizon in its slice are known, it is turned as it lies there; else onto the one
-        before in its series.  Horizons without a center stand side by side.
+        A horizon whose points in its slice are known is oriented as there; others are aligned with their
+        predecessor in the series.  Horizons without a center are placed side by side.
 
         Parameters
         ----------
         results : iterable of Result
-            In any order.
+            Results in any order.
         fields : collection of str, optional
-            What to keep of the data at the vertices; by default all.
+            Vertex data to keep; by default all.
         """
         kept = [_without(result, fields) for result in results]
         table = SeriesTable.of(kept)
@@ -104,7 +104,7 @@ class PlacedHorizons:
         ratios = [pair for result in there.values() if (pair := _ratio(result.report)) is not None]
         _, stretch = max(ratios, default=(0.0, 1.0))
         radii = [np.linalg.norm(result.arrays["vertices"], axis=1).max() for result in there.values()]
-        # radii between horizons whose centers are unknown
+        # Distance, in radii, between horizons with unknown centers.
         apart, parts = 2.5 * float(max(radii, default=0.0)), table.series
         horizons = dict[str, PlacedHorizon]()
         for k, part in enumerate(parts.values()):
@@ -120,7 +120,7 @@ class PlacedHorizons:
 
 
 def _without(result: Result, fields: Collection[str] | None) -> Result:
-    """The result with no other data at the vertices than these."""
+    """Result with only the given vertex data."""
     if fields is None:
         return result
     names = {FIELD + name for name in fields}
@@ -137,7 +137,7 @@ def _horizon(report: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _ratio(report: Mapping[str, Any]) -> tuple[float, float] | None:
-    """The areal radius of a horizon, and how much larger than the mean one in coordinates that is."""
+    """Areal radius of a horizon, and its ratio to the mean coordinate radius."""
     area, mean = report.get("area"), _horizon(report).get("mean_coordinate_radius")
     if not area or not mean:
         return None
@@ -146,10 +146,10 @@ def _ratio(report: Mapping[str, Any]) -> tuple[float, float] | None:
 
 
 def _turn(arrays: Mapping[str, NDArray[Any]], before: Floats | None) -> tuple[Floats, Floats | None]:
-    """The rotation of a surface onto points of the one before, and its own points after it."""
+    """Rotation that aligns a surface with its predecessor, and the rotated reference points."""
     if f"{SURFACE}/degrees" not in arrays or FIELD + IN_SLICE in arrays:
         return np.eye(3), before
-    # directions in which one surface is turned onto another
+    # Directions of the reference points.
     start, u = Start.restored(arrays), fibonacci_directions(500)
     own = u if start.coordinates is None else start.coordinates.inverse(u)
     points = start.harmonics.derivatives(own, start.coefficients)[0]

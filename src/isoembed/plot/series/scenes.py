@@ -1,4 +1,4 @@
-"""Scenes of a simulation: the horizons, found and lost, at one time."""
+"""Scenes of a simulation: the horizons, embedded or lost, at one time."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class Scene:
     Attributes
     ----------
     moment : str
-        The time, as it is written on a picture.
+        Text of the time.
     shown : tuple of PlacedHorizon
-        In the order of the series.
+        Embedded horizons in the order of the series.
     lost : tuple of Row
-        Of the series that have something at this time that is not embedded.
+        Rows at this time of horizons that are not embedded.
     """
 
     moment: str
@@ -33,16 +33,16 @@ class Scene:
 
     @property
     def shells(self) -> tuple[PlacedHorizon, ...]:
-        """Horizons that enclose others, which are seen through them, from the innermost one outward."""
+        """Horizons that enclose others, and are drawn translucent, from the innermost outward."""
         found = [one for one in self.shown if any(one.holds(other) for other in self.shown)]
         return tuple(sorted(found, key=lambda one: one.radius))
 
 
 def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
-    """Scenes of a run, from its first to its last horizon that is embedded.
+    """Scenes of a run, from its first to its last embedded horizon.
 
-    There is one at each time at which there is a horizon; a series that is known at fewer times than others
-    is seen in between as it is at its nearest.
+    There is one scene for each time in any series; series with fewer times are represented by their nearest
+    row.
     """
     along = Abscissa.of(placed.table)
     tracks = [_Track.of(along.of_series(part), part.rows) for part in placed.table.series.values()]
@@ -58,14 +58,14 @@ def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
 
 
 def evenly(shown: Sequence[Scene], most: int) -> tuple[Scene, ...]:
-    """Choice of at most `count` scenes, with the first and the last."""
+    """Select at most `most` evenly spaced scenes, including the first and the last."""
     chosen = np.rint(np.linspace(0, len(shown) - 1, min(most, len(shown)))).astype(int)
     return tuple(shown[k] for k in chosen.tolist())
 
 
 @dataclass(frozen=True, eq=False)
 class _Track:
-    """The rows of a series, at their times."""
+    """Rows of a series with their times."""
 
     times: Floats
     rows: tuple[Row, ...]
@@ -76,12 +76,12 @@ class _Track:
         known = np.isfinite(times)
         there = tuple(row for row, yes in zip(rows, known, strict=True) if yes)
         steps = np.diff(times[known])
-        # a horizon is seen for half a spacing before and after its own time
+        # A horizon is shown for half a spacing before and after its own time.
         lasting = 0.5 * float(np.median(steps)) if steps.size else 0.0
-        return cls(times[known], there, (1.0 + 1e-9) * lasting)  # spacings that are equal but for rounding
+        return cls(times[known], there, (1.0 + 1e-9) * lasting)  # allows for rounding of equal spacings
 
     def nearest(self, at: float) -> Row | None:
-        """The row at this time, or the nearest if that is not too far."""
+        """Nearest row in time, unless it is too far."""
         if not self.rows:
             return None
         k = int(np.argmin(np.abs(self.times - at)))

@@ -17,23 +17,23 @@ from isoembed.space import Space
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LONGEST = 50  # letters of a name in a picture
+LONGEST = 50  # characters of a name in a picture
 
 
 def horizon_figures(results: Sequence[Result]) -> Iterator[Figure]:
-    """Draw embedded horizons as they lie in their slices, each about its center, in one scale.
+    """Draw embedded horizons as oriented in their slices, each about its center, at a common scale.
 
-    Colors show the mean curvature, an arrow the spin; below are name, time, area and int H dA.
+    Colors show the mean curvature, and an arrow the spin; the caption gives name, time, area and int H dA.
 
     Parameters
     ----------
     results : sequence of Result
-        Of horizons that are embedded.
+        Results of embedded horizons.
 
     Yields
     ------
     matplotlib.figure.Figure
-        One for each, in their order.
+        One figure per result, in order.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def horizon_figures(results: Sequence[Result]) -> Iterator[Figure]:
 
 
 def measures_caption(report: Mapping[str, Any]) -> str:
-    """Area and int H dA of the smooth surface of a report, and the space if that is curved: a line each."""
+    """Area and int H dA of a report's smooth surface, and the space if curved, one line each."""
     lines = [
         rf"area {report['area']:.8g}     $\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$",
         said(Space(report.get("space", {}).get("curvature", 0.0))),
@@ -67,7 +67,7 @@ def measures_caption(report: Mapping[str, Any]) -> str:
 
 
 def _caption(report: Mapping[str, Any]) -> str:
-    """The name and the time above what is known of a horizon."""
+    """Caption of a horizon: name, time and measures."""
     name, horizon = Path(report["name"]).name, report["horizon"]
     name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
     times = [f"{key} {horizon[key]:.9g}" for key in ("time", "iteration") if horizon.get(key) is not None]
