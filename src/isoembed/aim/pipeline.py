@@ -84,6 +84,8 @@ class State:
                     name: fit.vertices,
                     f"{name} numbers": [fit.weight, fit.noise, fit.score, fit.scatter],
                 }
+                if fit.predicted is not None:
+                    kept[f"{name} predicted"] = fit.predicted
         return kept | {f"candidate {k}": surface.vertices for k, surface in enumerate(self.candidates)}
 
     @classmethod
@@ -94,7 +96,11 @@ class State:
             from isoembed.aim.best_fit import BestFit
 
             known |= {
-                name: BestFit(kept[name], *kept[f"{name} numbers"].tolist()) for name in FITS if name in kept
+                name: BestFit(
+                    kept[name], *kept[f"{name} numbers"].tolist(), predicted=kept.get(f"{name} predicted")
+                )
+                for name in FITS
+                if name in kept
             }
         count = sum(name.startswith("candidate ") for name in kept)
         return cls(
