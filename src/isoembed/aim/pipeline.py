@@ -92,16 +92,12 @@ class State:
     def of_arrays(cls, kept: Mapping[str, NDArray[Any]], problem: Problem) -> State:
         """The state that `arrays` gave."""
         known: dict[str, Any] = {name: kept.get(name) for name in ("body", "start", "smooth")}
-        if any(name in kept for name in FITS):
-            from isoembed.aim.best_fit import BestFit
+        for name in FITS:
+            if name in kept:
+                from isoembed.aim.best_fit import BestFit
 
-            known |= {
-                name: BestFit(
-                    kept[name], *kept[f"{name} numbers"].tolist(), predicted=kept.get(f"{name} predicted")
-                )
-                for name in FITS
-                if name in kept
-            }
+                fit = BestFit(kept[name], *kept[f"{name} numbers"].tolist())
+                known[name] = replace(fit, predicted=kept.get(f"{name} predicted"))
         count = sum(name.startswith("candidate ") for name in kept)
         return cls(
             candidates=tuple(problem.placed(kept[f"candidate {k}"]) for k in range(count)),
