@@ -46,15 +46,15 @@ def outlier_limit(count: int) -> float:
 
 
 def standing_out(off: Floats) -> int | None:
-    """The edge whose residual, in standard deviations, is beyond Baarda's limit, or stands out of the others.
+    """The edge whose residual, in standard deviations, stands out of the others, if one does.
 
-    That is if it is beyond one deviation and, in those of the other residuals, beyond the limit, by a margin.
-    A fit that has followed a blunder in part is left with such a residual; it follows blunders where few
-    other lengths contradict them.
+    It is beyond one deviation and, in those of the other residuals, beyond Baarda's limit, by a margin.  A
+    fit that has followed a blunder in part is left with such a residual; it follows blunders where few other
+    lengths contradict them.
     """
-    e, limit = int(np.argmax(off)), outlier_limit(len(off))
-    stands_out = off[e] > MARGIN * limit * np.sqrt(np.mean(np.delete(off, e) ** 2))
-    return e if off[e] > limit or (off[e] > MARGIN and stands_out) else None
+    e = int(np.argmax(off))
+    stands_out = off[e] > MARGIN * outlier_limit(len(off)) * np.sqrt(np.mean(np.delete(off, e) ** 2))
+    return e if off[e] > MARGIN and stands_out else None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
