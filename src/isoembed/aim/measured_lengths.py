@@ -206,7 +206,7 @@ def _followed(
         wrong.append(suspect)
         known = np.maximum(errors, scatter / SCATTERED**2)
         known[wrong] = metric.mean_length
-        start = _start_without(metric, known, start, recorder)
+        start = last.vertices
     last = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
     return wrong if _halves(last, fit) else []
 
