@@ -94,6 +94,44 @@ def test_a_large_blunder_is_not_followed(off):
     assert abs(caught.value.embedding.lengths[77] - exact.lengths[77]) < off / 4
 
 
+@pytest.mark.parametrize("edge", [15, 80, 120, 185])
+def test_no_edge_beside_a_large_blunder_is_accused(edge):
+    """The start is bent by the wrong length: fits without it begin from another."""
+    x, faces = triangulate(Ellipsoid((150.0, 100.0, 80.0)), 200)
+    exact = PolyhedralMetric.from_mesh(x, faces)
+    lengths = exact.lengths + np.random.default_rng(edge).normal(0.0, ERROR, len(exact.lengths))
+    lengths[edge] -= 35 * ERROR
+    with pytest.raises(
+        NotEmbedded, match=rf"on the nearest smooth surface: edge {edge} \[\d+, \d+\] [^;]*, with"
+    ):
+        embed(exact.with_lengths(lengths), length_errors=ERROR)
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_length_that_is_followed_is_corrected_by_the_others(seed):
+    """The surface that has followed it has most of its error; the length that is said has not."""
+    x, faces = rock(seed, rough=0.5)
+    exact = PolyhedralMetric.from_mesh(x, faces)
+    lengths = exact.lengths + np.random.default_rng(4).normal(0.0, ERROR, len(exact.lengths))
+    lengths[160] += 15 * ERROR
+    found = embed(exact.with_lengths(lengths), length_errors=ERROR)
+    said = re.search(r"probably that of edge 160 .*: from \S+ to (\S+)\)", found.message)
+    assert said
+    assert found.lengths[160] - exact.lengths[160] > 10 * ERROR
+    assert abs(float(said[1]) - exact.lengths[160]) < 3 * ERROR
+
+
+def test_the_smallest_detectable_error():
+    """Of seven deviations, by the mean redundancy, and 0.84 for a probability of 80 %."""
+    x, faces = triangulate(Ellipsoid((150.0, 120.0, 100.0)), 80)
+    exact = PolyhedralMetric.from_mesh(x, faces)
+    lengths = exact.lengths + np.random.default_rng(1).normal(0.0, ERROR, len(exact.lengths))
+    report = isoembed.report(embed(exact.with_lengths(lengths), length_errors=ERROR))["measured"]
+    smallest = report["smallest_detectable_error"]
+    assert smallest == pytest.approx(7.84 * ERROR / np.sqrt(report["redundancy"]), rel=1e-3)
+    assert 10 * ERROR < smallest < 15 * ERROR
+
+
 def test_a_blunder_among_rounded_lengths_is_named():
     """The surface that has these lengths is exact, and crumpled; the message says which length to check."""
     x, faces = rock(2, rough=0.5)

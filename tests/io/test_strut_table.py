@@ -237,3 +237,34 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
 def test_what_is_wrong_with_a_table(text, error, words, tmp_path):
     with pytest.raises(error, match=words):
         read_metric(written(tmp_path, text), any_surface=True)
+
+
+@pytest.mark.parametrize("error", ["", "0.01"])
+def test_a_mistyped_strut_is_named_by_its_hubs(error, tmp_path):
+    """Whether the lengths have errors, by their digits or a column, or not."""
+    own = surface(*dome(4))
+    lengths = [f"{100 * length:.2f}" for length in own.lengths]
+    lengths[100] = "3249"  # 32.49, without its point
+    (a, b), names = own.edges[100], [f"{'ABCDEFGH'[v // 50]}{v % 50 + 10}" for v in range(len(own.vertices))]
+    table = "".join(
+        f"{names[a]},{names[b]},{length},{error}\n" for (a, b), length in zip(own.edges, lengths, strict=True)
+    )
+    said = f"wrong, it is that of the strut {names[a]} to {names[b]}: 3249 where about 32.* typed for 32.49"
+    with pytest.raises(
+        InvalidMetric, match=f"the triangle of the hubs .* is 3249, .*; if one length is {said}$"
+    ):
+        read_metric(written(tmp_path, "from,to,length,error\n" + table))
+
+
+def test_larger_errors_than_those_of_the_digits_explain_a_triangle(tmp_path):
+    own = surface(*zoo.random_hull(60, 6))
+    lengths = np.round(100 * own.lengths, 1)
+    sides = own.triangulation.face_edges[0]
+    lengths[sides[0]] = np.round(lengths[sides[1:]].sum(), 1) + 0.9
+    text = "from,to,length\n" + "".join(
+        f"{a},{b},{length:.1f}\n" for (a, b), length in zip(own.edges, lengths, strict=True)
+    )
+    with pytest.raises(InvalidMetric, match="breaks the triangle inequality"):
+        read_metric(written(tmp_path, text))
+    with pytest.warns(MeshNote, match="changed within their errors"):
+        read_metric(written(tmp_path, text), length_errors=0.5)

@@ -1,5 +1,6 @@
 """Surfaces with boundary and of higher genus, against closed forms and discarded coordinates."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -464,6 +465,22 @@ def test_a_wrong_length_of_a_cap_is_found_from_its_digits():
     assert "the errors, 0.29, are those of the last digit, and the surface that has" in found.message
     assert [distance(other.vertices, exact.vertices) < 1e-6 for other in found.others] == [True]
     assert "so closely that they do not tell" in found.message
+
+
+@pytest.mark.parametrize(("edge", "off"), [(54, -12.0), (84, 12.0), (114, -12.0)])
+def test_a_large_blunder_on_an_open_cap(edge, off):
+    """It is named, no other edge is, and the length that is said is that of the others."""
+    points, faces = discs.irregular(60)
+    cap = PolyhedralMetric.from_mesh(150 * discs.round_cap(points, np.pi / 2) * [1.1, 1.0, 0.75], faces)
+    lengths = cap.lengths + np.random.default_rng(4).normal(0, 0.3, len(cap.lengths))
+    lengths[edge] += off
+    named = (
+        rf"on the nearest smooth surface: edge {edge} \[\d+, \d+\] \([^)]* to (\S+)\), with which all other"
+    )
+    with pytest.raises(NotEmbedded, match=named) as caught:
+        embed(cap.with_lengths(lengths), boundary="plane", length_errors=0.3)
+    said = re.search(named, str(caught.value))
+    assert abs(float(said[1]) - cap.lengths[edge]) < abs(off) / 6
 
 
 def test_deviations_of_a_cap_with_too_many_digits_are_of_the_scatter():

@@ -63,6 +63,9 @@ class BestFit:
     scatter : float
         `noise` of the fit with the least score so far, of those with degrees of freedom enough to tell; 0 if
         there is none, or if few are left and a smaller mu might have a smaller score.
+    predicted : ndarray, shape (E,), or None
+        Lengths of the edges that are suspected to be wrong, on fits without them, over the mean edge length;
+        NaN for the others.
     """
 
     vertices: Floats
@@ -70,6 +73,7 @@ class BestFit:
     noise: float
     score: float
     scatter: float = 0.0
+    predicted: Floats | None = None
 
     @property
     def degrees_of_freedom(self) -> float:

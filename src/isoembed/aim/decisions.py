@@ -110,7 +110,14 @@ class SmootherWithinErrors(Decision):
         smoother = exact.surface.fine_roughness < found.surface.fine_roughness
         if smoother or (not found.converged and has_small_errors(pipeline.metric)):
             found = replace(
-                found, vertices=exact.vertices, weight=0.0, scatter=0.0, length_errors=None, message=""
+                found,
+                vertices=exact.vertices,
+                weight=0.0,
+                scatter=0.0,
+                redundancy=0.0,
+                predicted=None,
+                length_errors=None,
+                message="",
             )
         elif not found.converged:
             found = found._with_others([exact])

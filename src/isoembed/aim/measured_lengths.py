@@ -27,6 +27,7 @@ Morozov, On the solution of functional equations by the method of regularization
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import compress
 
 import numpy as np
@@ -36,7 +37,15 @@ from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits, Outlier
 from isoembed.aim.smoothing_energy import SmoothingEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.embedding.measured import SCATTERED, SIGNIFICANCE, SUSPECTS, MeasuredSurface, outlier_limit
+from isoembed.embedding.measured import (
+    OUTLIER,
+    SCATTERED,
+    SIGNIFICANCE,
+    SUSPECTS,
+    MeasuredSurface,
+    outlier_limit,
+    standing_out,
+)
 from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
@@ -54,9 +63,6 @@ BELOW_NOISE = 0.1
 """Root mean square of the residuals, over that of the errors, below which less mu changes nothing that the
 lengths could tell."""
 
-OUTLIER = 7.0
-"""Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
-
 SMALL = 1e-5
 """Errors, over the mean edge length, so small that the surface with exactly these lengths is sought as well.
 Both are near to the truth where they are on its branch; they may differ in vertices reflected through their
@@ -72,6 +78,8 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
         tolerance=tolerance,
         weight=fit.weight,
         scatter=fit.scatter,
+        redundancy=fit.degrees_of_freedom / len(metric.lengths),
+        predicted=fit.predicted,
     )
 
 
@@ -146,9 +154,33 @@ def fit_within_errors(
         fit, suspect = _fit_of_smooth_start(metric, known, start, recorder)
         wrong = _followed(metric, known, fit, start, recorder) if suspect is None else [suspect]
         if not wrong:
-            return fit
+            break
         known[wrong] = metric.mean_length
-    return _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+        start = _start_without(metric, known, start, recorder)
+    else:
+        fit = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+    without, lengths = fit, _lengths(metric, fit)
+    if (known == errors).all() and (e := standing_out(np.abs(lengths - metric.lengths) / errors)) is not None:
+        known[e] = metric.mean_length
+        start = _start_without(metric, known, start, recorder)
+        without = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+    left_out = known != errors
+    if not left_out.any():
+        return fit
+    predicted = np.where(left_out, _lengths(metric, without) / metric.mean_length, np.nan)
+    return replace(fit, predicted=predicted)
+
+
+def _lengths(metric: PolyhedralMetric, fit: BestFit) -> Floats:
+    a, b = fit.vertices[metric.edges.T]
+    return metric.space.distances(a, b)
+
+
+def _start_without(
+    metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder
+) -> Floats:
+    """A start for fits without lengths that have large errors: the given one bulges where these are wrong."""
+    return _fit_of_smooth_start(metric, errors, start, recorder, most=np.inf)[0].vertices
 
 
 def _followed(
@@ -168,13 +200,13 @@ def _followed(
         if wrong and _halves(last, fit):
             return wrong
         if suspect is None:
-            a, b = last.vertices[metric.edges.T]
-            suspect = int(np.argmax(np.abs(metric.space.distances(a, b) - metric.lengths) / known))
+            suspect = int(np.argmax(np.abs(_lengths(metric, last) - metric.lengths) / known))
         if wrong and metric.lengths[suspect] != metric.lengths[wrong[0]]:
             return []
         wrong.append(suspect)
         known = np.maximum(errors, scatter / SCATTERED**2)
         known[wrong] = metric.mean_length
+        start = last.vertices
     last = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
     return wrong if _halves(last, fit) else []
 

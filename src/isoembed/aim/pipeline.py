@@ -84,18 +84,20 @@ class State:
                     name: fit.vertices,
                     f"{name} numbers": [fit.weight, fit.noise, fit.score, fit.scatter],
                 }
+                if fit.predicted is not None:
+                    kept[f"{name} predicted"] = fit.predicted
         return kept | {f"candidate {k}": surface.vertices for k, surface in enumerate(self.candidates)}
 
     @classmethod
     def of_arrays(cls, kept: Mapping[str, NDArray[Any]], problem: Problem) -> State:
         """The inverse of `arrays`."""
         known: dict[str, Any] = {name: kept.get(name) for name in ("body", "start", "smooth")}
-        if any(name in kept for name in FITS):
-            from isoembed.aim.best_fit import BestFit
+        for name in FITS:
+            if name in kept:
+                from isoembed.aim.best_fit import BestFit
 
-            known |= {
-                name: BestFit(kept[name], *kept[f"{name} numbers"].tolist()) for name in FITS if name in kept
-            }
+                fit = BestFit(kept[name], *kept[f"{name} numbers"].tolist())
+                known[name] = replace(fit, predicted=kept.get(f"{name} predicted"))
         count = sum(name.startswith("candidate ") for name in kept)
         return cls(
             candidates=tuple(problem.placed(kept[f"candidate {k}"]) for k in range(count)),

@@ -25,7 +25,11 @@ if TYPE_CHECKING:
 SIGNIFICANCE = 1e-3
 """Significance level of each test: the true lengths of all edges fail it once in a thousand."""
 SUSPECTS = 3
-"""Edges that the message of a failure names at most: a blunder is as a rule the first, or beside it."""
+"""Edges that the message of a failure names at most."""
+OUTLIER = 7.0
+"""Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
+POWER = 0.84
+"""Normal quantile of 80 %, with which probability the smallest detectable error is found."""
 FOLLOWED = 0.05
 """Chi-square over the number of edges below which the fit follows the lengths: it does not test errors."""
 SCATTERED = 2.0
@@ -39,6 +43,18 @@ MARGIN = 1.1
 def outlier_limit(count: int) -> float:
     """Limit that the largest of so many normal errors exceeds once in a thousand, in standard deviations."""
     return float(-ndtri(SIGNIFICANCE / 2 / count))
+
+
+def standing_out(off: Floats) -> int | None:
+    """The edge whose residual, in standard deviations, stands out of the others, if one does.
+
+    It is beyond one deviation and, in those of the other residuals, beyond Baarda's limit, by a margin.  A
+    fit that has followed a blunder in part is left with such a residual; it follows blunders where few other
+    lengths contradict them.
+    """
+    e = int(np.argmax(off))
+    stands_out = off[e] > MARGIN * outlier_limit(len(off)) * np.sqrt(np.mean(np.delete(off, e) ** 2))
+    return e if off[e] > MARGIN and stands_out else None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,6 +78,12 @@ class MeasuredSurface(Embedding):
     scatter : float
         Root mean square of the errors of the lengths, over the mean edge length, by the account of the smooth
         surface that best predicts each from the others (generalized cross-validation); 0 if none tells.
+    redundancy : float
+        Mean share of an error of a length that its residual shows: the degrees of freedom of the residuals
+        over the number of edges; 0 if not known.
+    predicted : ndarray, shape (E,), or None
+        Lengths of the edges that are suspected, on fits without them, over the mean edge length; NaN for the
+        others.
 
     References
     ----------
@@ -71,6 +93,8 @@ class MeasuredSurface(Embedding):
     _: KW_ONLY
     weight: float
     scatter: float = 0.0
+    redundancy: float = 0.0
+    predicted: Floats | None = None
 
     def __post_init__(self) -> None:
         if self.length_errors is None:
@@ -127,22 +151,19 @@ class MeasuredSurface(Embedding):
 
     @property
     def _suspects(self) -> list[int]:
-        """The edges with the largest residuals, the largest first, that a single one should not have."""
-        worst = np.argsort(-self._standardized, kind="stable")[:SUSPECTS].tolist()
-        return [e for e in worst if self._standardized[e] > self._outlier_limit]
+        """Edges whose residuals no single one should have, the largest first: those fitted without, if any.
+
+        Residuals of others beside them are as a rule those of the fit that a wrong length has bent.
+        """
+        off = self._standardized
+        left_out = [] if self.predicted is None else np.flatnonzero(np.isfinite(self.predicted)).tolist()
+        worst = sorted(left_out or [int(np.argmax(off))], key=lambda e: -off[e])
+        return [e for e in worst[:SUSPECTS] if off[e] > self._outlier_limit]
 
     @property
     def _doubtful(self) -> int | None:
-        """The edge whose residual stands out of the others of a surface that has converged, if one does.
-
-        It is beyond one standard deviation and, in those of the other residuals, beyond Baarda's limit, by a
-        margin.  A fit that has followed a blunder in part is left with such a residual; it follows blunders
-        where few other lengths contradict them.
-        """
-        off = self._standardized
-        e = int(np.argmax(off))
-        stands_out = off[e] > MARGIN * self._outlier_limit * np.sqrt(np.mean(np.delete(off, e) ** 2))
-        return e if self.weight and off[e] > MARGIN and stands_out else None
+        """The edge whose residual stands out of the others of a surface that has converged, if one does."""
+        return standing_out(self._standardized) if self.weight else None
 
     @property
     def _follows(self) -> bool:
@@ -172,8 +193,10 @@ class MeasuredSurface(Embedding):
         return float(np.sqrt(np.mean(sigma**2)))
 
     def _named(self, e: int, *, in_percent: bool) -> str:
-        """An edge and how much longer it is on the surface: both lengths in their unit, or only percent."""
+        """An edge and how much longer it is on a fit without it: lengths in their unit, or only percent."""
         given, found = float(self.metric.lengths[e]), float(self.lengths[e])
+        if self.predicted is not None and np.isfinite(self.predicted[e]):
+            found = float(self.predicted[e]) * self.metric.mean_length
         lengths = f": from {given:.10g} to {Estimate(found, 0.02 * abs(found - given)).rounded}"
         change = f"{100 * (found / given - 1):+.2g} %{'' if in_percent else lengths}"
         return f"edge {e} {self.edges[e].tolist()} ({change})"
@@ -264,6 +287,17 @@ class MeasuredSurface(Embedding):
         )
 
     @property
+    def _smallest_detectable_error(self) -> float | None:
+        """Error of a length, in its unit, that is found with probability 0.8 (Baarda's internal reliability).
+
+        Of an edge with root mean square errors and the mean redundancy; None if it is not known.
+        """
+        if not self.redundancy:
+            return None
+        error = self._root_mean_square * self.metric.mean_length
+        return (OUTLIER + POWER) * error / math.sqrt(self.redundancy)
+
+    @property
     def _reported(self) -> Mapping[str, Any]:
         """The test that the surface has passed, under ``measured``."""
         found = {
@@ -274,5 +308,7 @@ class MeasuredSurface(Embedding):
             "significance": SIGNIFICANCE,
             "weight": self.weight,
             "scatter": self.scatter or None,
+            "redundancy": self.redundancy or None,
+            "smallest_detectable_error": self._smallest_detectable_error,
         }
         return {"measured": found}

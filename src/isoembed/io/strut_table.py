@@ -10,14 +10,18 @@ from itertools import combinations, zip_longest
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from isoembed.arrays import Indices
+from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric, warn_of_mesh
 from isoembed.io.files import FileError, Tables, printable
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import LONGEST
 from isoembed.metric.precision import COARSE, PRECISION, common_unit
+from isoembed.metric.triangle_checks import first_broken, within_inequalities
+from isoembed.metric.wrong_length import wrong_length_clause
+from isoembed.space import EUCLIDEAN
 
 LENGTHS = ("length", "chord factor")
 """Columns of lengths: the first of these that a table has."""
@@ -108,9 +112,6 @@ def read(file: InputFile) -> Tables:
     tables = {"faces": _triangles(edges, struts), "edges": edges, "lengths": np.array(lengths)}
     hubs, error = _hubs(struts), _error(texts, tables["lengths"])
     written = {row.line: _error_written(row) for row in measured}
-    if not error and not any(written.values()):
-        _check_triangles(tables["faces"], edges, lengths, hubs)
-    _say_which_hub_is_which(hubs)
     if any(written.values()):
         tables["length_errors"] = np.array(
             [
@@ -121,8 +122,11 @@ def read(file: InputFile) -> Tables:
                 for row in measured
             ]
         )
-        return tables
-    return {**tables, "length_errors": np.array(error)} if error else tables
+    elif error:
+        tables["length_errors"] = np.array(error)
+    _check_triangles(**tables, hubs=hubs)
+    _say_which_hub_is_which(hubs)
+    return tables
 
 
 def _rows(file: InputFile) -> Iterator[_Row]:
@@ -295,19 +299,29 @@ def _triangles(edges: Indices, struts: Sequence[_Row]) -> Indices:
     return np.array(_turned_alike(found, at))
 
 
-def _check_triangles(faces: Indices, edges: Indices, lengths: Sequence[float], hubs: Sequence[str]) -> None:
-    """Refuse exact lengths that break a triangle inequality, by the names of the hubs."""
-    long = {frozenset(ends): length for ends, length in zip(edges.tolist(), lengths, strict=True)}
-    for face in np.sort(faces, axis=1).tolist():
-        sides = sorted((long[frozenset(pair)], pair) for pair in combinations(face, 2))
-        (one, _), (other, _), (longest, _) = sides
-        if longest >= one + other:
-            names = [hub[:LONGEST_QUOTE] for hub in hubs]
-            said = [f"{names[a]} to {names[b]} is {length:.9g}" for length, (a, b) in reversed(sides)]
-            raise InvalidMetric(
-                f"the triangle of the hubs {', '.join(names[v] for v in face)} breaks the triangle "
-                f"inequality: {', '.join(said)}"
-            )
+def _check_triangles(
+    faces: Indices, edges: Indices, lengths: Floats, hubs: Sequence[str], length_errors: ArrayLike = 0.0
+) -> None:
+    """Refuse lengths that break a triangle inequality, and not by their errors, by the names of the hubs."""
+    place = {frozenset(ends): e for e, ends in enumerate(edges.tolist())}
+    pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2).tolist()
+    sides = np.array([place[frozenset(pair)] for pair in pairs]).reshape(-1, 3)
+    f = first_broken(sides, lengths, 0.0)
+    if f >= 0 and np.any(length_errors):  # larger ones may be given beside the table
+        errors = np.maximum(length_errors, ONE_DIGIT * lengths.mean())
+        f = first_broken(
+            sides, within_inequalities(sides, lengths, np.broadcast_to(errors, lengths.shape)), 0.0
+        )
+    if f < 0:
+        return
+    names = [hub[:LONGEST_QUOTE] for hub in hubs]
+    ends = [" to ".join(names[v] for v in pair) for pair in np.sort(edges, axis=1).tolist()]
+    longest_first = sides[f][np.argsort(-lengths[sides[f]], kind="stable")].tolist()
+    doubt = wrong_length_clause(faces, sides, lengths, EUCLIDEAN, lambda e: f"the strut {ends[e]}")
+    raise InvalidMetric(
+        f"the triangle of the hubs {', '.join(names[v] for v in sorted(faces[f].tolist()))} breaks the "
+        f"triangle inequality: {', '.join(f'{ends[e]} is {lengths[e]:.9g}' for e in longest_first)}{doubt}"
+    )
 
 
 def _by_sides(triangles: Iterable[tuple[int, int, int]]) -> dict[tuple[int, int], list[int]]:

@@ -24,7 +24,7 @@ def rescaled(metric: PolyhedralMetric, u: Floats) -> PolyhedralMetric:
     """
     a, b = metric.edges.T
     w = np.exp(u)
-    return metric.with_lengths(metric.lengths * (w[a] + w[b]) / 2)
+    return metric.on(metric.triangulation, metric.lengths * (w[a] + w[b]) / 2, metric.space)
 
 
 def equivalent(metric: GluedMetric, u: Floats) -> GluedMetric:

@@ -18,8 +18,9 @@ from isoembed.metric.distances import lengths_between
 from isoembed.metric.given_mesh import merging_advice, triangle_mesh
 from isoembed.metric.other_packages import of_pyvista, of_trimesh
 from isoembed.metric.precision import Precision, rounding_error
-from isoembed.metric.triangle_checks import check_triangles, within_inequalities
+from isoembed.metric.triangle_checks import check_triangles, first_broken, within_inequalities
 from isoembed.metric.triangle_metric import TriangleMetric
+from isoembed.metric.wrong_length import wrong_length_clause
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import Model, from_model
 
@@ -110,7 +111,7 @@ class PolyhedralMetric(TriangleMetric):
             values = values[order]
         if errors is not None:
             values = _within_errors(triangulation, values, errors)
-        self._set(triangulation, values, Space(curvature))
+        self._set(triangulation, values, Space(curvature), given=True)
         if errors is not None:
             self._put(**self._measured(errors))
 
@@ -234,7 +235,7 @@ class PolyhedralMetric(TriangleMetric):
     def on(
         cls, triangulation: Triangulation, lengths: ArrayLike, space: Space = EUCLIDEAN
     ) -> PolyhedralMetric:
-        """Put lengths, in the order of its edges, on a triangulation that is there already.
+        """Put computed lengths, in the order of its edges, on a triangulation that is there already.
 
         Raises
         ------
@@ -245,8 +246,11 @@ class PolyhedralMetric(TriangleMetric):
         metric._set(triangulation, _length_array(lengths), space)
         return metric
 
-    def _set(self, triangulation: Triangulation, lengths: Floats, space: Space) -> None:
-        _check_lengths(triangulation, lengths, space)
+    def _set(
+        self, triangulation: Triangulation, lengths: Floats, space: Space, *, given: bool = False
+    ) -> None:
+        """Set lengths that were computed, or given by a user who may have rounded or mistyped them."""
+        _check_lengths(triangulation, lengths, space, given=given)
         lengths.flags.writeable = False
         self._put(triangulation=triangulation, lengths=lengths, space=space)
         self._put(precision=None, length_errors=None)
@@ -284,7 +288,9 @@ class PolyhedralMetric(TriangleMetric):
         InvalidMetric
             They are not lengths of a metric.
         """
-        return self.on(self.triangulation, lengths, self.space)
+        metric = self.__new__(type(self))
+        metric._set(self.triangulation, _length_array(lengths), self.space, given=True)
+        return metric
 
     def with_length_errors(self, errors: ArrayLike) -> PolyhedralMetric:
         """Return the same metric with standard deviations of its lengths; errors of zero make it exact.
@@ -436,26 +442,30 @@ def _check_positive(edges: Indices, lengths: Floats) -> None:
         )
 
 
-def _check_lengths(triangulation: Triangulation, lengths: Floats, space: Space) -> None:
+def _check_lengths(triangulation: Triangulation, lengths: Floats, space: Space, *, given: bool) -> None:
     if len(lengths) != triangulation.n_edges:
         raise InvalidMetric(f"there are {triangulation.n_edges} edges but {len(lengths)} lengths")
     _check_positive(triangulation.edges, lengths)
     face_edges, edges = triangulation.face_edges, triangulation.edges
 
-    def name(h: int) -> str:
-        e = face_edges.flat[h]
+    def name(e: int) -> str:
         return f"edge {e} {edges[e].tolist()}"
 
     try:
-        check_triangles(triangulation.faces, face_edges, lengths, space, name)
+        check_triangles(
+            triangulation.faces, face_edges, lengths, space, lambda h: name(int(face_edges.flat[h]))
+        )
     except InvalidMetric as error:
+        if not given or first_broken(face_edges, lengths, 0.0) < 0:
+            raise
         deviation = (rounding_error(lengths) or 0.0) * float(np.mean(lengths))
         errors = np.full(len(lengths), deviation)
         if deviation and within_inequalities(face_edges, lengths, errors) is not lengths:
             raise InvalidMetric(
                 f"{error}; rounding explains it: give {deviation:.2g} as the standard deviation of lengths"
             ) from None
-        raise
+        doubt = wrong_length_clause(triangulation.faces, face_edges, lengths, space, name)
+        raise InvalidMetric(f"{error}{doubt}") from None
 
 
 def _within_errors(triangulation: Triangulation, lengths: Floats, errors: Floats) -> Floats:

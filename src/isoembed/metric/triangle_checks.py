@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 
-from isoembed.arrays import Floats, Indices
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.space import Space
 
@@ -49,12 +50,17 @@ def check_triangles(
 
 def first_broken(face_edges: Indices, lengths: Floats, margin: float) -> int:
     """The first face that breaks the triangle inequality up to a share of its longest side, or -1."""
+    broken = broken_triangles(face_edges, lengths, margin)
+    return int(np.argmax(broken)) if broken.any() else -1
+
+
+def broken_triangles(face_edges: Indices, lengths: Floats, margin: float = 0.0) -> Mask:
+    """Faces that break the triangle inequality up to a share of their longest sides, shape (F,)."""
     a, b, c = (lengths[edges] for edges in face_edges.T)
     low, high = np.minimum(a, b), np.maximum(a, b)
     least, middle, most = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
     # A difference of neighbors neither over- nor underflows.
-    broken = ~(most - middle < least - margin * most)
-    return int(np.argmax(broken)) if broken.any() else -1
+    return cast(Mask, ~(most - middle < least - margin * most))
 
 
 def within_inequalities(sides: Indices, lengths: Floats, errors: Floats) -> Floats:

@@ -7,14 +7,14 @@ that is smooth within the errors.  The cap is the mean of its one half and of th
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from isoembed.aim.adaptive import Aim
 from isoembed.arrays import Floats
-from isoembed.embedding.measured import MeasuredSurface
+from isoembed.embedding.measured import MeasuredSurface, standing_out
 from isoembed.errors import InvalidMetric, NotEmbedded
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
@@ -99,25 +99,47 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
     closed = doubled(metric).simplicial()
     # Edges inside count twice there, and those of the boundary are to count as much.
     once = np.where(t.boundary_edges, np.sqrt(0.5), 1.0)
-    closed = closed.with_length_errors((once * sigma)[t.edge_indices(own[closed.edges])])
-    try:
-        found = Aim().run(closed.normalized, tolerance, log)
-    except NotEmbedded as failure:
-        found = failure.embedding
-    assert isinstance(found, MeasuredSurface)  # the metric has errors
-    x = found._in_unit_of(closed).vertices
+    copies = t.edge_indices(own[closed.edges])
     [loop] = t.boundaries
-    middle = x[loop].mean(axis=0)
-    axes = np.linalg.svd(x[loop] - middle, full_matrices=False)[2]
-    half, other = ((x[some] - middle) @ axes.T for some in (np.arange(n), copied))
-    cap = (half + other * [1.0, 1.0, -1.0]) / 2
-    return MeasuredCap(
-        metric,
-        frozen(turned_about_vertical(upright(cap @ axes, cap[loop] @ axes), loop)),
-        method=name,
-        tolerance=tolerance,
-        stages=log.stages,
-        weight=found.weight,
-        scatter=found.scatter,
-        condition="plane",
-    )
+
+    def fitted(errors: Floats) -> MeasuredCap:
+        measured = closed.with_length_errors((once * errors)[copies])
+        try:
+            found = Aim().run(measured.normalized, tolerance, log)
+        except NotEmbedded as failure:
+            found = failure.embedding
+        assert isinstance(found, MeasuredSurface)  # the metric has errors
+        x = found._in_unit_of(measured).vertices
+        middle = x[loop].mean(axis=0)
+        axes = np.linalg.svd(x[loop] - middle, full_matrices=False)[2]
+        half, other = ((x[some] - middle) @ axes.T for some in (np.arange(n), copied))
+        cap = (half + other * [1.0, 1.0, -1.0]) / 2
+        predicted = None
+        if found.predicted is not None:  # of one of two copies at least
+            predicted = np.full(t.n_edges, np.nan)
+            left_out = np.isfinite(found.predicted)
+            predicted[copies[left_out]] = (
+                found.predicted[left_out] * measured.mean_length / metric.mean_length
+            )
+        return MeasuredCap(
+            metric,
+            frozen(turned_about_vertical(upright(cap @ axes, cap[loop] @ axes), loop)),
+            method=name,
+            tolerance=tolerance,
+            stages=log.stages,
+            weight=found.weight,
+            scatter=found.scatter,
+            redundancy=found.redundancy,
+            predicted=predicted,
+            condition="plane",
+        )
+
+    cap = fitted(sigma)
+    doubt = standing_out(cap._standardized)
+    if doubt is None or cap.predicted is not None:
+        return cap
+    # The two copies of a length hide one another on the closed surface.
+    without = fitted(np.where(np.arange(t.n_edges) == doubt, metric.mean_length, sigma))
+    predicted = np.full(t.n_edges, np.nan)
+    predicted[doubt] = without.lengths[doubt] / metric.mean_length
+    return replace(cap, predicted=predicted)

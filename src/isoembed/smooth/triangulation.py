@@ -69,7 +69,7 @@ class SphereMesh:
         """
         i, j = self.metric.edges.T
         lengths = geodesic_lengths(metric, self.directions[i], self.directions[j])
-        return self.metric.with_lengths(lengths)
+        return self.metric.on(self.metric.triangulation, lengths, self.metric.space)
 
 
 def triangulate_metric(
