@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csc_array, csr_array, kron
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.linalg import Solver, SymmetricFactor, Work, analyze, dissect
 from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
@@ -89,6 +89,19 @@ class InterpolatedRigidity:
             kron(self.pattern, np.ones((3, 3), dtype=np.int8), format="csc"), order, work=self._work
         )
 
+    @cached_property
+    def _keys(self) -> Indices:
+        """A number for each entry of the pattern, by column and row, ascending."""
+        n = self.pattern.shape[0]
+        return np.repeat(np.arange(n), np.diff(self.pattern.indptr)) * n + self.pattern.indices
+
+    @cached_property
+    def _diagonal(self) -> Indices:
+        """Places of the diagonal among the entries of the matrix."""
+        pattern = self._solver.pattern
+        columns = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr))
+        return np.flatnonzero(pattern.indices == columns)
+
     def factor(self, differences: CellRows, rows: Floats, penalty: csr_array) -> SymmetricFactor:
         """Factor ``(J P)^T J P + penalty``, in single precision, the penalty acting on x, y and z alike.
 
@@ -116,15 +129,10 @@ class InterpolatedRigidity:
             pattern.indices,
         )
         coupled = csc_array(penalty).tocoo()
-        n = pattern.shape[0]
-        keys = np.repeat(np.arange(n), np.diff(pattern.indptr)) * n + pattern.indices
-        at = np.searchsorted(keys, coupled.col.astype(np.int64) * n + coupled.row)
+        at = np.searchsorted(self._keys, coupled.col.astype(np.int64) * pattern.shape[0] + coupled.row)
         first = pattern.indptr[coupled.col].astype(np.int64)
         width = 3 * (pattern.indptr[coupled.col + 1] - first)
         for k in range(3):
             values[9 * first + 3 * (at - first) + k * width + k] += coupled.data
-        diagonal = self._solver.pattern.indices == np.repeat(
-            np.arange(3 * n), np.diff(self._solver.pattern.indptr)
-        )
-        values[diagonal] *= 1 + DIAGONAL_SHIFT
+        values[self._diagonal] *= 1 + DIAGONAL_SHIFT
         return self._solver.factor(values, single=True)
