@@ -51,7 +51,7 @@ MOST = 200
 DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32, 48), (16, 24, 32, 48, 64, 96, 128, 192, 256)
 """Degrees of eigenfunctions, in order of refinement, limited by the size of the matrices."""
 SMALL, UNCERTAIN = 0.5, 2.0
-"""Change between degrees at which to stop, relative to the error from the data; safety factor of the latter."""
+"""Change between degrees at which to stop, relative to the error from the data; safety factor of that."""
 MARGIN = 8
 """Dimension of the subspace beyond twice the number of eigenvalues, for convergence of subspace iteration."""
 ITERATIONS = 60
