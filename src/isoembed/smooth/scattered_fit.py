@@ -53,7 +53,7 @@ def deviating(harmonics: Harmonics) -> Harmonics:
 
 
 def white(harmonics: Harmonics, size: float, *functions: int) -> Floats:
-    """Random deviations (N, size of `deviating`, *functions) of given root mean square, with flat spectrum."""
+    """Random deviations (N, size of `deviating`, *functions) of given root mean square, as white noise."""
     count = deviating(harmonics).size
     drawn = np.random.default_rng(0).normal(size=(DEVIATIONS, count, *functions))
     return drawn * (size * np.sqrt(4.0 * np.pi * DEVIATIONS / drawn.size))

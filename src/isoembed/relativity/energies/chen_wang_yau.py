@@ -61,8 +61,8 @@ class ChenWangYau:
     center : ndarray, shape (3,)
         Center of the observers at rest, with ambient coordinates x of `isoembed.Space`.
     gradient : float or None
-        Norm of the gradient of E in the coefficients of tau at tau = 0, which are lengths; None for a horizon,
-        whose mean curvature vector has no direction.
+        Norm of the gradient of E in the coefficients of tau at tau = 0, which are lengths; None for a
+        horizon, whose mean curvature vector has no direction.
     notes : tuple of str
         Remarks on the interpretation of the energy.
     """

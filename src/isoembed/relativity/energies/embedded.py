@@ -138,9 +138,9 @@ class EmbeddedSurface:
         dict of str to ndarray
             ``vertices`` (V, 3) and ``faces`` (F, 3); in hyperbolic and spherical space the vertices are
             conformal coordinates, as in files, and the ``curvature`` of the space is included.  Further
-            entries (V,): ``mean_curvature`` H, ``gaussian_curvature``, and ``residual``, the relative error of
-            lengths.  If k is given, ``k`` and ``p`` in the slice, and the expansions of outgoing and ingoing
-            light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p).  If there is a spin,
+            entries (V,): ``mean_curvature`` H, ``gaussian_curvature``, and ``residual``, the relative error
+            of lengths.  If k is given, ``k`` and ``p`` in the slice, and the expansions of outgoing and
+            ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p).  If there is a spin,
             ``angular_momentum_density``, K(phi, n) / 8 pi, where phi is the rotation about its axis in slice
             coordinates.  If the points in the slice are known, ``slice_coordinates`` (V, 3).
         """
@@ -244,12 +244,12 @@ def embed_surface(
 
 
 def _with_displacement(least: LeastHyperbolic, data: SurfaceData) -> LeastHyperbolic:
-    """The least space with what the displacement of a horizon adds to the error of its curvature."""
+    """Least hyperbolic space, with the displacement of a horizon added to the error of its curvature."""
     if not data.displacement:
         return least
     u, weights = gauss_rule(24, 48)
     area = float(weights @ area_density(data.metric.tensor(u)))
-    # Lengths times exp(f), f of degree 2, make of K of a sphere (K + 6 f / R^2) exp(-2 f).
+    # A factor exp(f) of lengths, f of degree 2, changes K of a sphere to (K + 6 f / R^2) exp(-2 f).
     return replace(least, error=least.error + 8.0 * data.displacement * 4.0 * np.pi / area)
 
 

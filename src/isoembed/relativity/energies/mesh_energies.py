@@ -38,8 +38,8 @@ def mesh_energies(
     mean_curvature, momentum : array_like, shape (V,), optional
         ``k = k1 + k2`` and ``p = K_ij (gamma^ij - n^i n^j)`` of the surface in its slice; p is 0 by default.
     lengths : "geodesic" or "chord", optional
-        Kind of the lengths: of geodesics of the surface, or of chords between its points in space.  By default
-        they are treated as geodesic, with errors large enough for chords.
+        Kind of the lengths: of geodesics of the surface, or of chords between its points in space.  By
+        default they are treated as geodesic, with errors large enough for chords.
     angular_momentum : float, optional
         J, in units of length^2.
     charge : float

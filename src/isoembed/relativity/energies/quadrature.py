@@ -132,8 +132,8 @@ def _integrated(
 ) -> tuple[dict[str, Estimate], list[str]]:
     """Integrals over the surface by their names in `Integrals`, and reasons for missing ones.
 
-    The number of circles of nodes is increased until the integrals converge or a limit is reached.  With axial
-    symmetry the nodes are rotated each time, to detect departures from symmetry.
+    The number of circles of nodes is increased until the integrals converge or a limit is reached.  With
+    axial symmetry the nodes are rotated each time, to detect departures from symmetry.
     """
     relative = ROUNDING + data.lengths_error.mean + data.displacement
     most = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
@@ -195,7 +195,7 @@ class _Nodes:
         return cls(u, dA, k, p, *errors, data.marginal, data.doubtful)
 
     def integrals(self, relative: float) -> tuple[dict[str, Estimate], list[str]]:
-        """The integrals by their names in `Integrals`, and what hinders others."""
+        """Integrals by their names in `Integrals`, and reasons for missing ones."""
         area = float(self.dA.sum())
         values, notes = {"area": Estimate(area, 2.0 * relative * area)}, []
         if self.k is not None:
@@ -212,7 +212,7 @@ class _Nodes:
             values["squared"] = Estimate(0.0, _sum(self.dA, size))
             return {**values, "norm": Estimate(0.0, _sum(self.dA, np.sqrt(size)))}, notes
         squared, smooth = self.k**2 - self.p**2, 2.0 * relative * (self.k**2 + self.p**2)
-        # What averages out in k and p remains in their squares.
+        # Noise that averages out in k and p remains in their squares.
         spread = SCATTER**2 * (self.k_error.pointwise**2 + self.p_error.pointwise**2)
         smooth = smooth + self._shift(self.k_error.mean, self.p_error.mean)
         anywhere = smooth + self._shift(self.k_error.pointwise, self.p_error.pointwise) + spread

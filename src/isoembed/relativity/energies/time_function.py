@@ -104,12 +104,12 @@ class TimeFunction:
         return self.harmonics.values(v) @ self.coefficients
 
     def gradient(self, u: Floats) -> Floats:
-        """The tangent vectors (n, 3) whose products with velocities of u are the rates of change of tau."""
+        """Gradient of tau as tangent vectors (n, 3) of the unit sphere."""
         if self.coordinates is None:
             return self.harmonics.gradients(u)[1] @ self.coefficients
         v = self.coordinates.inverse(u)
         slope = self.harmonics.gradients(v)[1] @ self.coefficients
-        # dF takes v to 0; what is added to it makes it invertible and concerns no tangent vector.
+        # dF maps v to 0; the added term makes it invertible without affecting tangent vectors.
         full = self.coordinates.differential(v) + u[:, :, None] * v[:, None, :]
         return np.asarray(np.linalg.solve(full.transpose(0, 2, 1), slope[:, :, None])[:, :, 0])
 

@@ -34,8 +34,8 @@ def wang_yau(
     ----------
     data : SurfaceData
         Surface with k, and with p and K(., n) unless they vanish.  Alternatively, ``mean_curvature`` and
-        ``normal_momentum`` may be the norm of the mean curvature vector and the connection alpha of the normal
-        bundle.
+        ``normal_momentum`` may be the norm of the mean curvature vector and the connection alpha of the
+        normal bundle.
     tau : TimeFunction, ndarray, callable, "optimal" or None
         Time function: an array (size,) of coefficients in all harmonics up to some degree, in the order of
         `Harmonics`; or a callable that takes directions u (n, 3) and returns tau (n,).  None is tau = 0.

@@ -175,7 +175,7 @@ class Functional:
         return np.asarray(result[1:, 0])
 
     def shape(self, X: Floats) -> Shape:
-        """Curvatures of the map with these coefficients, (size, 3)."""
+        """Curvatures of the map with coefficients X (size, 3)."""
         X1, X2 = np.moveaxis(self.tangents(X), 1, 0)
         g11, g12, g22 = ((a * b).sum(axis=1) for a, b in ((X1, X1), (X1, X2), (X2, X2)))
         normals = np.cross(X1, X2)
@@ -184,7 +184,7 @@ class Functional:
         h11, h12, h22 = -np.einsum("npc,nc->pn", second, normals / stretch[:, None])
         det = stretch**2
         k0 = (g22 * h11 - 2.0 * g12 * h12 + g11 * h22) / det
-        # k0 g^ab - h^ab is the matrix of cofactors of h, over det g.
+        # k0 g^ab - h^ab is the cofactor matrix of h over det g.
         conjugate = np.stack([h22, -h12, h11], axis=1) / stretch[:, None]
         return Shape(k0, stretch, conjugate, (h11 * h22 - h12**2) / det)
 
@@ -222,10 +222,10 @@ class EmbeddedTime:
 
     @cached_property
     def misfit(self) -> float:
-        """The largest relative error of a length at the nodes."""
+        """Largest relative error of a length at the nodes."""
         (a, b, c), s = self._off.T, self.slope
         off = np.stack([a, b / np.sqrt(2.0), b / np.sqrt(2.0), c], axis=1).reshape(-1, 2, 2)
-        # The inverse root of the metric 1 + d tau d tau.
+        # Inverse square root of the metric 1 + d tau d tau.
         root = (
             np.eye(2) - s.gradient[:, :, None] * s.gradient[:, None, :] / (s.W * (s.W + 1.0))[:, None, None]
         )
@@ -253,11 +253,11 @@ class EmbeddedTime:
         return f.derivatives(flow, f.psi - s.theta) / (8.0 * np.pi)
 
     def error(self, k: Uncertainty, p: Uncertainty, j: Uncertainty) -> float:
-        """Error of E(tau) by those of k, p and K(., n)."""
+        """Error of E(tau) from those of k, p and K(., n)."""
         f, s = self.functional, self.slope
         cosh, sinh = np.cosh(f.psi), np.abs(np.sinh(f.psi))
         norm = cosh * k.mean + sinh * p.mean
-        # What averages out remains in squares.
+        # Noise that averages out remains in squares.
         norm += 0.25 * (k.pointwise**2 + p.pointwise**2) / f.H
         angle = (cosh * p.mean + sinh * k.mean) / f.H
         total = s.W * norm + np.abs(s.laplacian) * angle

@@ -58,10 +58,10 @@ class Search:
         return self._result(self._continued(self.functional(self.harmonics, tau.harmonics), t))
 
     def minimum(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
-        """The least energy, in more and more harmonics."""
+        """Least energy, in harmonics of increasing degree."""
         highest = Harmonics(max(degrees), max(degrees))
         functional = self.functional(self.harmonics, highest)
-        few = min(self.harmonics.degree, 12)  # of X for second derivatives
+        few = min(self.harmonics.degree, 12)  # degree of X for second derivatives
         coarse = self.functional(Harmonics(few, few), highest)
         at = EmbeddedTime(functional.with_time(self.at.harmonics), self.at.coefficients[1:], self.start)
         for degree in degrees:
@@ -138,7 +138,7 @@ class Search:
         return there
 
     def _result(self, found: EmbeddedTime, change: float = 0.0, least: float | None = None) -> WangYau:
-        """The energy with its error: `change` is that from the tau of lower degree."""
+        """Energy with its error, where `change` is that from the lower degree of tau."""
         found = found.refined()
         if found.misfit > self.strained:
             raise NotEmbedded(
@@ -146,7 +146,7 @@ class Search:
                 f"{self.harmonics.degree}",
                 self.base,
             )
-        # The error is estimated from X of three quarters of the degree.
+        # Error estimate from X in three quarters of the degree.
         degree = int(0.75 * self.harmonics.degree)
         lower = Harmonics(degree, min(degree, self.harmonics.order))
         self.embeddings += 1
