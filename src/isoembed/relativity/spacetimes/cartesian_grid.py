@@ -37,8 +37,8 @@ ERROR_FACTOR = 10.0  # ratio of the error to the change with two points more or 
 class CartesianGrid(ThreeGeometry):
     """Slice given by its values at the points ``origin + spacing * (i, j, k)``.
 
-    Interpolation uses polynomials of degree seven along each axis, through the eight nearest points: the error
-    is of eighth order in the spacing, that of the gradient of seventh order.
+    Interpolation uses polynomials of degree seven along each axis, through the eight nearest points: the
+    error is of eighth order in the spacing, that of the gradient of seventh order.
 
     Attributes
     ----------
@@ -46,8 +46,8 @@ class CartesianGrid(ThreeGeometry):
         Position of the point [0, 0, 0].
     spacing : float or three floats
     gamma : ndarray, shape (6, nx, ny, nz) or (3, 3, nx, ny, nz)
-        ``gamma_ij``, stored as the six components xx, xy, xz, yy, yz and zz.  Values inside a hole may be NaN:
-        interpolation uses only values within four spacings (seven at the faces of the grid).
+        ``gamma_ij``, stored as the six components xx, xy, xz, yy, yz and zz.  Values inside a hole may be
+        NaN: interpolation uses only values within four spacings (seven at the faces of the grid).
     K : ndarray, shape as gamma, optional
         ``K_ij``, with the sign of `isoembed.relativity.spacetimes.three_geometry`; without it the slice is
         time-symmetric.
@@ -146,13 +146,13 @@ class CartesianGrid(ThreeGeometry):
         return np.asarray(ERROR_FACTOR * np.where(smaller[:, None], less, more))
 
     def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
-        """See `ThreeGeometry`: with noise of the size that differences of high order show."""
+        """See `ThreeGeometry`: with noise of the size estimated from high-order differences."""
         fields = self.gamma if self.K is None else np.concatenate([self.gamma, self.K])
         start, s = self._through(STENCIL).located(x)
         nodes = np.unique(start + np.round(s).astype(np.int64), axis=0)
         levels = noise_levels(fields, nodes)
         rng = np.random.default_rng(0)
-        for _ in range(8):  # samples of the noise
+        for _ in range(8):  # noise samples
             yield _Noisy(self, STENCIL, sampled_noise(levels, STENCIL, rng))
 
     def least_diameter(self, x: Floats) -> float:

@@ -168,7 +168,7 @@ class ElementGrid(ThreeGeometry):
         return [cKDTree(element.points.reshape(-1, 3)) for element in self.elements]
 
     def _search(self, x: Floats) -> tuple[Indices, Floats]:
-        """First in the element of the nearest node, then in all in whose boxes a point is."""
+        """Search in the element of the nearest node first, then in all whose boxes contain a point."""
         first = np.cumsum([0, *(element.points[..., 0].size for element in self.elements)])
         bad: Mask = np.any(~np.isfinite(x), axis=1)
         nearest = self._tree.query(np.where(bad[:, None], 0.0, x))[1]
@@ -189,7 +189,7 @@ class ElementGrid(ThreeGeometry):
                 found = _inverted(element, x[near], self._trees[k].query(x[near])[1])
                 better = np.abs(found).max(axis=1) < np.abs(place[near]).max(axis=1)
                 which[near[better]], place[near[better]] = k, found[better]
-        # Elements whose maps are not polynomials have gaps between them.
+        # Elements with non-polynomial maps have gaps between them.
         outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + 1e-3)
         refuse_points(outside, x, f"lies in none of the {len(self.elements)} elements of the slice")
         return which, place

@@ -111,10 +111,10 @@ class KerrNewmanSurface(ABC):
         return around[:, None] * rotation_about_z(u)
 
     def gaussian_curvature(self, u: Floats) -> Floats:
-        """K (n,) of the surface's own metric at unit vectors u (n, 3), in 1/length^2."""
+        """Gaussian curvature K (n,) of the surface at unit vectors u (n, 3), in 1/length^2."""
         s = sin2(u)
         h = self._squares(s)
-        # As of a surface of revolution with rho^2 = s P and z_th^2 = s q^2; K needs no root of q^2.
+        # As for a surface of revolution with rho^2 = s P and z_th^2 = s q^2; K needs no root of q^2.
         c2 = 1.0 - s
         slope = 1.0 + s * h.P_s / h.P  # B / sqrt(P) with B = d rho/d theta / cos(theta)
         bend = (3.0 * h.P_s + 2.0 * s * h.P_ss - s * h.P_s**2 / h.P) / h.P
@@ -276,7 +276,7 @@ class KerrNewmanErgosphere(KerrNewmanSurface):
     epsilon : float
         Distance over M, from 1e-6 to 1e6; at 0 the poles are conical.
     mass, spin, charge : float
-        M, a and Q in units of length, a^2 + Q^2 <= 0.9998 M^2, beyond which the poles are conical to rounding.
+        M, a and Q in units of length, a^2 + Q^2 <= 0.9998 M^2; beyond, the poles are conical to rounding.
     """
 
     name: ClassVar[str] = "distorted ergosphere"
@@ -322,8 +322,8 @@ def embeddability(surface: KerrNewmanSurface) -> str:
     """Sentence on whether a surface embeds in R^3, and if not, on the obstruction and the bands that embed.
 
     For a horizon it includes the bound on the spin.  K < 0 on a small cap at a pole.  By the Gauss-Bonnet
-    theorem the total curvature of a cap is 2 pi (1 - d rho/d(arc length)), which is not negative for a surface
-    of revolution; the band that embeds begins where positive curvature around the small cap makes it zero.
+    theorem the total curvature of a cap is 2 pi (1 - d rho/d(arc length)), which is not negative for a
+    surface of revolution; the band that embeds begins where positive curvature around the cap makes it zero.
     """
     explanation = surface.profile().explanation
     if not isinstance(surface, KerrNewmanHorizon):
