@@ -178,7 +178,7 @@ class GridMetric:
         Raises
         ------
         InvalidMetric
-            The values have a wrong shape, or one is not finite; the message contains `name`.
+            The values have a wrong shape, or one is not finite; the message contains the name.
         """
         given = self._given(values, name)
         series = self._series(given[..., None], self.phi)

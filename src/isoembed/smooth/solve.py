@@ -182,7 +182,7 @@ class _Goal:
     ) -> tuple[SmoothEmbedding, list[float]]:
         """Best embedding in harmonics of increasing degree, and the residuals of all degrees.
 
-        Each degree starts from the previous one or, if that is inaccurate, from `origin`.
+        Each degree starts from the previous one or, if that is inaccurate, from ``origin``.
         """
         metric, shape = metric_in(self.metric, self.coordinates), _composed(self.shape, self.coordinates)
         residuals: list[float] = []

@@ -145,7 +145,7 @@ class SphereMap:
 
 
 def metric_in(metric: TwoMetric, coordinates: SphereMap | None) -> TwoMetric:
-    """Metric as a function of the new directions of `coordinates`, if given; its errors are kept."""
+    """Metric as a function of the new directions of ``coordinates``, if given; its errors are kept."""
     if coordinates is None:
         return metric
     error = getattr(metric, "error", None)

@@ -143,7 +143,7 @@ def triangulate_star_shaped(
     kept : ndarray of int, shape (V,)
         Indices of the distinct points.
     faces : ndarray of int, shape (F, 3)
-        Outward triangles, as indices into `kept`: the convex hull of the directions.
+        Outward triangles, as indices into ``kept``: the convex hull of the directions.
     """
     check_solid(points, source)
     arrow = points - center

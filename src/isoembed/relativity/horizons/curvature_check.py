@@ -60,7 +60,7 @@ class CurvatureCheck:
         Parameters
         ----------
         data : SurfaceData
-            Surface in its slice; its ``gaussian_curvature`` is used if `found` is not given.
+            Surface in its slice; its ``gaussian_curvature`` is used without ``found``.
         found : CoordinateShape, optional
             Points of the file, with its fields.
         directions : ndarray, shape (V, 3), optional

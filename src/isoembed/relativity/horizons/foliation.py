@@ -2,7 +2,7 @@
 
 The leaves are parametrized by their mean radius; their expansion c is an unknown.  It is 2 / r on large
 spheres and 0 at a horizon; ``c R / 2``, R the areal radius, decreases from 1 to 0 in Schwarzschild.  Leaves
-that do not reach a horizon pass a positive minimum of the expansion.
+that do not reach a horizon pass a minimum of the expansion.
 
 Leaves are barriers (Andersson, Eichmair and Metzger, Contemp. Math. 554 (2011) 13).  Between a surface of
 negative expansion and one of positive expansion around it there is an outermost horizon.  For a continuous

@@ -216,10 +216,10 @@ def _digest(digest: Callable[[], str]) -> str:
 
 
 def _box(found: CoordinateShape | Surface | FoundHorizon) -> tuple[Floats, Floats]:
-    """The corners (3,) of a box with room around a horizon."""
+    """Corners (3,) of a box with a margin around a horizon."""
     directions, _ = gauss_rule(24, 48)
     found = found.surface if isinstance(found, FoundHorizon) else found
     points = found.points(directions) if isinstance(found, Surface) else found.points
     low, high = points.min(axis=0), points.max(axis=0)
-    room = 0.02 * (high - low)  # the surface may reach beyond its points
+    room = 0.02 * (high - low)  # the surface may extend beyond its points
     return low - room, high + room

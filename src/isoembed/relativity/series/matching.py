@@ -128,7 +128,7 @@ def _refuse(one: SliceSource, other: SliceSource, when: str) -> None:
 
 
 def _room(lists: Sequence[np.ndarray]) -> float:
-    """Tolerance for times of one moment, from lists each of which has the times as one file says them."""
+    """Tolerance for equal times, from lists of times, one for each file."""
     scale = max(_largest(times) for times in lists)
     steps = np.concatenate([np.diff(np.unique(times)) for times in lists])
     steps = steps[steps > SAME_TIME * scale]

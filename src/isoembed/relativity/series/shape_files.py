@@ -31,9 +31,9 @@ from isoembed.relativity.series.shape_sources import (
 from isoembed.relativity.spacetimes.slice_file import instants
 from isoembed.relativity.spacetimes.spectre_volume import volume_times
 
-SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # of AHFinderDirect and BHaHAHA
+SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # files of AHFinderDirect and BHaHAHA
 DIAGNOSTICS = ("BH_diagnostics", "BHaHAHA_diagnostics")
-TEXT = ".dat"  # of GRChombo and SpECTRE
+TEXT = ".dat"  # files of GRChombo and SpECTRE
 NUMBERS = re.compile(rf"{INTEGER} {DECIMAL}")
 
 

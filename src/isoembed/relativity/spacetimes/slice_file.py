@@ -3,7 +3,7 @@
 One slice is arrays of one shape (nx, ny, nz), [i, j, k] being the point ``origin + spacing * (i, j, k)``:
 ``gxx gxy gxz gyy gyz gzz`` and, unless the slice is time-symmetric, ``kxx kxy kxz kyy kyz kzz``; besides
 ``origin``, three numbers, and ``spacing``, three or one; and maybe ``time`` and ``iteration``, a number each.
-In HDF5 they are data sets of the root group, and all but the first twelve may be attributes of it.
+In HDF5 they are data sets of the root group; all but the first twelve may be attributes.
 
 T slices of an evolution have an axis of time in front: ``time`` (T,), and maybe ``iteration`` (T,), beside
 arrays (T, nx, ny, nz).  ``origin`` is (3,), or (T, 3) of a grid that moves, and ``spacing`` one number, (3,),

@@ -255,7 +255,7 @@ def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> 
     """Checked values (n,) of a function at unit vectors u (n, 3).
 
     Raises `InvalidParameter`: the values have a wrong shape, or one is not finite; the message contains
-    `name`.
+    the name.
     """
     return _checked(function, u, name, (len(u),))
 
