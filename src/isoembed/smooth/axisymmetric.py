@@ -1,15 +1,16 @@
-"""Axisymmetric metrics: embedding as surfaces of revolution, and the parts that embed.
+"""Axisymmetric metrics: embedding as surfaces of revolution, and the bands that embed.
 
 With x = cos(theta), s = 1 - x^2, q_tt = T and q_pp = s P, the surface has rho^2 = s P and dz/dx = sqrt(G),
-``G = (q_tt - (d rho/d theta)^2) / s``.  T, P and G are smooth in x over the poles, and where G < 0 there is
-no surface of revolution.  Functions are Chebyshev series on pieces, bisected until they resolve.
+``G = (q_tt - (d rho/d theta)^2) / s``.  T, P and G are smooth in x across the poles; where G < 0 there is no
+surface of revolution.  Functions are piecewise Chebyshev series with adaptive bisection.
 
 A component q_tp = sin(theta) Q is removed by the rotation ``phi + psi(theta)`` of each circle of latitude,
 ``d psi/d theta = q_tp / q_pp``: the metric is ``(q_tt - q_tp^2 / q_pp) dtheta^2 + q_pp (dphi + d psi)^2``.  A
-smooth tensor has Q = s S, S smooth in x, hence ``d psi/dx = -S / P`` is smooth over the poles, too.
+smooth tensor has Q = s S with S smooth in x, so that ``d psi/dx = -S / P`` is smooth across the poles, too.
 
-In a space of curvature k, rho is sn of the distance from the axis, G is k T P less, with q_tt (1 - k rho^2)
-for q_tt, and the length h of the axis below a point has ``dh/dx = sqrt(G) / (1 - k rho^2)``.
+In a space of curvature k, rho is sn of the distance from the axis, G is reduced by k T P, because
+q_tt (1 - k rho^2) replaces q_tt, and the arc length h along the axis satisfies
+``dh/dx = sqrt(G) / (1 - k rho^2)``.
 """
 
 # ruff: noqa: N806 (T and P with their derivatives, as above)
@@ -44,12 +45,12 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class AxisymmetricEmbedding:
-    """The surface of revolution about z that has a given metric, its height z falling with theta.
+    """Surface of revolution about z with a given metric; its height z decreases with theta.
 
-    Made by `of` or `from_components`.  Where the height of a surface turns back (dimples at the poles), this
-    is the one that is reflected to fall everywhere.  What is asked of the whole surface, where it does not
-    embed, raises `InvalidMetric`, whose message is the `explanation`.  In hyperbolic and spherical space
-    points have ambient coordinates (`isoembed.Space`).
+    Constructed by `of` or `from_components`.  A surface with non-monotonic height (dimples at the poles) is
+    reflected so that the height decreases everywhere.  Properties of the whole surface raise `InvalidMetric`
+    with the `explanation` as message if it does not embed.  In hyperbolic and spherical space points have
+    ambient coordinates (`isoembed.Space`).
 
     Attributes
     ----------
@@ -57,11 +58,11 @@ class AxisymmetricEmbedding:
         q_tt - q_tp^2 / q_pp, q_pp / sin^2(theta) and q_tp / sin(theta) over `unit` squared, as functions of
         x = cos(theta).
     unit : float
-        A length, about the largest circumferential radius.
+        Unit of length, about the largest circumferential radius.
     resolution : float
-        The relative accuracy to which the metric is a smooth function.
+        Relative accuracy to which the metric is resolved as a smooth function.
     space : Space
-        By default Euclidean space.  For another one, `dataclasses.replace` it.
+        Ambient space, by default Euclidean; change it with `dataclasses.replace`.
     """
 
     T: Piecewise = field(repr=False)
@@ -81,14 +82,14 @@ class AxisymmetricEmbedding:
         ----------
         metric : TwoMetric
         tolerance : float
-            Largest variation of components along a circle of latitude, over the largest component.
+            Largest variation of components along a circle of latitude, relative to the largest component.
         space : Space
 
         Raises
         ------
         InvalidMetric
-            The metric is not axisymmetric about z, or not positive, or conical at a pole or otherwise not
-            smooth; the message says how much and where.
+            The metric is not axisymmetric about z, not positive definite, conical at a pole or otherwise not
+            smooth; the message says where and by how much.
         """
         check_two_metric(metric)
 
@@ -106,7 +107,7 @@ class AxisymmetricEmbedding:
                     f"{names} = {', '.join(f'{value:.6g}' for value in values)} at"
                     f" theta = {_theta(x[i]):.6g}: that is not a positive metric"
                 )
-            # Q may vanish, but series need a scale.
+            # Q may vanish, but a series needs a scale: fit P + Q.
             return np.stack([tt - tp * (tp / pp), pp, pp + tp])
 
         _check_symmetry(metric, tolerance)
@@ -115,11 +116,11 @@ class AxisymmetricEmbedding:
             lambda x: components(x) / scale, np.array([-1.0, 0.0, 1.0]), weighted=False
         )
         Q = Piecewise(P.breaks, sheared.coefficients - P.coefficients)
-        known = 20.0 * float(getattr(metric, "error", EXACT).pointwise)  # lengths are less certain at poles
+        known = 20.0 * float(getattr(metric, "error", EXACT).pointwise)  # errors of lengths grow at the poles
         cones = []
         for name, x in (("south", -1.0), ("north", 1.0)):
             t, p, q = (float(f(np.array([x]))[0]) for f in (T, P, Q))
-            # A larger difference of q_tt and q_pp at a pole is a cone.
+            # A larger difference of T and P at a pole is a cone.
             allowed = max(1e-7, 10.0 * resolution, known) * p
             cones.append(p - t)
             if abs(t - p) > allowed:
@@ -132,7 +133,7 @@ class AxisymmetricEmbedding:
                     f"the metric is not smooth at the {name} pole:"
                     f" q_tp sin(theta) / q_pp = {q / p:.9g} there, not 0"
                 )
-        if known > 1e-7:  # cones by the errors of the metric are none
+        if known > 1e-7:  # remove cones within the errors of the metric
             slope, straight = 0.5 * np.diff(cones), np.zeros_like(T.coefficients)
             straight[0] = np.mean(cones) + 0.5 * slope * (T.breaks[:-1] + T.breaks[1:])
             straight[1] = 0.5 * slope * np.diff(T.breaks)
@@ -153,13 +154,13 @@ class AxisymmetricEmbedding:
         Raises
         ------
         InvalidMetric
-            As `of`, and where a component is not positive.
+            See `of`; or a component is not positive.
         """
         return cls.of(AngleMetric(lambda theta, _: (q_tt(theta), 0.0, q_pp(theta))), space=space)
 
     @property
     def area(self) -> float:
-        """The area of the metric, which exists whether or not the metric embeds."""
+        """Area of the metric, defined whether or not the metric embeds."""
         return self._area(0.0, np.pi)
 
     @property
@@ -174,22 +175,22 @@ class AxisymmetricEmbedding:
 
     @cached_property
     def obstruction(self) -> tuple[Interval, ...]:
-        """The intervals of theta on which no surface of revolution has the metric: G < 0.
+        """Intervals of theta without a surface of revolution: G < 0.
 
         In Euclidean space, ``q_tt < (d rho/d theta)^2``.
         """
         return self._negative(lambda x: self._terms(x)[0], 1.0)
 
     def is_obstructed_beyond(self, error: float) -> bool:
-        """Whether no surface of revolution has lengths within a relative error of the metric's.
+        """Whether no surface of revolution has the lengths of the metric within a relative error.
 
         Between two circles of latitude of such a surface the distance from the axis changes by at most the
-        length of the meridian; the intervals of `obstruction` are tested for it.
+        length of the meridian; this is tested on the intervals of `obstruction`.
 
         Parameters
         ----------
         error : float
-            Of the lengths of meridians and circles of latitude.
+            Relative error of the lengths of meridians and circles of latitude.
         """
         error = error + self.resolution
         nodes, weights = np.polynomial.legendre.leggauss(64)
@@ -204,27 +205,27 @@ class AxisymmetricEmbedding:
 
     @cached_property
     def negative_curvature(self) -> tuple[Interval, ...]:
-        """The intervals of theta on which K is less than the curvature of space: the surface is a saddle."""
+        """Intervals of theta with K less than the curvature of space, where the surface is a saddle."""
         scale = float(np.abs(self._gauss(self._samples)).max())
         return self._negative(lambda x: self._gauss(x) - self._k, scale)
 
     @property
     def greatest_curvature(self) -> float:
-        """The greatest curvature of space, in 1/length^2, in which there is a surface of revolution.
+        """Greatest curvature of space, in 1/length^2, that admits a surface of revolution.
 
-        It is the least value of ``(1 - (d rho/d s)^2) / rho^2``, s being the length along a meridian; at the
-        poles this is K.  The space that the surface is in does not matter.
+        It is the minimum of ``(1 - (d rho/d s)^2) / rho^2``, with s the arc length along a meridian; at the
+        poles this is K.  It is independent of `space`.
         """
         return self._greatest[0]
 
     @property
     def greatest_curvature_error(self) -> float:
-        """Error of `greatest_curvature` by rounding, or by what keeps the metric from being smooth."""
+        """Error of `greatest_curvature` from rounding or limited smoothness of the metric."""
         return self._greatest[1]
 
     @cached_property
     def _greatest(self) -> tuple[float, float]:
-        """The greatest curvature of space and its error."""
+        """Greatest curvature of space and its error."""
 
         def bound(x: Floats) -> Floats:
             return self._terms(x)[0] / (self.T(x) * self.P(x)) + self._k
@@ -237,7 +238,7 @@ class AxisymmetricEmbedding:
         dips = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:]))
         places = [float(x[int(np.argmin(values))])]
         for i in dips:
-            # The place to half of the digits gives the value to all of them.
+            # The argument to half of the digits gives the minimum to full accuracy.
             options = {"xatol": 1e-9}
             places.append(
                 float(minimize_scalar(at, bounds=(x[i + 1], x[i - 1]), method="bounded", options=options).x)
@@ -248,14 +249,14 @@ class AxisymmetricEmbedding:
 
     @cached_property
     def bands(self) -> tuple[Band, ...]:
-        """The largest bands that embed, from north to south; one, of theta from 0 to pi, for the whole."""
+        """Maximal bands that embed, from north to south; a single one from 0 to pi if the whole embeds."""
         edges = [0.0, *(theta for interval in self.obstruction for theta in interval), np.pi]
         pairs = zip(edges[::2], edges[1::2], strict=True)
         return tuple(Band(self, start, stop) for start, stop in pairs if stop > start)
 
     @property
     def explanation(self) -> str:
-        """A sentence: that the surface embeds, or where and why it does not, and what does."""
+        """Sentence on whether the surface embeds, and if not, where and why not, and which bands do."""
         curved = not self.space.is_euclidean
         where = f" in {self.space.name} space of curvature {self.space.curvature:.9g}" if curved else ""
         q_tt = "q_tt (1 - k rho^2)" if curved else "q_tt"
@@ -280,27 +281,26 @@ class AxisymmetricEmbedding:
         )
 
     def rho(self, theta: ArrayLike) -> Floats:
-        """The circumference over 2 pi (n,) of the circle at theta (n,), embeddable there or not.
+        """Circumferential radius (n,) of the circle at theta (n,), defined whether or not the metric embeds.
 
-        It is the distance from the axis in R^3, and sn of it in hyperbolic and spherical space.
+        This is the distance from the axis in R^3, and sn of the distance in hyperbolic and spherical space.
         """
         theta = checked_angles(theta)
         return self.unit * np.sin(theta) * np.sqrt(self.P(np.cos(theta)))
 
     def z(self, theta: ArrayLike) -> Floats:
-        """The height (n,) of the whole surface at theta (n,), zero half way up."""
+        """Height (n,) of the whole surface at theta (n,), zero at half its extent."""
         return self._whole.z(theta)
 
     def twist(self, theta: ArrayLike) -> Floats:
-        """The angle psi (n,) between the points of the surface and the coordinate phi on the circle at theta.
+        """Azimuth psi (n,) of the coordinate meridian phi = 0 on the circle at theta (n,).
 
-        The meridian phi = 0 lies at the angle psi about the axis.  It is zero at the north pole, and
-        everywhere if there is no q_tp; the same for bands.
+        It is zero at the north pole, and everywhere if q_tp = 0; bands have the same twist.
         """
         return self._twist(np.cos(checked_angles(theta)))
 
     def points(self, u: Floats) -> Floats:
-        """The points (n, 3) of the whole surface named by unit vectors u (n, 3)."""
+        """Points (n, 3) of the whole surface at unit vectors u (n, 3)."""
         z = self.z(angles_of(u)[0])
         p = self.unit * np.sqrt(self.P(u[:, 2]))
         psi = self._twist(u[:, 2])
@@ -312,12 +312,12 @@ class AxisymmetricEmbedding:
         return self._gauss(np.cos(checked_angles(theta))) / self.unit / self.unit
 
     def mean_curvature(self, theta: ArrayLike) -> Floats:
-        """H = (k1 + k2)/2 (n,) at theta (n,), in 1/length: infinite on a band's edge, NaN off the bands."""
+        """H = (k1 + k2)/2 (n,) at theta (n,), in 1/length: infinite on edges of bands, NaN outside."""
         x = np.cos(checked_angles(theta))
         G, _ = self._terms(x)
         K = self._gauss(x) - self._k
         k2 = np.sqrt(np.where(G > 0.0, G, np.nan) / (self.T(x) * self.P(x)))
-        # K - k = k1 k2.  At a band's edge k2 = 0 and K - k is not; where both are zero at a pole, so is k1.
+        # K - k = k1 k2.  At edges of bands k2 = 0 and K - k != 0; if both vanish at a pole, so does k1.
         edge = (G <= 0.0) & (-self._noise <= G)
         limit = np.where(np.abs(K) <= np.sqrt(self._noise), 0.0, np.copysign(np.inf, K))
         return np.where(edge, limit, 0.5 * (K / k2 + k2)) / self.unit
@@ -330,12 +330,12 @@ class AxisymmetricEmbedding:
 
     @property
     def _k(self) -> float:
-        """The curvature of space in the unit."""
+        """Curvature of space in units of `unit`."""
         return self.space.curvature * self.unit * self.unit
 
     @property
     def _noise(self) -> float:
-        return max(1e-11, 1e3 * self.resolution)  # below it G and K are zero: derivatives cost digits
+        return max(1e-11, 1e3 * self.resolution)  # noise of G and K, as differentiation loses digits
 
     @cached_property
     def _derivatives(self) -> tuple[Piecewise, Piecewise, Piecewise]:
@@ -350,18 +350,18 @@ class AxisymmetricEmbedding:
 
     @cached_property
     def _twist(self) -> Callable[[Floats], Floats]:
-        """The angle psi as a function of x."""
+        """Angle psi as a function of x."""
         if np.abs(self.Q.coefficients).max() <= self.resolution:
             return np.zeros_like
         slope = _OverSquaredSine(self.Q)
-        # Angles count against 1, however small they are.
+        # Absolute accuracy of angles: 1 is added for the scale.
         (density,), _ = fitted(lambda x: 1.0 + (slope(x) / self.P(x))[None, :], self.Q.breaks, weighted=True)
         below = density.primitive()
         whole = float(below(np.array([1.0]))[0])
         return lambda x: (whole - below(x)) - (1.0 - x)
 
     def _terms(self, x: Floats) -> tuple[Floats, Floats]:
-        """G, and d rho/d theta, at x."""
+        """G and d rho/d theta at x."""
         s = (1.0 - x) * (1.0 + x)
         T, P, P_x = self.T(x), self.P(x), self._derivatives[0](x)
         E = self._difference(x)
@@ -378,7 +378,7 @@ class AxisymmetricEmbedding:
 
     @cached_property
     def _area_beyond(self) -> Piecewise:
-        """The area below x, over 2 pi."""
+        """Area below x over 2 pi."""
         (density,), _ = fitted(
             lambda x: np.sqrt(self.T(x) * self.P(x))[None, :], self.T.breaks, weighted=True
         )
@@ -390,20 +390,20 @@ class AxisymmetricEmbedding:
 
     @cached_property
     def _samples(self) -> Floats:
-        """Values of x, falling from 1 to -1, as dense as the pieces have structure."""
+        """Sample points x in decreasing order from 1 to -1, with a density that resolves the pieces."""
         nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(2 * PIECE_DEGREE) / (2 * PIECE_DEGREE))
         x = (self.T.breaks[:-1, None] + np.diff(self.T.breaks)[:, None] * nodes).ravel()
         return np.concatenate([[1.0], x[::-1]])
 
     def _negative(self, f: Callable[[Floats], Floats], scale: float) -> tuple[Interval, ...]:
-        """The intervals of theta on which f(x) < 0 by more than rounding."""
+        """Intervals of theta on which f(x) < 0 beyond rounding."""
 
         def at(y: float) -> float:
             return float(f(np.array([y]))[0])
 
         x = self._samples
         values = f(x)
-        # Between samples it may dip below zero and come back, where it is small against its differences.
+        # f may have a pair of roots between samples where it is small compared with its differences.
         inner, least = values[1:-1], np.minimum(values[:-2], values[2:])
         most = np.maximum(values[:-2], values[2:])
         dips = np.flatnonzero((inner > 0.0) & (inner <= least) & (inner <= most - inner)) + 1
@@ -423,7 +423,7 @@ class AxisymmetricEmbedding:
 
 
 class _OverSquaredSine:
-    """The quotient f / (1 - x^2) of a series f on pieces that vanishes at both ends, 1 and -1."""
+    """Quotient f / (1 - x^2) of a piecewise series f that vanishes at both ends, 1 and -1."""
 
     def __init__(self, f: Piecewise) -> None:
         self._f = f
@@ -432,7 +432,7 @@ class _OverSquaredSine:
         self._last = chebyshev.chebdiv(f.coefficients[:, -1], [1.0, -1.0])[0] * (2.0 / width[-1])
 
     def __call__(self, x: Floats) -> Floats:
-        """Values at x (n,), at the ends, too."""
+        """Values at x (n,), including the ends."""
         south, north = x < self._f.breaks[1], x > self._f.breaks[-2]
         middle = ~(south | north)
         values = np.empty_like(x)
@@ -445,7 +445,7 @@ class _OverSquaredSine:
 def _check_symmetry(metric: TwoMetric, tolerance: float) -> None:
     names = ("q_tt", "q_tp / sin(theta)", "q_pp / sin^2(theta)")
     theta = np.pi * (np.arange(24) + 0.5) / 24
-    phi = 2.0 * np.pi * (np.arange(11) + 0.31) / 11  # of 11 angles no low harmonic is constant
+    phi = 2.0 * np.pi * (np.arange(11) + 0.31) / 11  # 11 angles do not alias low orders to a constant
     u = directions_at(np.cos(theta)[:, None], phi).reshape(-1, 3)
     q = angle_components(u, metric.tensor(u)).reshape(24, 11, 4)[:, :, [0, 1, 3]].transpose(2, 0, 1)
     scale = float(np.abs(q[[0, 2]]).max())

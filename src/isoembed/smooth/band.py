@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """The part of an axisymmetric surface between two circles of latitude (or poles) that embeds.
+    """Embeddable part of an axisymmetric surface between two circles of latitude (or poles).
 
     Attributes
     ----------
     metric : AxisymmetricEmbedding
     start, stop : float
-        Its range of theta.
+        Range of theta.
     """
 
     metric: AxisymmetricEmbedding = field(repr=False)
@@ -39,16 +39,16 @@ class Band:
 
     @property
     def height(self) -> float:
-        """Extent along the axis, as a length of the axis."""
+        """Extent along the axis, as an arc length."""
         return float(self._primitives[0](np.array([np.pi]))[0]) * self.metric.unit
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """Integral of H dA with H = (k1 + k2)/2; finite though H itself is not on an edge."""
-        # int k2 dA = 2 pi height.  int k1 dA = 2 pi int rho d(beta) is integrated by parts: beta, the angle
-        # by which the meridian has turned, needs one derivative less and is finite at the edges.  For both,
-        # curved space takes 2 k rho^2 d(height) away.
-        # At an edge, as at a pole, it is 0 or pi: to compute it would cost half of the digits.
+        """Integral of H dA with H = (k1 + k2)/2; finite although H is infinite on an edge."""
+        # int k2 dA = 2 pi height.  int k1 dA = 2 pi int rho d(beta) is integrated by parts: beta, the turning
+        # angle of the meridian, needs one derivative less and is finite at the edges.  Curved space subtracts
+        # 2 k rho^2 d(height) in both.
+        # At edges and poles beta is 0 or pi; computing it would lose half of the digits.
         edges = np.array([self.start, self.stop])
         turned = np.where(self.metric._terms(np.cos(edges))[1] > 0.0, 0.0, np.pi)
         before, after = turned * self.metric.rho(edges) / self.metric.unit
@@ -56,15 +56,15 @@ class Band:
         return np.pi * (height + float(after - before) - moment) * self.metric.unit
 
     def z(self, theta: ArrayLike) -> Floats:
-        """The height (n,) at theta (n,) in the band, zero half way up: the ambient coordinate z.
+        """Height (n,) at theta (n,) in the band, zero at half its extent: the ambient coordinate z.
 
         Raises
         ------
         InvalidParameter
             An angle is outside the band; the message names the first one.
         InvalidMetric
-            The band is in spherical space and longer than half of a great circle, beyond the hemisphere that
-            ambient coordinates have.
+            The band is in spherical space and longer than half of a great circle, beyond the hemisphere
+            covered by ambient coordinates.
         """
         theta = checked_angles(theta)
         slack = 1e-14 * np.pi
@@ -86,19 +86,19 @@ class Band:
         return np.sqrt(1.0 - space.curvature * rho * rho) * space.sn(0.5 * self.height - fallen)
 
     def mesh(self, around: int = 64) -> tuple[Floats, Indices]:
-        """Triangulate it.
+        """Triangulate the band.
 
         Parameters
         ----------
         around : int
-            Vertices on each circle of latitude, at least 3.  Circles are as far apart as these on the widest.
+            Number of vertices on each circle of latitude, at least 3.  The distance of circles equals the
+            spacing of vertices on the widest circle.
 
         Returns
         -------
         vertices : ndarray, shape (V, 3)
         faces : ndarray, shape (F, 3)
-            Counterclockwise seen from outside; closed around the axis, with a boundary at each edge that is
-            not a pole.
+            Triangles, counterclockwise as seen from outside, with a boundary at each edge other than a pole.
         """
         if around < 3:
             raise InvalidParameter(f"around must be at least 3, not {around}")
@@ -114,7 +114,7 @@ class Band:
             [np.outer(rho, np.cos(phi)), np.outer(rho, np.sin(phi)), np.repeat(z[:, None], around, axis=1)],
             axis=-1,
         ).reshape(-1, 3)
-        # A circle that is a pole is a single vertex.
+        # A pole is a single vertex.
         ring = np.arange(rows * around).reshape(rows, around)
         if self.start == 0.0:
             ring[0] = ring[0, 0]
@@ -136,9 +136,9 @@ class Band:
     def _primitives(self) -> tuple[Piecewise, Piecewise]:
         """Primitives of -dh/d theta and of beta d rho/d theta - 2 k rho^2 dh/d theta, as functions of tau.
 
-        h is the length along the axis, z in R^3, and beta the angle by which the meridian falls, which has
-        tan(beta) = -dz/d rho there.  theta = (start + stop)/2 - (stop - start)/2 cos(tau): what is like a
-        square root at an edge is smooth.
+        h is the arc length along the axis (z in R^3), and beta the slope angle of the meridian, with
+        tan(beta) = -dz/d rho in R^3.  theta = (start + stop)/2 - (stop - start)/2 cos(tau) makes square-root
+        singularities at the edges smooth.
         """
         half = 0.5 * (self.stop - self.start)
 
@@ -157,12 +157,12 @@ class Band:
 
 
 def checked_angles(theta: ArrayLike) -> Floats:
-    """Angles (n,) from 0 to pi.
+    """Checked angles (n,) from 0 to pi.
 
     Raises
     ------
     InvalidParameter
-        The message names the first that is not.
+        An angle is outside this range; the message names the first one.
     """
     angles = np.atleast_1d(np.asarray(theta, dtype=np.float64))
     bad = np.flatnonzero(~((angles >= 0.0) & (angles <= np.pi)))

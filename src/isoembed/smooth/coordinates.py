@@ -1,7 +1,7 @@
-"""Directions in which a surface needs few spherical harmonics, from its triangulation.
+"""Parametrizations in which a surface needs few spherical harmonics, from its triangulation.
 
-How many harmonics a surface X(u) needs is as much a matter of the directions u as of its shape: the ellipsoid
-with the axes 3, 2 and 1 is of degree 1 if the sphere is mapped to it linearly, and of degree 80 as r(u).
+The number of harmonics of a surface X(u) depends on the directions u as much as on its shape: the ellipsoid
+with axes 3, 2 and 1 has degree 1 as a linear image of the sphere, and needs degree 80 as r(u).
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from isoembed.smooth.isometry import OVERSAMPLING
 from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.transforms import resized
 
-MAPS = ((1, 2.0), (4, 4.0))  # degree of a map, and the factor by which it must lower the energy
+MAPS = ((1, 2.0), (4, 4.0))  # degree of a map, and the least factor by which it must reduce the energy
 
 
 def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap | None:
-    """A map u = F(v) in whose directions v a surface needs much fewer harmonics, if there is one.
+    """Map u = F(v) to directions u from directions v in which a surface needs far fewer harmonics.
 
     Parameters
     ----------
@@ -32,23 +32,23 @@ def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap 
         Directions of the vertices of a triangulation.
     faces : ndarray of int, shape (F, 3)
     points : ndarray, shape (V, 3)
-        The vertices in space, right to a percent or so.
+        Vertices in space, accurate to about a percent.
 
     Returns
     -------
     SphereMap or None
-        None where the directions u are nearly as good: the map is not worth it.
+        None if the directions u are nearly as good.
 
     Notes
     -----
-    The energy ``sum (l (l + 1) / 2)^3 |X_lm|^2`` is made least among maps of low degree, by the Gauss-Newton
-    method; X_lm smooth the vertices, as seen in the directions v.  Reparametrization by such energies is due
-    to S. K. Veerapaneni, A. Rahimian, G. Biros, D. Zorin, J. Comput. Phys. 230 (2011) 5610.
+    The Gauss-Newton method minimizes the energy ``sum (l (l + 1) / 2)^3 |X_lm|^2`` among maps of low degree;
+    X_lm are coefficients of a smoothing fit to the vertices in the directions v.  Reparametrization by such
+    energies is due to S. K. Veerapaneni, A. Rahimian, G. Biros, D. Zorin, J. Comput. Phys. 230 (2011) 5610.
     """
     vertices = _Vertices.of(u, faces, points)
     best = given = vertices.smoothed(SphereMap.linear(np.eye(3)))
     for degree, gain in MAPS:
-        # No surface has less energy than the round sphere.
+        # The round sphere has the least energy, 4 pi.
         if best.energy > gain * 4.0 * np.pi:
             found = vertices.lowered(best, Harmonics(degree, degree))
             if found.energy * gain <= best.energy:
@@ -58,7 +58,7 @@ def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap 
 
 @dataclass(frozen=True)
 class _Smoothed:
-    """Vertices smoothed in the directions v of a map: coefficients (size, 3), and their energy."""
+    """Smoothing fit to vertices in the directions v of a map: coefficients (size, 3) and energy."""
 
     coordinates: SphereMap
     coefficients: Floats
@@ -67,15 +67,16 @@ class _Smoothed:
 
 @dataclass(frozen=True)
 class _Vertices:
-    """Vertices of a triangulated surface, about their centroid, in the unit of their mean square radius.
+    """Vertices of a triangulated surface, about their centroid, in units of their root-mean-square radius.
 
     Attributes
     ----------
     u, x : ndarray, shape (V, 3)
+        Directions and positions.
     areas : ndarray, shape (V,)
-        Their shares in the area.
+        Fractions of the area.
     harmonics : Harmonics
-        In which they are smoothed.
+        Harmonics of the smoothing fit.
     """
 
     u: Floats
@@ -92,14 +93,14 @@ class _Vertices:
         areas /= areas.sum()
         x = points - areas @ points
         x = x / np.sqrt(areas @ np.einsum("ni,ni->n", x, x))
-        most = int(np.sqrt(len(u) / 3.0)) - 1  # three vertices for each harmonic
-        degree = min(14, most)  # highest degree of the harmonics that smooth the vertices
+        most = int(np.sqrt(len(u) / 3.0)) - 1  # three vertices per harmonic
+        degree = min(14, most)  # degree of the smoothing fit
         return cls(u, x, areas, Harmonics(degree, degree))
 
     def smoothed(self, coordinates: SphereMap) -> _Smoothed:
-        """Least energy of coefficients and misses."""
+        """Smoothing fit of least energy, the sum of those of the coefficients and the residuals."""
         Y = self.harmonics.values(coordinates.inverse(self.u))
-        noise = 1e-3**2  # a miss of 1e-3 radii costs as much as degree 1
+        noise = 1e-3**2  # a residual of 1e-3 radii costs as much as degree 1
         weighted = (Y * self.areas[:, None]).T
         normal = weighted @ Y + noise * np.diag(self._penalty)
         found = np.asarray(np.linalg.solve(normal, weighted @ self.x), dtype=np.float64)
@@ -108,14 +109,14 @@ class _Vertices:
         return _Smoothed(coordinates, found, float(energy))
 
     def lowered(self, start: _Smoothed, harmonics: Harmonics) -> _Smoothed:
-        """The map in some harmonics for which the energy is least, near a given one."""
+        """Smoothing fit of least energy among maps in given harmonics, near an initial one."""
         C = resized(start.coordinates.coefficients, start.coordinates.harmonics, harmonics)
         root = np.sqrt(self._penalty)[:, None]
 
         def step(at: _Smoothed) -> Curve[_Smoothed]:
             J = self._jacobian(at, harmonics)
             normal, gradient = J.T @ J, J.T @ (root * at.coefficients).ravel()
-            # Alike for x, y and z.
+            # The same scale for x, y and z.
             scale = np.repeat(np.diag(normal).reshape(-1, 3).max(axis=1), 3)
 
             def damped(damping: float) -> _Smoothed:
@@ -135,15 +136,15 @@ class _Vertices:
         ).point
 
     def _jacobian(self, at: _Smoothed, harmonics: Harmonics) -> Floats:
-        """Derivatives (3 size, 3 m) of the weighted coefficients by those of a map in m harmonics."""
-        n = int(OVERSAMPLING * (self.harmonics.degree + 1))  # nodes over coefficients, each way
+        """Derivatives (3 size, 3 m) of the weighted coefficients with respect to those of a map."""
+        n = int(OVERSAMPLING * (self.harmonics.degree + 1))  # number of circles of nodes
         v, weights = gauss_rule(n, 2 * n)
         u, slope = at.coordinates.forward(v), at.coordinates.differential(v)
         dX = np.einsum("niv,vc->nci", self.harmonics.gradients(v)[1], at.coefficients)
         Y = harmonics.values(v)
         length = np.linalg.norm(Y @ at.coordinates.coefficients, axis=1)[:, None, None]
         tangent = np.eye(3) - u[:, :, None] * u[:, None, :]
-        # X(F^-1(.)) moves along dX dF^-1 dG / |G|.
+        # Velocity of X(F^-1(.)): dX dF^-1 dG / |G|.
         along = dX @ np.linalg.solve(slope + u[:, :, None] * v[:, None, :], tangent) / length
         analysis = (self.harmonics.values(v) * weights[:, None] * np.sqrt(self._penalty)).T
         J = np.empty((self.harmonics.size, 3, harmonics.size, 3))

@@ -1,14 +1,14 @@
 """First variation of a smooth embedding in R^3 with respect to its metric.
 
-A change h of the metric demands ``2 sym (X_a . dX_b) = h_ab`` of the displacements dX, X_a being the
-derivatives along a frame.  They are found in harmonics, in least squares over the area, without translation
-and rotation; the transpose takes derivatives by the coefficients to those by the metric.  For the integral of
-H there is a closed form (of Schlaefli's kind; Rivin and Schlenker, The Schlaefli formula in Einstein
-manifolds with boundary, 1999),
+A change h of the metric requires displacements dX with ``2 sym (X_a . dX_b) = h_ab``, where X_a are the
+derivatives along a frame.  They are expanded in harmonics and computed by least squares over the area,
+without translation and rotation; the transpose maps derivatives with respect to the coefficients to those
+with respect to the metric.  For the integral of H there is a closed form (of Schlaefli type; Rivin and
+Schlenker, The Schlaefli formula in Einstein manifolds with boundary, 1999),
 
     d int H dA = 1/2 int (H g^ab - b^ab / 2) h_ab dA,
 
-b being the second fundamental form, positive where convex.
+where b is the second fundamental form, positive for convex surfaces.
 """
 
 from __future__ import annotations
@@ -28,31 +28,31 @@ from isoembed.smooth.isometry import OVERSAMPLING, IsometrySystem, LinearizedStr
 from isoembed.smooth.sphere_map import metric_in
 from isoembed.smooth.transforms import resized
 
-LEAST_DEGREE = 16  # of the displacements
-HIGHEST_DEGREE = 36  # the normal equations of more are too large
+LEAST_DEGREE = 16  # least default degree of displacements
+HIGHEST_DEGREE = 36  # limited by the size of the normal equations
 
 
 @dataclass(frozen=True, eq=False)
 class MetricDerivatives:
-    """Derivatives of a smooth embedding in R^3 by its metric.
+    """Derivatives of a smooth embedding in R^3 with respect to its metric.
 
-    Changes of the metric and gradients by it are symmetric matrices (n, 3, 3) at the `directions`, as
-    `TwoMetric.tensor` has them: a function whose gradient is G changes by ``sum(G * changes)``.
+    Changes of the metric and gradients with respect to it are symmetric matrices (n, 3, 3) at the
+    `directions`, as in `TwoMetric.tensor`: a function with gradient G changes by ``sum(G * changes)``.
 
     Attributes
     ----------
     surface : SmoothEmbedding
     harmonics : Harmonics
-        Of displacements.
+        Harmonics of displacements.
     directions : ndarray, shape (n, 3)
-        Of the metric, where it may change.
+        Directions at which changes of the metric are given.
     """
 
     surface: SmoothEmbedding
     harmonics: Harmonics
     directions: Floats
     _samples: MetricSamples
-    _tangents: Floats  # those of the samples, in the metric's directions
+    _tangents: Floats  # frames of the samples as tangents at the directions of the metric
     _linear: LinearizedStrains
 
     @classmethod
@@ -63,7 +63,7 @@ class MetricDerivatives:
         ----------
         surface : SmoothEmbedding
         degree : int, optional
-            Of the harmonics of displacements, at least that of the surface; by default that, or 16.
+            Degree of the displacements, at least that of the surface; by default that, but at least 16.
 
         Raises
         ------
@@ -97,12 +97,12 @@ class MetricDerivatives:
         Parameters
         ----------
         changes : array_like, shape (n, 3, 3)
-            Of the metric.
+            Changes of the metric.
 
         Raises
         ------
         InvalidParameter
-            The changes have another shape, are not finite, or are too detailed for the degree.
+            The changes have a wrong shape, are not finite, or are not resolved by the degree.
         """
         h = np.asarray(changes, dtype=np.float64)
         if h.shape != (len(self.directions), 3, 3):
@@ -116,7 +116,7 @@ class MetricDerivatives:
         along = np.einsum("nai,nij,nbj->nab", self._tangents, h, self._tangents)
         strains = np.stack([along[:, 0, 0], np.sqrt(0.5) * (along[:, 0, 1] + along[:, 1, 0]), along[:, 1, 1]])
         displacements, left = self._linear.displacements(strains.T)
-        if left > 1e-3:  # part of a change that displacements may leave
+        if left > 1e-3:  # largest admissible relative residual
             raise InvalidParameter(
                 f"displacements in harmonics of degree {self.harmonics.degree} leave {left:.1e} of the "
                 "change of the metric: a higher degree is needed"
@@ -124,18 +124,18 @@ class MetricDerivatives:
         return displacements
 
     def vjp(self, gradient: ArrayLike) -> Floats:
-        """The gradient (n, 3, 3) by the metric of a function, from that by the coefficients of X.
+        """Gradient (n, 3, 3) of a function with respect to the metric, from that for the coefficients of X.
 
         Parameters
         ----------
         gradient : array_like, shape (size, 3)
-            Of a function that rigid motions do not change; of others, what displacements without translation
-            and rotation change.
+            Gradient of a function invariant under rigid motions; for other functions, only displacements
+            without translation and rotation count.
 
         Raises
         ------
         InvalidParameter
-            The gradient has another shape or is not finite.
+            The gradient has a wrong shape or is not finite.
         """
         g = np.asarray(gradient, dtype=np.float64)
         if g.shape != (self.harmonics.size, 3) or not np.isfinite(g).all():
@@ -152,19 +152,19 @@ class MetricDerivatives:
 
     @cached_property
     def area(self) -> Floats:
-        """The gradient (n, 3, 3) of the area."""
+        """Gradient (n, 3, 3) of the area."""
         half = 0.5 * self._samples.areas
         return self._tensors(half, np.zeros_like(half), half)
 
     @cached_property
     def volume(self) -> Floats:
-        """The gradient (n, 3, 3) of the enclosed volume."""
+        """Gradient (n, 3, 3) of the enclosed volume."""
         flux = (self._samples.areas * self._shape.stretch)[:, None] * self._shape.conormals
         return self.vjp(self.harmonics.values(self._samples.u).T @ flux)
 
     @cached_property
     def integrated_mean_curvature(self) -> Floats:
-        """The gradient (n, 3, 3) of the integral of H = (k1 + k2) / 2."""
+        """Gradient (n, 3, 3) of the integral of H = (k1 + k2) / 2."""
         shape = self._shape
         bent = self.harmonics.second_along(self._samples.u, self._samples.frames, self._coefficients)
         b = shape.second(-np.einsum("nabc,nc->nab", bent, shape.conormals))
@@ -181,12 +181,12 @@ class MetricDerivatives:
 
     @cached_property
     def _shape(self) -> Surface:
-        """The surface at the samples."""
+        """Surface at the samples."""
         Y, along = self.harmonics.along(self._samples.u, self._samples.frames)
         return Surface.of(self.surface.space, Y @ self._coefficients, along @ self._coefficients)
 
     def _tensors(self, first: Floats, mixed: Floats, second: Floats) -> Floats:
-        """Matrices (n, 3, 3) with these contravariant components along the frames."""
+        """Matrices (n, 3, 3) from contravariant components along the frames."""
         t1, t2 = self._tangents[:, 0], self._tangents[:, 1]
         across = t1[:, :, None] * t2[:, None, :]
         return (

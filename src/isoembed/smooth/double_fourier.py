@@ -1,8 +1,8 @@
 """Double Fourier interpolation of functions on a (theta, phi) grid.
 
-On the circle of all theta a smooth function on the sphere is even under the glide (theta, phi) -> (-theta,
-phi + pi), so that the part with exp(i m phi) is a series of cosines in theta for even m and of sines for odd
-m [1]_.  There is nothing at the poles that would have to be treated apart.
+Extended to all theta, a smooth function on the sphere is invariant under the glide reflection (theta, phi) ->
+(-theta, phi + pi), so that the coefficient of exp(i m phi) is a cosine series in theta for even m and a sine
+series for odd m [1]_.  The poles need no special treatment.
 
 References
 ----------
@@ -23,31 +23,31 @@ from isoembed.meshing.sphere import angles_of
 
 Complexes = NDArray[np.complex128]
 
-POLE = 1e-6  # radians, within which a node counts as the pole
-UNEVEN = 1e-6  # deviation of the angles phi from uniform ones, in steps
-FINER = 8  # nodes of the table over those of the grid; half as many in large tables
-LARGE = 1 << 24  # numbers in a table
-STENCIL = 16  # nodes of the table, each way, from which a value is interpolated to 1e-12
-CHUNK = 256  # values interpolated at a time: their nodes fit into the cache
+POLE = 1e-6  # angle from the pole within which a node counts as the pole, in radians
+UNEVEN = 1e-6  # largest deviation of the angles phi from uniform spacing, in steps
+FINER = 8  # refinement of the table relative to the grid; half of it for large tables
+LARGE = 1 << 24  # number of entries of a large table
+STENCIL = 16  # nodes per direction of the local interpolation, accurate to 1e-12
+CHUNK = 256  # values interpolated at a time, whose stencils fit into the cache
 
 
 @dataclass(frozen=True, eq=False)
 class DoubleFourier:
-    """Functions given on a grid in theta and phi, as their Fourier series.
+    """Fourier series of functions given on a grid in theta and phi.
 
     Parameters
     ----------
     theta : array_like, shape (n,)
-        Increasing, strictly between 0 and pi: `inner_nodes` tells which nodes of a grid are.
+        Increasing angles, strictly between 0 and pi; see `inner_nodes`.
     phi : array_like, shape (m,)
-        As `around` takes it, without the end point.
+        Uniform angles as in `around`, without the end point.
     values : ndarray, shape (n, m, c)
-        c functions at the nodes; scalars, or components of a tensor that are even under the glide.
+        Values of c functions at the nodes: scalars, or tensor components invariant under the reflection.
 
     Raises
     ------
     InvalidMetric
-        The values at these nodes do not determine a series: nodes on one hemisphere only, for one.
+        The nodes do not determine a series, for example if they are on one hemisphere only.
     """
 
     theta: Floats
@@ -65,20 +65,20 @@ class DoubleFourier:
 
     @cached_property
     def condition(self) -> float:
-        """Condition number of the series at the nodes in theta: sqrt(2) if cell-centered, more for others."""
+        """Condition number of the series at the nodes in theta: sqrt(2) for cell-centered grids or more."""
         return float(max(np.linalg.cond(series) for series in self._series(self.theta)))
 
     def _series(self, theta: Floats) -> tuple[Floats, Floats]:
-        """The cosines for even m and the sines for odd m, each (len(theta), n)."""
+        """Cosines for even m and sines for odd m, each (len(theta), n)."""
         k = np.arange(len(self.theta))
         return np.cos(np.multiply.outer(theta, k)), np.sin(np.multiply.outer(theta, k + 1))
 
     @cached_property
     def coefficients(self) -> Complexes:
-        """(n, m // 2 + 1, c): of cosines or sines in theta times exp(i m (phi - phi_0)), m >= 0."""
+        """Coefficients (n, m // 2 + 1, c) of cosines or sines in theta times exp(i m (phi - phi_0))."""
         m = len(self.phi)
         spectrum = np.fft.rfft(self.values, axis=1) / m
-        spectrum[:, 1 : (m + 1) // 2] *= 2.0  # of the real part: for all but the mean and m / 2
+        spectrum[:, 1 : (m + 1) // 2] *= 2.0  # one-sided spectrum: all orders but 0 and m / 2
         for parity, series in enumerate(self._series(self.theta)):
             part = spectrum[:, parity::2]
             spectrum[:, parity::2] = np.linalg.solve(series, _flat(part)).reshape(part.shape)
@@ -86,7 +86,7 @@ class DoubleFourier:
 
     @cached_property
     def table(self) -> Floats:
-        """The values on a finer grid, with a margin of half a stencil around it for `at`."""
+        """Values on a finer grid, with a margin of half a stencil for `at`."""
         (rows, columns), margin = self._table_shape, STENCIL // 2
         theta = np.arange(-margin, rows + margin + 1, dtype=np.float64) * (np.pi / rows)
         a = self.coefficients
@@ -100,7 +100,7 @@ class DoubleFourier:
         return np.ascontiguousarray(fine[:, np.arange(-margin, columns + margin + 1) % columns])
 
     def on(self, theta: Floats, phi: Floats) -> Floats:
-        """The functions (k, l, c) on the product of angles theta (k,) and phi (l,), summed term by term."""
+        """Values (k, l, c) on the product grid of theta (k,) and phi (l,), by direct summation."""
         a = self.coefficients
         turns = np.exp(1j * np.multiply.outer(np.arange(a.shape[1]), phi - self.phi[0]))
         heights = np.empty((len(theta), *a.shape[1:]), dtype=np.complex128)
@@ -111,12 +111,12 @@ class DoubleFourier:
 
     @property
     def _table_shape(self) -> tuple[int, int]:
-        """Steps from pole to pole, and around."""
+        """Numbers of steps from pole to pole and around."""
         finer = FINER if self.values.size * FINER**2 <= LARGE else FINER // 2
         return finer * len(self.theta), finer * max(len(self.phi), 2 * STENCIL // FINER)
 
     def at(self, u: Floats) -> Floats:
-        """The functions (n, c) in the directions u (n, 3), unit vectors; at the poles as from phi = 0."""
+        """Values (n, c) at unit vectors u (n, 3); at the poles the limit along phi = 0."""
         theta, phi = angles_of(u)
         phi = (phi - self.phi[0]) % (2.0 * np.pi)
         rows, columns = self._table_shape
@@ -124,7 +124,7 @@ class DoubleFourier:
 
 
 def inner_nodes(theta: ArrayLike) -> Mask:
-    """Mask of the angles theta (n,) of a grid that are not poles.
+    """Mask of the angles theta (n,) of a grid other than the poles.
 
     Raises
     ------
@@ -153,14 +153,15 @@ def inner_nodes(theta: ArrayLike) -> Mask:
 
 
 def around(phi: ArrayLike) -> int:
-    """Number of the angles phi (m,) of a grid that make up the full circle, all or all but the end point.
+    """Number of distinct angles phi (m,) of a grid: all, or all but a repeated end point.
 
-    They are uniform, begin anywhere, and go once around; one alone is for what is symmetric about the z-axis.
+    The angles are uniform over one full turn, from any first angle; a single angle is for functions symmetric
+    about the z-axis.
 
     Raises
     ------
     InvalidMetric
-        They are something else; the message names the first such node.
+        The angles are not of this form; the message names the first wrong one.
     """
     phi = one_dimensional(phi, "phi")
     closed = len(phi) > 1 and abs(phi[-1] - phi[0] - 2.0 * np.pi) < UNEVEN
@@ -180,7 +181,7 @@ def around(phi: ArrayLike) -> int:
 
 
 def exact_theta(theta: ArrayLike) -> Floats:
-    """The angles theta (n,); those in single precision of a usual grid are replaced by its exact ones."""
+    """Angles theta (n,), with single-precision angles of a standard grid replaced by the exact ones."""
     given = one_dimensional(theta, "theta")
     n = len(given)
     one_to_n = np.arange(1.0, n + 1.0)
@@ -195,15 +196,15 @@ def exact_theta(theta: ArrayLike) -> Floats:
 
 
 def is_legendre(theta: Floats) -> bool:
-    """Whether angles theta (n,) are nearly those of Gauss-Legendre nodes, and not those of other grids."""
+    """Whether angles theta (n,) are close to Gauss-Legendre nodes rather than those of other grids."""
     n = len(theta)
     near = (np.arange(n) + 0.75) * (np.pi / (n + 0.5))
-    # Gauss-Legendre nodes deviate from even ones by 0.1 / n at most.
+    # Gauss-Legendre nodes deviate from these uniform angles by 0.1 / n at most.
     return bool(np.max(np.abs(theta - near)) < 0.1 / n)
 
 
 def exact_phi(phi: ArrayLike) -> Floats:
-    """The angles phi (m,); those in single precision of a usual grid are replaced by its exact ones."""
+    """Angles phi (m,), with single-precision angles of a standard grid replaced by the exact ones."""
     given = one_dimensional(phi, "phi")
     m = len(given)
     for steps in (m, m - 1):  # without and with the end point
@@ -216,30 +217,30 @@ def exact_phi(phi: ArrayLike) -> Floats:
 
 
 def _is_rounded(given: Floats, exact: Floats) -> bool:
-    """Whether angles are exact ones in single precision, or what was computed in it."""
+    """Whether angles are roundings of exact ones to single precision, or computed in it."""
     single = np.all(given == given.astype(np.float32))
     return bool(single and np.all(np.abs(given - exact) <= _rounding(exact)))
 
 
 def _rounding(angles: Floats) -> Floats:
-    """Deviations (n,) of angles in single precision."""
+    """Rounding errors (n,) of angles in single precision."""
     return 4.0 * float(np.finfo(np.float32).eps) * np.maximum(np.abs(angles), 1.0)
 
 
 def distinct(value: float, other: float) -> str:
-    """A number with as many digits as tell it from another one."""
+    """Number with enough digits to distinguish it from another one."""
     return next(
         (f"{value:.{d}g}" for d in (6, 9, 12) if f"{value:.{d}g}" != f"{other:.{d}g}"), f"{value:.17g}"
     )
 
 
 def one_dimensional(angles: ArrayLike, name: str) -> Floats:
-    """The angles as an array.
+    """Checked angles as a one-dimensional array.
 
     Raises
     ------
     InvalidMetric
-        They are not finite numbers in a row; the message names the first that is not finite.
+        The angles are not a one-dimensional array of finite numbers; the message names the first bad one.
     """
     array = np.asarray(angles)
     if array.ndim != 1 or array.size == 0 or array.dtype.kind not in "iuf":
@@ -258,7 +259,7 @@ def _flat(part: Complexes) -> Complexes:
 
 
 def _weights(t: Floats) -> Floats:
-    """Lagrange's (n, stencil), for t (n,) in [0, 1] and the nodes 1 - stencil / 2, ..., stencil / 2."""
+    """Lagrange weights (n, stencil) at t (n,) in [0, 1] for nodes 1 - stencil / 2, ..., stencil / 2."""
     stencil = STENCIL
     first = 1 - stencil // 2
     weights, after = np.ones((stencil, t.size)), np.ones_like(t)
@@ -271,7 +272,7 @@ def _weights(t: Floats) -> Floats:
 
 
 def _interpolated(table: Floats, rows: Floats, columns: Floats) -> Floats:
-    """Values (n, c) at fractional places (n,) in the inside of a table (rows, columns, c)."""
+    """Interpolated values (n, c) at fractional indices (n,) inside a table (rows, columns, c)."""
     n_rows, n_columns, count = table.shape
     stencil = STENCIL
     i = np.minimum(rows.astype(np.int64), n_rows - stencil - 2)

@@ -22,35 +22,35 @@ from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, ort
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.estimate import Estimate
 
-ROUNDING = 1e-11  # relative error of lengths
+ROUNDING = 1e-11  # relative error of lengths attributed to rounding
 
 
 @short_repr
 @dataclass(frozen=True)
 class SmoothEmbedding:
-    """A map X from the sphere into space that is to realize a metric.
+    """Map X from the sphere into space that approximately realizes a metric.
 
     Attributes
     ----------
     metric : TwoMetric
     harmonics : Harmonics
     coefficients : ndarray, shape (size, 3)
-        Of X in the harmonics, in the metric's unit of length; of ambient coordinates in hyperbolic and
-        spherical space.
+        Coefficients of X, in the metric's unit of length; of ambient coordinates in hyperbolic and spherical
+        space.
     tolerance : float
         Largest `residual` that counts as an embedding.
     coarser : float
-        The integral of H of the best map of lower degree, infinite if there is none.
+        Integral of H of the best map of lower degree, infinite if there is none.
     hindrance : str
-        Why the map is not taken for an embedding, whatever its residual: no surface of revolution has the
-        metric, or the search for a smaller residual ended.  Empty for an embedding.
+        Reason why the map is not an embedding regardless of its residual: no surface of revolution has the
+        metric, or the residual does not decrease any more.  Empty for an embedding.
     coordinates : SphereMap, optional
-        The map u = F(v) to the metric's directions u from those of the harmonics, v, in which the surface
-        needs fewer of them.  By default they are the same.
+        Map u = F(v) to the metric's directions u from the directions v of the harmonics, in which the surface
+        needs fewer of them.  By default the identity.
     mesh : SphereMesh, optional
-        The triangulation that the embedding began with.
+        Initial triangulation.
     space : Space
-        By default Euclidean space.
+        Ambient space, by default Euclidean.
     """
 
     metric: TwoMetric
@@ -74,12 +74,12 @@ class SmoothEmbedding:
         yield "hindrance", self.hindrance
 
     def triangulated(self, vertices: int) -> SphereMesh:
-        """A mesh of the metric with this number of vertices: the one of the start, or a new one.
+        """Mesh of the metric with a given number of vertices: the initial one if it matches, else a new one.
 
         Raises
         ------
         InvalidParameter
-            There would be fewer than 12 vertices or more than ten million.
+            The number is less than 12 or more than ten million.
         """
         if self.mesh is not None and len(self.mesh.directions) == vertices:
             return self.mesh
@@ -93,29 +93,29 @@ class SmoothEmbedding:
         return replace(self, metric=self._metric, coordinates=None, mesh=None)
 
     def points(self, u: Floats) -> Floats:
-        """The points X (n, 3) in the directions u (n, 3)."""
+        """Points X (n, 3) in the directions u (n, 3)."""
         return self.harmonics.derivatives(self._own(u), self.coefficients)[0]
 
     def normals(self, u: Floats) -> Floats:
-        """The outward unit normals (n, 3), by their ambient coordinates."""
+        """Outward unit normals (n, 3), in ambient coordinates."""
         return self._surface(self._own(u)).normals
 
     def mean_curvature(self, u: Floats) -> Floats:
-        """H = (k1 + k2) / 2 (n,) of the surface in the metric's frames; relativity writes k0 = 2 H."""
+        """H = (k1 + k2) / 2 (n,) of the surface, in frames of the metric; in relativity k0 = 2 H."""
         return self._shape(self._own(u))[0]
 
     def gaussian_curvature(self, u: Floats) -> Floats:
-        """K = k + k1 k2 (n,) of the surface, k being the curvature of space."""
+        """K = k + k1 k2 (n,) of the surface, where k is the curvature of space."""
         return self.space.curvature + self._shape(self._own(u))[1]
 
     def strain(self, u: Floats) -> Floats:
-        """The largest relative error (n,) of a squared length at u."""
+        """Largest relative error (n,) of a squared length at u."""
         return self._strain(self._own(u))
 
     @cached_property
     def residual(self) -> float:
-        """The largest relative error of a length, at directions where the equations were not solved."""
-        apart = 0.5 * float(self._strain(fibonacci_directions(1000)).max())  # beside the nodes
+        """Largest relative error of a length, at directions other than the collocation nodes."""
+        apart = 0.5 * float(self._strain(fibonacci_directions(1000)).max())  # away from the nodes
         return max(apart, self._measured.residual)
 
     @property
@@ -130,11 +130,11 @@ class SmoothEmbedding:
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """The integral of H = (k1 + k2) / 2 over the surface; that of k0 is twice as much.
+        """Integral of H = (k1 + k2) / 2 over the surface; that of k0 is twice as large.
 
-        Of first order in what the surface's metric g lacks to the given one, q, it is that of a surface which
-        has q: ``int (H g^ab - b^ab / 2) (q - g)_ab / 2 dA`` is added, b being the second fundamental form.
-        In a space of curvature k it is the change of int H dA + k volume; that of the volume is left out.
+        A correction to first order in the difference of the given metric q and the metric g of the surface is
+        included: ``int (H g^ab - b^ab / 2) (q - g)_ab / 2 dA``, with b the second fundamental form.  In a
+        space of curvature k this is the change of int H dA + k volume; that of the volume is neglected.
         """
         return self._measured.integrated_mean_curvature
 
@@ -145,7 +145,7 @@ class SmoothEmbedding:
 
     @property
     def least_curvature(self) -> float:
-        """The least Gaussian curvature at the nodes of the quadrature."""
+        """Least Gaussian curvature at the nodes of the quadrature."""
         return self._measured.least_curvature
 
     @property
@@ -158,41 +158,41 @@ class SmoothEmbedding:
 
     @property
     def _rounding(self) -> float:
-        """Rounding of second derivatives of the harmonics, relative."""
+        """Relative rounding error of second derivatives of the harmonics."""
         return 2.0 * float(np.finfo(np.float64).eps) * self.harmonics.degree**2
 
     @property
     def unsettled(self) -> float:
-        """Change of `integrated_mean_curvature` that more harmonics or nodes may make.
+        """Estimated change of `integrated_mean_curvature` with more harmonics or nodes.
 
-        It is what soft motions may make of the strains in second order, but no more than three times the
-        change from lower degree, and a part of the correction of first order; nothing of these where the
-        strains are rounding.  The change from fewer nodes adds to it.
+        The sum of the second-order effect of deformations with such strains, at most three times the change
+        from a lower degree, of a part of the first-order correction, and of the change from fewer nodes.  If
+        the strains are at rounding level, only the last term remains.
         """
         measured = self._measured
         if self.residual <= ROUNDING:
             return measured.change
         value = measured.integrated_mean_curvature
         relative = (measured.least_curvature - self.space.curvature) * measured.area / (4.0 * np.pi)
-        # Displacements over strains; surfaces of small or negative K are soft.
+        # Ratio of displacements to strains, large for surfaces with small or negative K.
         softness = 50.0 if relative < 0.05 else 10.0
         lower = 3.0 * abs(value - self.coarser)
         displaced = softness * measured.strain
-        # In curved space the change of the volume, which is of first order, is left out of int H.
+        # In curved space the first-order change of the volume is neglected in int H.
         volume = abs(self.space.curvature * measured.volume)
         moved = min(lower, displaced**2 * abs(value) + displaced * volume)
         return 0.03 * abs(measured.correction) + moved + measured.change
 
     @cached_property
     def _measured(self) -> _Measures:
-        """Measures by quadrature with more and more nodes, until the integral of H settles."""
+        """Measures by quadrature with an increasing number of nodes, until the integral of H converges."""
         before = change = np.inf
         n = 2 + self.harmonics.degree
         while True:
             n = int(np.ceil(1.4 * n))
             measures = self._measures(n, abs(before))
             value = measures.integrated_mean_curvature
-            # Where the correction is large, more nodes are of no use.
+            # If the correction is large, more nodes do not help.
             enough = max(1e-13 * abs(value), 0.01 * abs(measures.correction))
             last = n > 1000 or n * around(n, self.harmonics) > 500_000
             if measures.change <= enough or measures.change > 0.9 * change or last:
@@ -201,7 +201,7 @@ class SmoothEmbedding:
             before = value
 
     def _measures(self, n: int, before: float) -> _Measures:
-        """Measures by quadrature at n heights, after another one's integral of H."""
+        """Measures by quadrature on n circles, and the change from a previous integral of H."""
         transform = SphereTransform(self.harmonics, n, around(n, self.harmonics))
         q = self._metric.tensor(transform.u)
         frames = orthonormal_frame(transform.u, q)
@@ -239,11 +239,11 @@ class SmoothEmbedding:
 
     @cached_property
     def _metric(self) -> TwoMetric:
-        """Metric as a function of the directions of the harmonics, as all that follows is."""
+        """Metric as a function of the directions of the harmonics."""
         return metric_in(self.metric, self.coordinates)
 
     def _own(self, u: Floats) -> Floats:
-        """The directions of the harmonics (n, 3) for those of the metric."""
+        """Directions of the harmonics (n, 3) for those of the metric."""
         return u if self.coordinates is None else self.coordinates.inverse(u)
 
     def _frames(self, u: Floats) -> Floats:
@@ -276,8 +276,8 @@ class _Measures:
 
     area: float
     integrated_mean_curvature: float
-    correction: float  # of first order, that it contains
-    change: float  # from the rule before
+    correction: float  # first-order part of the integral
+    change: float  # from the previous rule
     volume: float
     least_curvature: float
     strain: float  # root mean square

@@ -14,19 +14,19 @@ from isoembed.space import Space
 
 @dataclass(frozen=True)
 class Surface:
-    """A surface at n points.
+    """Surface at n points.
 
     Attributes
     ----------
     space : Space
     points : ndarray, shape (n, 3)
-        In ambient coordinates.
+        Points in ambient coordinates.
     tangents : Tangents
-        The derivatives along two vectors at each.
+        Derivatives along two vectors at each point.
     conormals : ndarray, shape (n, 3)
-        The outward unit normals, with the index lowered by the metric of space.
+        Outward unit normals, with the index lowered by the metric of space.
     stretch : ndarray, shape (n,)
-        The area of the parallelograms of the derivatives.
+        Areas of the parallelograms spanned by the derivatives.
     """
 
     space: Space
@@ -50,18 +50,18 @@ class Surface:
 
     @property
     def metric(self) -> Floats:
-        """The products (n, 2, 2) of the derivatives."""
+        """Inner products (n, 2, 2) of the derivatives."""
         return self.tangents.vectors @ self.tangents.lowered.transpose(0, 2, 1)
 
     @property
     def normals(self) -> Floats:
-        """The outward unit normals (n, 3)."""
+        """Outward unit normals (n, 3)."""
         return self.conormals - self.space.curvature * self._heights[:, None] * self.points
 
     def second(self, bending: Floats) -> Floats:
-        """The second fundamental form (n, 2, 2), positive where convex.
+        """Second fundamental form (n, 2, 2), positive for convex surfaces.
 
-        `bending` is what it is in R^3: minus the second derivatives of the coordinates along the conormals.
+        `bending` is its value in R^3: minus the second derivatives of the coordinates along the conormals.
         """
         if self.space.is_euclidean:
             return bending
@@ -73,10 +73,10 @@ class Surface:
 
 
 def radial_volume(space: Space, points: Floats) -> Floats:
-    """Factors (n,) by which curved space changes the volume of the cone from the origin to a surface element.
+    """Factors (n,) of curved space in the volume of the cone from the origin to a surface element.
 
-    The cone has a third of area times ``points . conormals`` times this: of the vector field along the radii
-    with divergence 1, whose length is ``int sn^2 / sn^2``.
+    The volume is one third of area times ``points . conormals`` times this factor, by the radial vector field
+    of divergence 1, which has length ``int sn^2 / sn^2``.
     """
     square = space.curvature * np.einsum("ni,ni->n", points, points)
     return np.asarray(hyp2f1(0.5, 1.5, 2.5, square)) * space.heights(points)

@@ -12,8 +12,8 @@ from isoembed.space import EUCLIDEAN, Space
 
 
 def is_direct(harmonics: Harmonics) -> bool:
-    """Whether the coefficients are few enough for matrices."""
-    return 3 * harmonics.size <= 1800  # more coefficients are solved for without matrices
+    """Whether the coefficients are few enough for dense matrices."""
+    return 3 * harmonics.size <= 1800  # otherwise the matrix-free method is used
 
 
 def gauss_newton(
@@ -23,16 +23,16 @@ def gauss_newton(
     target: float = 0.0,
     space: Space = EUCLIDEAN,
 ) -> Floats:
-    """Coefficients (size, 3) of the map whose squared strains, integrated over the area, are least.
+    """Coefficients (size, 3) of the map that minimizes the integral of the squared strains over the area.
 
-    The search begins at coefficients of a map that is roughly right; that of the constant harmonic is kept
-    in Euclidean space, and makes the mean over the area zero in others.  The search may end where the root
-    mean square of the strains is at most the target.
+    The iteration starts from the coefficients of an approximate map.  The constant harmonic is kept in
+    Euclidean space, and makes the mean over the area zero in curved space.  The iteration may stop if the
+    root mean square of the strains is at most the target.
 
     Raises
     ------
     InvalidParameter
-        The map that it begins at leaves the half of spherical space about the origin.
+        The initial map leaves the hemisphere of spherical space about the origin.
     """
     if is_direct(harmonics):
         n = int(np.ceil(OVERSAMPLING * (harmonics.degree + 1)))

@@ -7,8 +7,8 @@ from isoembed.arrays import Floats
 from isoembed.smooth.geodesics import definite_tensor, in_own_unit
 from isoembed.smooth.two_metric import TwoMetric, angle_frame
 
-STEP = 2e-3  # radians: truncation of the differences meets rounding
-CHUNK = 4096  # directions at a time, which bounds the memory
+STEP = 2e-3  # in radians; balances truncation and rounding errors of the differences
+CHUNK = 4096  # directions at a time, to bound the memory
 AXIS = [(k, 0) for k in (-2, -1, 1, 2)] + [(0, k) for k in (-2, -1, 1, 2)]
 DIAGONAL = [(k, sign * k) for sign in (1, -1) for k in (-2, -1, 1, 2)]
 STENCIL = np.array([(0, 0), *AXIS, *DIAGONAL], dtype=np.float64)
@@ -19,7 +19,7 @@ SECOND_CENTER = -30.0 / (12.0 * STEP**2)
 
 
 def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
-    """Gaussian curvature at some directions.
+    """Gaussian curvature at given directions.
 
     Parameters
     ----------
@@ -30,18 +30,18 @@ def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
     Returns
     -------
     ndarray, shape (n,)
-        In 1/length^2 of the metric's unit.  About eight digits, fewer where the metric varies within a
-        hundredth of a radian: the error is of fourth order in a step of 0.002 radians.
+        Gaussian curvature in 1/length^2, in the unit of the metric, to about eight digits.  The error is of
+        fourth order in a step of 0.002 radians, hence larger if the metric varies within 0.01 radians.
 
     Raises
     ------
     InvalidMetric
-        The metric is not positive definite at one of the directions or near it.
+        The metric is not positive definite at or near one of the directions.
 
     Notes
     -----
-    Brioschi's formula in the coordinates of the plane that touches the sphere at u, with derivatives from 17
-    samples of the metric about it.
+    Brioschi's formula in coordinates of the tangent plane of the sphere at u, with derivatives from 17
+    samples of the metric.
     """
     directions = np.asarray(u, dtype=np.float64)
     K = np.empty(len(directions))
@@ -55,7 +55,7 @@ def gaussian_curvature(metric: TwoMetric, u: ArrayLike) -> Floats:
 
 
 def _sampled(metric: TwoMetric, u: Floats) -> Floats:
-    """The components E, F, G (3, 17, n) of the metric about each direction, in its tangent plane."""
+    """Components E, F, G (3, 17, n) of the metric around each direction, in its tangent plane."""
     frame = np.stack(angle_frame(u))  # (2, n, 3)
     x = u + np.einsum("ka,ani->kni", STEP * STENCIL, frame)
     square = np.einsum("kni,kni->kn", x, x)
@@ -69,7 +69,7 @@ def _brioschi(samples: Floats) -> Floats:
     E, _, G = center
     yy = SECOND @ y[0] + SECOND_CENTER * E
     xx = SECOND @ x[2] + SECOND_CENTER * G
-    # Second differences along the diagonals, whose own center cancels, are f_xx + f_yy + 2 f_xy and the like.
+    # Second differences along the diagonals are f_xx + f_yy +- 2 f_xy; the center cancels in f_xy.
     xy = (SECOND @ samples[1, 9:13] - SECOND @ samples[1, 13:17]) / 4.0
     first_x, first_y = (np.einsum("k,ckn->cn", FIRST, along) for along in (x, y))
     return brioschi(center, first_x, first_y, xy - 0.5 * (yy + xx))
@@ -81,7 +81,7 @@ def brioschi(metric: Floats, x: Floats, y: Floats, second: Floats) -> Floats:
     Parameters
     ----------
     metric, x, y : ndarray, shape (3, n)
-        The components E, F and G in some coordinates x and y, and their derivatives in these.
+        Components E, F and G in coordinates x and y, and their derivatives.
     second : ndarray, shape (n,)
         ``F_xy - (E_yy + G_xx) / 2``.
     """
@@ -95,6 +95,6 @@ def brioschi(metric: Floats, x: Floats, y: Floats, second: Floats) -> Floats:
 
 
 def _determinant(*entries: Floats) -> Floats:
-    """Determinants (n,) of 3x3 matrices, whose entries come row by row, each (n,)."""
+    """Determinants (n,) of 3x3 matrices with entries in row-major order, each (n,)."""
     a, b, c, d, e, f, g, h, i = entries
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)

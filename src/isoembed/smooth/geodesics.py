@@ -12,17 +12,17 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import angles_of
 from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric
 
-CHUNK = 8192  # geodesics at a time, which bounds the memory
-WIDEST = 170.0  # degrees, largest angle between the ends of a path
+CHUNK = 8192  # geodesics at a time, to bound the memory
+WIDEST = 170.0  # largest angle between the ends of a path, in degrees
 SIDEWAYS = 0.1  # half-width of strips about a path, in chords
-RESOLVED = 1e-6  # relative change of the length, above which the nodes are doubled
+RESOLVED = 1e-6  # relative change of the length above which the nodes are doubled
 
 
 def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Floats:
-    """Lengths of the shortest paths between pairs of near directions.
+    """Lengths of shortest paths between pairs of neighboring directions.
 
     The relative error is of sixth order in the angle between them: for the horizon of a black hole of spin
-    0.8 it is below 1e-9, 1e-11 and 1e-12 at 0.4, 0.2 and 0.1.
+    0.8 it is below 1e-9, 1e-11 and 1e-12 at 0.4, 0.2 and 0.1 radians.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Flo
     Returns
     -------
     ndarray, shape (n,)
-        In the metric's unit of length.
+        Lengths in the metric's unit.
 
     Raises
     ------
@@ -46,10 +46,10 @@ def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Flo
     -----
     The metric is extended to R^3 by ``g(x; v) = v . q(x/|x|) v / |x|^2``, and the length of
     ``x(s) = P + s d + s (1 - s) (c_0 + c_1 (2 s - 1)) b``, d = Q - P and b the normal of the great circle,
-    is minimized in c.  A geodesic leaves these paths by the fourth order in its length, and the length of a
-    path is stationary at it.  No derivatives of the metric are asked for: at three Gauss nodes it is sampled
-    across the path, and the length is taken with five.  Where these do not resolve the metric, paths with
-    more bends, by further Legendre polynomials, and more nodes follow.
+    is minimized in c.  A geodesic deviates from these paths by fourth order in its length, and its length is
+    stationary.  No derivatives of the metric are needed: it is sampled across the path at three Gauss nodes,
+    and the length is computed with five.  If these do not resolve the metric, more Legendre polynomials and
+    more nodes are used.
     """
     P, Q = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     cosine = np.einsum("ni,ni->n", P, Q)
@@ -71,7 +71,7 @@ def geodesic_lengths(metric: TwoMetric, start: ArrayLike, end: ArrayLike) -> Flo
 
 @dataclass(frozen=True)
 class Scaled:
-    """A metric in another unit of length, so that no square of it over- or underflows."""
+    """Metric in another unit of length, to avoid overflow and underflow of squares."""
 
     metric: TwoMetric
     unit: float
@@ -82,13 +82,15 @@ class Scaled:
 
 
 def in_own_unit(metric: TwoMetric, u: ArrayLike = ((0.0, 0.6, 0.8),)) -> tuple[float, Scaled]:
-    """A power of two near the metric's size, dividing by which rounds nothing, and the metric in that unit.
+    """Unit of length near the size of a metric, and the metric in that unit.
+
+    The unit is a power of two, so that division by it is exact.
 
     Parameters
     ----------
     metric : TwoMetric
     u : array_like, shape (1, 3)
-        The direction where its size is taken.
+        Direction at which the size is measured.
 
     Raises
     ------
@@ -101,12 +103,13 @@ def in_own_unit(metric: TwoMetric, u: ArrayLike = ((0.0, 0.6, 0.8),)) -> tuple[f
 
 
 def definite_tensor(metric: TwoMetric, u: Floats) -> Floats:
-    """The metric (n, 3, 3) at unit vectors u (n, 3), refused where it is not positive definite.
+    """Checked metric (n, 3, 3) at unit vectors u (n, 3).
 
     Raises
     ------
     InvalidMetric
-        The message names theta and phi of the first such direction, and the lesser eigenvalue there.
+        The metric is not positive definite; the message names theta and phi of the first such direction and
+        the smaller eigenvalue.
     """
     check_two_metric(metric)
     q = metric.tensor(u)
@@ -135,8 +138,8 @@ def _lengths(metric: TwoMetric, P: Floats, Q: Floats) -> Floats:
     bends = 4
     while (doubt > RESOLVED).any() and bends <= 16:  # 33 nodes
         rough = np.flatnonzero(doubt > RESOLVED)
-        # A path over a sharp tip is stationary, too: those that begin on either side of it may be shorter.
-        steep = np.flatnonzero(doubt > 1e-3)  # there may be several geodesics
+        # A path over a sharp tip is stationary, too; paths on either side of it may be shorter.
+        steep = np.flatnonzero(doubt > 1e-3)  # several geodesics are possible
         straight = _measured(metric, P[rough], d[rough], b[rough], np.zeros((len(rough), bends)))
         tries = [(rough, straight)]
         for side, which in ((0.0, rough), (1.0, steep), (-1.0, steep)):
@@ -152,15 +155,15 @@ def _lengths(metric: TwoMetric, P: Floats, Q: Floats) -> Floats:
 def _bent_lengths(
     metric: TwoMetric, P: Floats, d: Floats, b: Floats, bends: int, side: float
 ) -> tuple[Floats, Floats]:
-    """The lengths (n,) of the shortest paths with some number of bends, and how doubtful their integrals are.
+    """Lengths (n,) of the shortest paths with a number of bends, and the relative errors of their quadrature.
 
-    The search begins at a path that swerves to a side by a quarter of the chord, times `side`.
+    The initial path deviates sideways by a quarter of the chord, times `side`.
     """
     c = np.zeros((len(P), bends))
     c[:, 0] = side * np.linalg.norm(d, axis=1)
     rule = _rule(bends + 1, bends)
     curved = np.arange(len(P))
-    for _ in range(8):  # several strips where the metric varies along an edge
+    for _ in range(8):  # several strips if the metric varies along an edge
         change = _bend(metric, P[curved], d[curved], b[curved], c[curved], rule)
         c[curved] += change
         beyond = np.abs(change).sum(axis=1) / 4.0 > SIDEWAYS * np.linalg.norm(d[curved], axis=1)
@@ -171,7 +174,7 @@ def _bent_lengths(
 
 
 def _measured(metric: TwoMetric, P: Floats, d: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
-    """The lengths (n,) of paths, and their relative difference from what every other node says."""
+    """Lengths (n,) of paths, and their relative difference from quadrature with every other node."""
     rule = _rule(2 * c.shape[1] + 1, c.shape[1])
     A, B, C = _forms(metric, P, d, b, rule.s, c @ rule.shape)
     y_s = c @ rule.slope
@@ -182,9 +185,9 @@ def _measured(metric: TwoMetric, P: Floats, d: Floats, b: Floats, c: Floats) -> 
 
 @dataclass(frozen=True, eq=False)
 class _Rule:
-    """Gauss nodes on (0, 1), their weights, and the shapes s (1 - s) P_k(2 s - 1) there with their slopes.
+    """Gauss rule on (0, 1), with the shapes s (1 - s) P_k(2 s - 1) at the nodes and their slopes.
 
-    P_k are the Legendre polynomials.  `every_other` are the weights at the first, third, ... node alone.
+    P_k are the Legendre polynomials.  `every_other` are weights for the first, third, ... node only.
     """
 
     s: Floats
@@ -201,7 +204,7 @@ def _rule(n: int, bends: int) -> _Rule:
     values = legendre.legval(t, P)
     slope = 2.0 * bump * legendre.legval(t, legendre.legder(P)) - t * values
     half = t[::2]
-    # The interpolant at these nodes integrates to its constant part.
+    # The integral of the interpolant at these nodes is its constant coefficient.
     every_other = np.linalg.inv(legendre.legvander(half, len(half) - 1))[0]
     return _Rule(0.5 * (t + 1.0), 0.5 * weights, bump * values, slope, every_other)
 
@@ -209,7 +212,7 @@ def _rule(n: int, bends: int) -> _Rule:
 def _forms(
     metric: TwoMetric, P: Floats, d: Floats, b: Floats, s: Floats, y: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """g(d, d), g(d, b) and g(b, b), each of the shape (n, nodes) of y, at P + s d + y b."""
+    """g(d, d), g(d, b) and g(b, b) at P + s d + y b, each with the shape (n, nodes) of y."""
     x = P[:, None, :] + s[:, None] * d[:, None, :] + y[:, :, None] * b[:, None, :]
     square = np.einsum("nki,nki->nk", x, x)
     u = x / np.sqrt(square)[:, :, None]
@@ -223,7 +226,7 @@ def _forms(
 
 
 def _bend(metric: TwoMetric, P: Floats, d: Floats, b: Floats, c: Floats, rule: _Rule) -> Floats:
-    """The change of c (n, bends) that makes the length stationary in the strip about the path with this c."""
+    """Change of c (n, bends) that makes the length stationary in the strip about a path."""
     s, weight, shape, slope = rule.s, rule.weight, rule.shape, rule.slope
     width = SIDEWAYS * np.linalg.norm(d, axis=1)[:, None]
     y_0, y_s0 = c @ shape, c @ slope
@@ -232,7 +235,7 @@ def _bend(metric: TwoMetric, P: Floats, d: Floats, b: Floats, c: Floats, rule: _
     forms_y, forms_yy = (high - low) / (2.0 * safe), (high - 2.0 * middle + low) / safe**2
 
     change = np.zeros_like(c)
-    for _ in range(3):  # Newton's method, without new values of the metric
+    for _ in range(3):  # Newton's method without new evaluations of the metric
         y, y_s = change @ shape, y_s0 + change @ slope
         first = forms_y + forms_yy * y
         A, B, C = middle + (forms_y + 0.5 * forms_yy * y) * y
@@ -254,7 +257,7 @@ def _bend(metric: TwoMetric, P: Floats, d: Floats, b: Floats, c: Floats, rule: _
 
 
 def _descent(hessian: Floats, gradient: Floats, width: Floats) -> Floats:
-    """Newton steps (n, bends), downhill where the Hessian is not positive; eight half-widths at most."""
+    """Newton steps (n, bends) in descent direction for indefinite Hessians, of at most eight half-widths."""
     values, vectors = np.linalg.eigh(hessian)
     size = np.maximum(np.abs(values), 1e-3 * np.abs(values).max(axis=1, keepdims=True))
     along = np.einsum("nab,na->nb", vectors, gradient) / np.where(size == 0.0, 1.0, size)

@@ -15,7 +15,7 @@ from isoembed.errors import InvalidParameter
 def called(what: str, function: Callable[..., Any], *arguments: NDArray[Any]) -> Any:
     """Call a function and return its value.
 
-    Raises `InvalidParameter`: it raises an error of types or shapes, as functions of one point do.
+    Raises `InvalidParameter`: the function raises an error of types or shapes, as functions of one point do.
     """
     try:
         return function(*arguments)
@@ -30,7 +30,7 @@ def called(what: str, function: Callable[..., Any], *arguments: NDArray[Any]) ->
 
 
 def array_of(what: str, given: ArrayLike, *, real: bool = True) -> NDArray[Any]:
-    """Convert what a user or a function gave to an array of numbers, or raise `InvalidParameter`."""
+    """Convert user input or the result of a function to an array of numbers, or raise `InvalidParameter`."""
     try:
         array = np.asarray(given)
     except ValueError:
@@ -42,5 +42,5 @@ def array_of(what: str, given: ArrayLike, *, real: bool = True) -> NDArray[Any]:
 
 
 def real_values(what: str, function: Callable[..., Any], *arguments: Floats) -> Floats:
-    """The values of a function as an array of real numbers; see `called` and `array_of`."""
+    """Values of a function as an array of real numbers; see `called` and `array_of`."""
     return array_of(what, called(what, function, *arguments)).astype(np.float64, copy=False)

@@ -1,4 +1,4 @@
-"""Metrics given on a (theta, phi) grid."""
+"""Metrics on a (theta, phi) grid."""
 
 from __future__ import annotations
 
@@ -24,39 +24,38 @@ from isoembed.smooth.spectrum import SCATTER, Spectrum
 from isoembed.smooth.two_metric import TwoMetric, angle_components, are_definite, from_angles, is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 
-SEAM = 1e-6  # relative difference of the columns phi = 0 and phi = 2 pi
+SEAM = 1e-6  # largest relative difference of the columns phi = 0 and phi = 2 pi
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class GridMetric:
-    """A metric on the sphere from its coordinate components on a grid, interpolated by Fourier series.
+    """Metric on the sphere from its coordinate components on a grid, interpolated by Fourier series.
 
-    The error is that of the grid: it falls exponentially with the number of nodes where the metric is
-    analytic.
+    The truncation error decreases exponentially with the number of nodes if the metric is analytic.
 
     Parameters
     ----------
     theta : array_like, shape (n,)
-        Increasing from pole to pole: cell-centered, uniform with or without the poles, or Gauss-Legendre.
+        Angles increasing from pole to pole: cell-centered, uniform with or without the poles, or
+        Gauss-Legendre.
     phi : array_like, shape (m,)
-        Uniform once around, beginning anywhere; the end point 2 pi may be repeated.  One angle alone stands
-        for a metric that is symmetric about the z-axis.
+        Uniform angles over one full turn, from any first angle; the end point may be repeated.  A single
+        angle is for a metric symmetric about the z-axis.
     q_tt, q_tp, q_pp : array_like, shape (n, m)
-        The coordinate components: ds^2 = q_tt dtheta^2 + 2 q_tp dtheta dphi + q_pp dphi^2, in units of
-        length^2.  What they are at the poles themselves, where q_tp and q_pp vanish, is not looked at.
+        Coordinate components: ds^2 = q_tt dtheta^2 + 2 q_tp dtheta dphi + q_pp dphi^2, in units of length^2.
+        Values at the poles, where q_tp and q_pp vanish, are ignored.
 
     Attributes
     ----------
     theta, phi, q_tt, q_tp, q_pp : ndarray
-        As given, read-only; but angles in single precision are the exact ones that they round, where these
-        are those of a usual grid.
+        Read-only copies; single-precision angles of a standard grid are replaced by the exact ones.
 
     Raises
     ------
     InvalidMetric
-        The arrays do not fit together, the nodes are not such a grid, or the components at a node are not
-        finite or not positive definite; the message names the first such node.  Or they are those of no
-        smooth tensor: the message says what is seen at the poles, and the mistake that explains it.
+        The shapes do not match, the nodes are not such a grid, or the components at a node are not finite or
+        not positive definite; the message names the first such node.  Or the tensor is not smooth at the
+        poles; the message describes the behavior there and the likely mistake.
     """
 
     theta: Floats
@@ -93,12 +92,12 @@ class GridMetric:
 
     @classmethod
     def sampled(cls, metric: TwoMetric, n: int, m: int) -> GridMetric:
-        """Sample a metric, which may be slow, on a cell-centered grid of n angles theta and m angles phi.
+        """Sample a metric on a cell-centered grid of n angles theta and m angles phi.
 
         Raises
         ------
         InvalidMetric
-            The grid is too coarse for it, or it is not a smooth tensor.
+            The grid is too coarse for the metric, or the metric is not a smooth tensor.
         """
         grid = cls._sampled(metric, n, m)
         grid.at_poles()
@@ -106,7 +105,7 @@ class GridMetric:
 
     @classmethod
     def _sampled(cls, metric: TwoMetric, n: int, m: int) -> GridMetric:
-        """Samples of a metric whose poles have been checked."""
+        """Samples of a metric, without checks at the poles."""
         theta, phi = (np.arange(n) + 0.5) * (np.pi / n), np.arange(m) * (2.0 * np.pi / m)
         sin, cos = np.sin(theta)[:, None], np.cos(theta)[:, None]
         u = np.stack(np.broadcast_arrays(sin * np.cos(phi), sin * np.sin(phi), cos), axis=2).reshape(-1, 3)
@@ -121,18 +120,18 @@ class GridMetric:
 
     @property
     def truncation(self) -> float:
-        """The highest Fourier coefficients over the largest: about the relative error between the nodes."""
+        """Highest Fourier coefficients relative to the largest: about the interpolation error."""
         return self._spectrum.tail / self._spectrum.largest
 
     @cached_property
     def error(self) -> Uncertainty:
-        """Relative errors of lengths: truncation, noise, what phi does not resolve, conflict at the poles."""
+        """Relative errors of lengths: truncation, noise, too few angles phi, and conflicts at the poles."""
         error = _error(self._spectrum, np.stack([self.q_tt, self.q_tp, self.q_pp]))
         half, odds = 0.5 / self._size, 0.5 * self.at_poles().jump
         return Uncertainty(half * error.pointwise + odds, half * error.mean + 0.5 * odds)
 
     def deviations(self, u: Floats) -> tuple[Floats, ...]:
-        """Changes (N, n, 3, 3) of the tensor at u (n, 3) by noise at the nodes of the size of the error.
+        """Random changes (N, n, 3, 3) of the tensor at u (n, 3), from noise at the nodes of the error's size.
 
         See `isoembed.smooth.uncertain_curvature.DeviatingMetric`.
         """
@@ -140,7 +139,7 @@ class GridMetric:
         random = np.random.default_rng(0)
         size = 2.0 * self._size * self.error.pointwise / SCATTER
         drawn = []
-        for _ in range(12):  # tell a root mean square to a fifth
+        for _ in range(12):  # enough for a root mean square to 20 %
             noise = DoubleFourier(self._field.theta, self._field.phi, size * random.normal(size=values.shape))
             drawn.append(from_angles(directions, *noise.at(directions).T))
         return (np.stack(drawn),)
@@ -149,7 +148,7 @@ class GridMetric:
     def notes(self) -> tuple[str, ...]:
         """Remarks on the errors, for reports."""
         count, spectrum = around(self.phi), self._spectrum
-        # A fifth of the error is worth a note, rounding is not.
+        # A fifth of the error deserves a note, rounding does not.
         said = max(0.2 * spectrum.error.mean, 1e-11 * spectrum.largest)
         if count == 1 or spectrum.unseen < said:
             return ()
@@ -164,12 +163,12 @@ class GridMetric:
         Raises
         ------
         InvalidMetric
-            It is not a smooth tensor there; the message says what was seen, and the mistake that explains it.
+            The tensor is not smooth there; the message describes the behavior and the likely mistake.
         """
         return check_series(self._field.theta, self._field.phi, self._field.values)
 
     def tensor(self, u: Floats) -> Floats:
-        """The metric (n, 3, 3) at the unit vectors u (n, 3); see `TwoMetric`."""
+        """Metric (n, 3, 3) at unit vectors u (n, 3); see `TwoMetric`."""
         u = np.asarray(u, dtype=np.float64)
         return from_angles(u, *self._field.at(u).T)
 
@@ -179,7 +178,7 @@ class GridMetric:
         Raises
         ------
         InvalidMetric
-            They have another shape, or one of them is not finite; the message calls them by the name.
+            The values have a wrong shape, or one is not finite; the message contains the name.
         """
         given = self._given(values, name)
         series = self._series(given[..., None], self.phi)
@@ -191,25 +190,25 @@ class GridMetric:
     def one_form(
         self, meridional: ArrayLike, azimuthal: ArrayLike, name: str = "the one-form"
     ) -> UncertainFunction:
-        """Interpolation of a one-form by its components (n, m) for theta and phi on the same grid.
+        """Interpolation of a one-form from its components (n, m) along theta and phi on the same grid.
 
-        It is a function of unit vectors u (k, 3), with tangent vectors (k, 3) whose products with velocities
-        of u are the values of the form.  What the components are at the poles is not looked at.
+        The result maps unit vectors u (k, 3) to tangent vectors (k, 3), whose inner products with velocities
+        of u are the values of the form.  Components at the poles are ignored.
 
         Raises
         ------
         InvalidMetric
-            As `function`.
+            See `function`.
         """
-        # Where it is symmetric about z its Cartesian components are not: they take more than one angle, and
-        # as many as degrees in theta for the estimate of the error to see that there is nothing between them.
+        # The Cartesian components of an axisymmetric one-form depend on phi.  They need more than one angle;
+        # as many as there are degrees in theta let the error estimate exclude unresolved orders.
         n = 2 * len(self.theta)
         angles = self.phi if len(self.phi) > 1 else self.phi + 2.0 * np.pi / n * np.arange(n)
         sin, cos = np.sin(self.theta)[:, None], np.cos(self.theta)[:, None]
         e_theta = np.stack(np.broadcast_arrays(cos * np.cos(angles), cos * np.sin(angles), -sin), axis=2)
         e_phi = np.stack(np.broadcast_arrays(-np.sin(angles), np.cos(angles), 0.0 * sin), axis=2)
         theta, phi = self._given(meridional, name), self._given(azimuthal, name)
-        # Cartesian components are smooth over the poles, those along the angles are not.
+        # Cartesian components are smooth across the poles, those along the angles are not.
         away = np.where(sin > 0.0, sin, 1.0)
         series = self._series(theta[..., None] * e_theta + (phi / away)[..., None] * e_phi, angles)
 
@@ -225,7 +224,7 @@ class GridMetric:
 
     @cached_property
     def _size(self) -> float:
-        """Mean size of the metric, of inverses and by area: by it errors of components are relative ones."""
+        """Area-weighted harmonic mean of the metric, which converts errors of components to relative ones."""
         unit = np.max(np.abs(self._field.table))
         Qtt, Qtp, Qpp = np.moveaxis(self._field.table / unit, 2, 0)
         rows = len(Qtt) - STENCIL - 1
@@ -242,7 +241,7 @@ class GridMetric:
         return given
 
     def _series(self, values: Floats, phi: Floats) -> DoubleFourier:
-        """The series of values (n, m, c) at the heights of the nodes and the angles phi."""
+        """Series of values (n, m, c) at the angles theta of the nodes and given angles phi."""
         inner, m = inner_nodes(self.theta), around(phi)
         return DoubleFourier(self.theta[inner], phi[:m], values[inner, :m])
 
@@ -270,7 +269,7 @@ class GridMetric:
                     )
 
     def _check_between(self) -> None:
-        """Too coarse a grid shows where the series is not positive between the nodes."""
+        """Check that the series is positive definite between the nodes, as on a sufficiently fine grid."""
         Qtt, Qtp, Qpp = np.moveaxis(self._field.table, 2, 0)
         scale = np.max(np.abs(self._field.table))
         bad = ~((Qtt > 0) & (Qpp > 0) & ((Qtt / scale) * (Qpp / scale) > (Qtp / scale) ** 2))
@@ -283,32 +282,32 @@ class GridMetric:
 
 
 def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
-    """The metric on a fine grid: good enough for meshes, and quick where the metric is slow."""
+    """Interpolation of a metric on a fine grid, accurate enough for meshes and fast to evaluate."""
     try:
         return GridMetric._sampled(metric, *((768, 1) if is_axisymmetric(metric) else (96, 192)))
-    except InvalidMetric:  # too coarse a grid for it
+    except InvalidMetric:  # the grid is too coarse
         return metric
 
 
 def _lengths(values: Floats) -> Floats:
-    """The area density and the mean square of stretches (k, 2) of components (k, 3) in a frame."""
+    """Area density and mean squared stretch (k, 2) of components (k, 3) in a frame."""
     tt, tp, pp = values.T
     return np.stack([np.sqrt(np.maximum(tt * pp - tp**2, 0.0)), 0.5 * (tt + pp)], axis=1)
 
 
 def _with_square(values: Floats) -> Floats:
-    """A function (k, 1), and half of its square (k, 2) over its root mean square."""
+    """Function (k, 1), and half of its square over its root mean square, as (k, 2)."""
     size = float(np.sqrt(np.mean(values**2)))
     return np.concatenate([values, 0.5 * values**2 / size], axis=1)
 
 
 def _error(spectrum: Spectrum, values: Floats) -> Uncertainty:
-    """Errors of a function with values at nodes: those of its spectrum and of single precision."""
+    """Errors of a function from its spectrum and from single precision of its values at nodes."""
     error = spectrum.error
-    # A constant is off everywhere alike, which no spectrum shows.
+    # The rounding error of a constant is invisible in its spectrum.
     with np.errstate(over="ignore"):
         single = bool(np.all(values == values.astype(np.float32)))
-    if not single or len(np.unique(values)) < 8:  # fewer may be in single precision by chance
+    if not single or len(np.unique(values)) < 8:  # few values may be representable by chance
         return error
     rounding = float(np.finfo(np.float32).eps) * float(np.abs(values).max())
     return Uncertainty(error.pointwise + rounding, error.mean + 0.5 * rounding)

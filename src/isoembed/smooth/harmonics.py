@@ -1,7 +1,7 @@
 """Real spherical harmonics and their derivatives.
 
-``Y_lm(u) = Pi_lm(z) Re, Im (x + i y)^m``, orthonormal, ``Pi_lm`` a polynomial in z: there is no division by
-sin(theta) anywhere, and the poles are points like any others.
+``Y_lm(u) = Pi_lm(z) Re, Im (x + i y)^m``, orthonormal, with a polynomial ``Pi_lm`` in z: there is no division
+by sin(theta), and the poles need no special treatment.
 """
 
 from dataclasses import dataclass
@@ -13,21 +13,20 @@ from numpy.typing import NDArray
 from isoembed.arrays import Floats, Indices
 from isoembed.smooth.loops import summed
 
-CHUNK = 2_000_000  # harmonics at directions, evaluated at a time, which bounds the memory
+CHUNK = 2_000_000  # values of harmonics evaluated at a time, to bound the memory
 
 
 @dataclass(frozen=True)
 class Harmonics:
-    """The real spherical harmonics of degree l <= `degree` and orders m from -`order` to `order`.
+    """Real spherical harmonics of degrees l <= `degree` and orders m from -`order` to `order`.
 
-    They are sorted by the absolute value of m, then by l; of the two with the same of both, the one with
-    cos(m phi) comes first, and m < 0 stands for the one with sin(m phi).
+    They are sorted by the absolute value of m, then by l, then cos(m phi) before sin(m phi), which has m < 0.
 
     Attributes
     ----------
     degree : int
     order : int
-        At most `degree`; small for what is nearly symmetric about the z-axis.
+        Largest order, at most `degree`; small for functions with few orders about the z-axis.
     """
 
     degree: int
@@ -39,7 +38,7 @@ class Harmonics:
 
     @cached_property
     def labels(self) -> tuple[Indices, Indices]:
-        """The degrees l and the orders m, each of shape (size,)."""
+        """Degrees l and orders m, each of shape (size,)."""
         pairs = [
             (l, sign * m)
             for m in range(self.order + 1)
@@ -51,22 +50,22 @@ class Harmonics:
 
     @property
     def size(self) -> int:
-        """Number of the harmonics."""
+        """Number of harmonics."""
         return len(self.labels[0])
 
     def values(self, u: Floats) -> Floats:
-        """The harmonics (n, size) in the directions u (n, 3), unit vectors."""
+        """Harmonics (n, size) at unit vectors u (n, 3)."""
         return np.ascontiguousarray(self._evaluated(u, 0)[0].T)
 
     def gradients(self, u: Floats) -> tuple[Floats, Floats]:
-        """The harmonics (n, size) and their gradients on the sphere, tangent vectors (n, 3, size)."""
+        """Harmonics (n, size) and their gradients on the sphere, tangent vectors (n, 3, size)."""
         Y, *gradient = self._evaluated(u, 1)
         D = np.stack(gradient)
         D -= u.T[:, None, :] * np.einsum("in,isn->sn", u.T, D)
         return np.ascontiguousarray(Y.T), np.ascontiguousarray(D.transpose(2, 0, 1))
 
     def along(self, u: Floats, tangents: Floats) -> tuple[Floats, Floats]:
-        """The harmonics (n, size) at u (n, 3) and their derivatives (n, k, size) along tangents (n, k, 3)."""
+        """Harmonics (n, size) at u (n, 3) and their derivatives (n, k, size) along tangents (n, k, 3)."""
         Y, *gradient = self._evaluated(u, 1)
         first = np.empty((*tangents.shape[:2], self.size))
         for k in range(tangents.shape[1]):
@@ -74,10 +73,10 @@ class Harmonics:
         return np.ascontiguousarray(Y.T), first
 
     def derivatives(self, u: Floats, coefficients: Floats) -> tuple[Floats, Floats, Floats]:
-        """Values, gradients and Hessians of functions on the sphere at u (n, 3), covariant and tangent.
+        """Values, tangent gradients and covariant Hessians of functions on the sphere at u (n, 3).
 
-        For coefficients (size,) they are (n,), (n, 3) and (n, 3, 3); for those of c functions, (size, c),
-        they are (n, c), (n, c, 3) and (n, c, 3, 3).
+        Their shapes are (n,), (n, 3) and (n, 3, 3) for coefficients (size,), and (n, c), (n, c, 3) and
+        (n, c, 3, 3) for coefficients (size, c) of c functions.
         """
         degrees, orders = self.labels
         several = coefficients.reshape(self.size, -1)
@@ -97,9 +96,9 @@ class Harmonics:
         return values.reshape(shape), gradient.reshape(*shape, 3), hessian.reshape(*shape, 3, 3)
 
     def second_along(self, u: Floats, tangents: Floats, coefficients: Floats | None = None) -> Floats:
-        """Hessians (n, k, k, c) on the unit sphere, in pairs of tangents (n, k, 3) at u (n, 3).
+        """Covariant Hessians (n, k, k, c) on the unit sphere, in pairs of tangents (n, k, 3) at u (n, 3).
 
-        They are covariant, of c functions given by their coefficients (size, c), or of the harmonics.
+        The c functions are given by coefficients (size, c), or are the harmonics themselves.
         """
         n, k = tangents.shape[:2]
         out = np.empty((n, k, k, self.size if coefficients is None else coefficients.shape[1]))
@@ -117,9 +116,9 @@ class Harmonics:
         return out
 
     def _evaluated(self, u: Floats, derivatives: int) -> list[Floats]:
-        """Values and Cartesian derivatives of the extension to R^3, each (size, n), as many as asked for.
+        """Values and Cartesian derivatives of the extension to R^3 up to some order, each (size, n).
 
-        In this order: the value; the gradient's x, y, z; the Hessian's xx = -yy, xy, xz, yz, zz.
+        In order: value; gradient x, y, z; Hessian xx = -yy, xy, xz, yz, zz.
         """
         x, y, z = u.T
         w = (x + 1j * y)[None, :] ** np.arange(self.order + 1)[:, None]  # (m, n)
@@ -129,7 +128,7 @@ class Harmonics:
         row = np.where(orders >= 0, m, self.order + 1 + m)
 
         def part(factor: NDArray[np.complex128]) -> Floats:
-            """Real or imaginary part (size, n) of one factor for each order."""
+            """Real or imaginary parts (size, n) of a factor of each order."""
             return np.concatenate([factor.real, factor.imag])[row]
 
         P = [table[degrees, m] for table in Pi]
@@ -137,7 +136,7 @@ class Harmonics:
         result = [P[0] * W]
         if derivatives >= 1:
             M = np.arange(self.order + 1)[:, None]
-            # The derivative in x; that in y is i times it.
+            # Derivative in x; that in y is i times as large.
             w1 = M * np.concatenate([np.zeros_like(w[:1]), w[:-1]])
             Wx, Wy = part(w1), part(1j * w1)
             result += [P[0] * Wx, P[0] * Wy, P[1] * W]

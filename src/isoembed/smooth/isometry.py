@@ -1,11 +1,11 @@
 """Isometry equations X_a . X_b = delta_ab in spherical harmonics, linearized densely.
 
 The derivatives X_a are taken along a frame that is orthonormal in the given metric, and the equations are
-weighted by its area, so that neither scale nor coordinates count.
+weighted by its area, which makes them independent of scale and coordinates.
 
-In hyperbolic and spherical space X is in ambient coordinates, the product is that of space, and derivatives
-of displacements are ``D_a = d_a - (d_a ln w)``.  Translations are not constants there; what fixes them is
-that the centroid of the surface, the mean of X over its area, is the origin.
+In hyperbolic and spherical space X is in ambient coordinates, the inner product is that of space, and
+derivatives of displacements are ``D_a = d_a - (d_a ln w)``.  Translations are not constants there; they are
+fixed by the condition that the centroid of the surface, the mean of X over its area, is the origin.
 """
 
 from __future__ import annotations
@@ -26,26 +26,26 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_frame
 from isoembed.space import EUCLIDEAN, Space
 
-OVERSAMPLING = 1.25  # nodes over coefficients, each way
+OVERSAMPLING = 1.25  # ratio of nodes to coefficients in each direction
 SYMMETRIC_ANGLES = 8  # nodes about an axis of symmetry
 SEARCH = LineSearch(decrease=0.0, shortest=2.0**-10)
-LEVEL = 1.0 + 1e-6  # allowed growth of the error, which does not fall at the minimum
-NEAR = 1e-3  # step over coefficients that keeps the normal equations
-REFINEMENTS = 2  # of displacements
+LEVEL = 1.0 + 1e-6  # admissible growth of the error, which is stationary at the minimum
+NEAR = 1e-3  # relative step below which the normal equations are kept
+REFINEMENTS = 2  # steps of iterative refinement of displacements
 TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True)
 class MetricSamples:
-    """A metric at the nodes of a Gauss rule.
+    """Metric at the nodes of a Gauss rule.
 
     Attributes
     ----------
     u : ndarray, shape (n, 3)
     areas : ndarray, shape (n,)
-        Of the nodes: they sum to the area of the surface.
+        Areas of the nodes, which sum to the area of the surface.
     frames : ndarray, shape (n, 2, 3)
-        Tangent vectors that are orthonormal in the metric; their cross product looks outward.
+        Tangent vectors, orthonormal in the metric, with outward cross product.
     """
 
     u: Floats
@@ -54,14 +54,14 @@ class MetricSamples:
 
     @classmethod
     def of(cls, metric: TwoMetric, n: int, angles: int) -> MetricSamples:
-        """Sample at `n` heights, and at `angles` angles about the axis."""
+        """Sample on `n` circles of latitude with `angles` nodes each."""
         u, weights = gauss_rule(n, angles)
         q = metric.tensor(u)
         return cls(u, weights * area_density(q), orthonormal_frame(u, q))
 
 
 def around(n: int, harmonics: Harmonics) -> int:
-    """Number of nodes about the axis that goes with n heights: few about an axis of symmetry."""
+    """Number of nodes on each of n circles of latitude: few about an axis of symmetry."""
     return SYMMETRIC_ANGLES if harmonics.order < harmonics.degree else 2 * n
 
 
@@ -71,9 +71,9 @@ class Tangents(NamedTuple):
     Attributes
     ----------
     vectors, lowered : ndarray, shape (n, 2, 3)
-        The derivatives of the ambient coordinates, and these with the index lowered by the metric of space.
+        Derivatives of the ambient coordinates, and these with the index lowered by the metric of space.
     drift : ndarray, shape (n, 2)
-        The derivatives of -ln w; zero in Euclidean space.
+        Derivatives of -ln w; zero in Euclidean space.
     """
 
     vectors: Floats
@@ -95,7 +95,7 @@ class Tangents(NamedTuple):
 
 
 def tangents_in(space: Space, points: Floats, vectors: Floats) -> Tangents:
-    """Derivatives (n, 2, 3) of points (n, 3) in curved space; not a number beyond the half of the sphere."""
+    """Tangents from derivatives (n, 2, 3) at points (n, 3) in curved space; NaN beyond the hemisphere."""
     k = space.curvature
     square = 1.0 - k * np.einsum("ni,ni->n", points, points)
     drift = k * np.einsum("ni,nai->na", points, vectors) / np.where(square > 0.0, square, np.nan)[:, None]
@@ -103,19 +103,19 @@ def tangents_in(space: Space, points: Floats, vectors: Floats) -> Tangents:
 
 
 def check_start(error: float) -> None:
-    """Refuse a start whose strains are not a number.
+    """Check that the strains of an initial map are finite.
 
     Raises
     ------
     InvalidParameter
-        It leaves the half of the sphere about the origin.
+        The map leaves the hemisphere about the origin.
     """
     if not np.isfinite(error):
         raise InvalidParameter("the search begins at points beyond the half of the sphere about the origin")
 
 
 def flat_tangents(vectors: Floats) -> Tangents:
-    """Derivatives (n, 2, 3) in Euclidean space, wherever the points are."""
+    """Tangents from derivatives (n, 2, 3) in Euclidean space, independent of the points."""
     return Tangents(vectors, vectors, np.zeros(vectors.shape[:2]))
 
 
@@ -126,20 +126,20 @@ def strains(tangents: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class IsometrySystem:
-    """The equations X_a . X_b = delta_ab, or another right side, at the nodes of a rule.
+    """Equations X_a . X_b = delta_ab, or with another right-hand side, at the nodes of a rule.
 
     Attributes
     ----------
     unit : float
-        The radius of the sphere with the metric's area: in it all numbers here are.
+        Unit of length of the equations: the radius of the sphere with the area of the metric.
     Y : ndarray, shape (n, m)
-        The harmonics but the constant one, which only translates.
+        Harmonics without the constant one, which is a translation.
     B : ndarray, shape (n, 2, m)
         Their derivatives along the frames.
     root : ndarray, shape (n,)
-        The roots of the nodes' shares in the area.
+        Square roots of the fractions of the area at the nodes.
     space : Space
-        In that unit.
+        Ambient space, in that unit.
     """
 
     unit: float
@@ -157,10 +157,10 @@ class IsometrySystem:
         return cls(unit, Y[:, 1:], unit * B[:, :, 1:], root, space.scaled(1.0 / unit))
 
     def solved(self, coefficients: Floats, stretch: Floats | float = 0.0) -> Floats:
-        """Coefficients (size, 3) of X near given ones for which the strains come nearest to a stretch.
+        """Coefficients (size, 3) of X near given ones, by least squares of the strains minus a stretch.
 
-        The stretch (n, 3), or 0, is in the form that `strains` has.  In Euclidean space the constant harmonic
-        keeps its coefficients.
+        The stretch (n, 3), or 0, has the form of `strains`.  In Euclidean space the constant harmonic keeps
+        its coefficients.
         """
         constant, C = coefficients[:1], coefficients[1:] / self.unit
         error, tangents, residuals = self._strained(C, stretch)
@@ -172,8 +172,8 @@ class IsometrySystem:
                 solve = self._normal_equations(C, tangents)
             step = solve(-self._gradient(tangents, residuals))
             size = float(np.linalg.norm(step) / np.linalg.norm(C))
-            if size > 0.3 * before and not (fresh and size > NEAR):  # old equations must shrink the steps
-                # The equations of an earlier step have served their time; if they are new, rounding is left.
+            if size > 0.3 * before and not (fresh and size > NEAR):  # steps must decrease with old equations
+                # The equations of an earlier step are outdated; if they are new, the rest is rounding.
                 if fresh:
                     break
                 before, solve = np.inf, None
@@ -185,7 +185,7 @@ class IsometrySystem:
                     break
             else:
                 break
-            stalled = attained > max(0.9 * error, 1e-3)  # slow, and lengths are resolved
+            stalled = attained > max(0.9 * error, 1e-3)  # slow convergence
             C, error, tangents, residuals = trial, attained, new_tangents, new_residuals
             if size < 1e-13 or stalled:  # rounding
                 break
@@ -197,9 +197,9 @@ class IsometrySystem:
         return np.concatenate([constant, self.unit * C])
 
     def deformations(self, coefficients: Floats, strains: Floats) -> Floats:
-        """Changes (k, size, 3) of the coefficients (size, 3) of X that make changes (k, n, 3) of the strains.
+        """First-order changes (k, size, 3) of the coefficients of X for changes (k, n, 3) of the strains.
 
-        They are of first order, without a translation or rotation.
+        They are free of translations and rotations.
         """
         C = coefficients[1:] / self.unit
         tangents = self._tangents(C)
@@ -211,14 +211,14 @@ class IsometrySystem:
         return changes
 
     def linearized(self, coefficients: Floats) -> LinearizedStrains:
-        """The strains at X in R^3, with coefficients (size, 3), to first order."""
+        """Strains linearized at X in R^3, with coefficients (size, 3)."""
         C = coefficients[1:] / self.unit
         tangents = self._tangents(C)
         return LinearizedStrains(self, tangents, self._turns(C), self._normal_equations(C, tangents))
 
     @cached_property
     def _centered(self) -> Floats:
-        """The harmonics (n, m) less their means over the area."""
+        """Harmonics (n, m) minus their means over the area."""
         return self.Y - self.root**2 @ self.Y
 
     def _tangents(self, C: Floats) -> Tangents:
@@ -228,7 +228,7 @@ class IsometrySystem:
         return tangents_in(self.space, self._centered @ C, vectors)
 
     def _derivatives(self, tangents: Tangents) -> Floats:
-        """The derivatives D_a (n, 2, m) of displacements."""
+        """Derivatives D_a (n, 2, m) of displacements."""
         if self.space.is_euclidean:
             return self.B
         return self.B + tangents.drift[:, :, None] * self._centered[:, None, :]
@@ -239,7 +239,7 @@ class IsometrySystem:
         return float(np.linalg.norm(residuals)), tangents, residuals
 
     def _gradient(self, tangents: Tangents, residuals: Floats) -> Floats:
-        """Half the derivatives (m, 3) of the sum of squares of the weighted strains by the coefficients."""
+        """Half the gradient (m, 3) of the sum of squared weighted strains in the coefficients."""
         r = self.root[:, None] * residuals
         X1, X2 = tangents.lowered[:, 0], tangents.lowered[:, 1]
         across = np.sqrt(2.0) * r[:, 1, None]
@@ -248,21 +248,21 @@ class IsometrySystem:
         return np.asarray(D[:, 0].T @ first + D[:, 1].T @ second)
 
     def _normal_equations(self, C: Floats, tangents: Tangents) -> Callable[[Floats], Floats]:
-        """A solver of the normal equations, for right sides and solutions (m, 3).
+        """Solver of the normal equations, for right-hand sides and solutions (m, 3).
 
-        They lose half of the digits, but further steps make up for that.
+        Normal equations lose half of the digits, which further steps recover.
         """
         J, turns = self._jacobian(tangents), self._turns(C)
         solve = normal_solver(J.T @ J + turns.T @ turns)
         return lambda right: solve(right.T.reshape(-1, 1)).reshape(3, -1).T
 
     def _jacobian(self, tangents: Tangents) -> Floats:
-        """Derivatives (3 n, 3 m) of the weighted strains by the coefficients of x, y and z."""
+        """Jacobian (3 n, 3 m) of the weighted strains with respect to the coefficients of x, y and z."""
         D = self.root[:, None, None] * self._derivatives(tangents)
         return strain_rates(*np.moveaxis(tangents.lowered, 1, 0), *np.moveaxis(D, 1, 0))
 
     def _turns(self, C: Floats) -> Floats:
-        """Rows (3, 3 m) that are zero for steps without rotation."""
+        """Rows (3, 3 m) whose products with steps without rotation vanish."""
         X = (self.Y if self.space.is_euclidean else self._centered) @ C
         X = X / np.sqrt(np.einsum("ni,ni,n->", X, X, self.root**2))
         moments = (self.root[:, None] ** 2 * X).T @ self.Y  # (3, m)
@@ -274,7 +274,7 @@ class IsometrySystem:
 
 
 def strain_rates(X1: Floats, X2: Floats, first: Floats, second: Floats) -> Floats:
-    """Derivatives (3 n, 3 m) of strains of tangents (n, 3) by the coefficients of x, y and z.
+    """Jacobian (3 n, 3 m) of the strains of tangents (n, 3) with respect to the coefficients of x, y and z.
 
     The derivatives (n, m) of the harmonics along both directions may be weighted.
     """
@@ -288,7 +288,7 @@ def strain_rates(X1: Floats, X2: Floats, first: Floats, second: Floats) -> Float
 
 
 def normal_solver(normal: Floats) -> Callable[[Floats], Floats]:
-    """A solver of normal equations, whose matrix it overwrites, for right sides and solutions (k, r)."""
+    """Solver of normal equations, for right-hand sides and solutions (k, r); overwrites the matrix."""
     scale = 1.0 / np.sqrt(np.diag(normal))
     normal *= scale[:, None] * scale
     normal[np.diag_indices_from(normal)] += len(normal) * np.finfo(np.float64).eps
@@ -298,17 +298,17 @@ def normal_solver(normal: Floats) -> Callable[[Floats], Floats]:
 
 @dataclass(frozen=True, eq=False)
 class LinearizedStrains:
-    """The strains of a surface in R^3 to first order in displacements without translation and rotation.
+    """Linearized strains of a surface in R^3 under displacements without translation and rotation.
 
     Attributes
     ----------
     system : IsometrySystem
     tangents : Tangents
-        Of the surface.
+        Tangents of the surface.
     turns : ndarray, shape (3, 3 m)
-        Rows that are zero for steps without rotation.
+        Rows whose products with steps without rotation vanish.
     solve : callable
-        Solves the normal equations, nearly.
+        Approximate solver of the normal equations.
     """
 
     system: IsometrySystem
@@ -317,10 +317,7 @@ class LinearizedStrains:
     solve: Callable[[Floats], Floats]
 
     def displacements(self, strains: Floats) -> tuple[Floats, float]:
-        """Coefficients (size, 3) of displacements whose strains come nearest to these (n, 3).
-
-        With them, what they leave of the strains, relative, root mean square.
-        """
+        """Least-squares displacements (size, 3) for given strains (n, 3), and the relative residual."""
         wanted = self.system.root[:, None] * strains
         d = self.solve(self._adjoint(wanted))
         for _ in range(REFINEMENTS):
@@ -329,7 +326,7 @@ class LinearizedStrains:
         return self.system.unit * np.concatenate([np.zeros((1, 3)), d]), left
 
     def by_strains(self, gradient: Floats) -> Floats:
-        """Derivatives by the strains (n, 3) from those by the coefficients (size, 3)."""
+        """Derivatives (n, 3) with respect to the strains from those for the coefficients (size, 3)."""
         g = self.system.unit * gradient[1:]
         z = self.solve(g)
         for _ in range(REFINEMENTS):

@@ -21,29 +21,29 @@ from isoembed.smooth.uncertain_curvature import DeviatingMetric, UncertainCurvat
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.estimate import Estimate
 
-DIRECTIONS = 4000  # where the curvature is sampled
-SURE = 3.0  # standard deviations that errors are
+DIRECTIONS = 4000  # number of samples of the curvature
+SURE = 3.0  # errors in standard deviations
 
 
 @dataclass(frozen=True)
 class LeastHyperbolic:
-    """The space of least curvature, Euclidean or hyperbolic, that is known to take a metric.
+    """Euclidean or hyperbolic space of least absolute curvature in which a metric is known to embed.
 
     Attributes
     ----------
     space : Space
-        Of the curvature `of_revolution` if the metric is symmetric about an axis, else `gaussian_curvature`,
-        or Euclidean space where these are not negative.
+        Space of curvature `of_revolution` if the metric is axisymmetric, else `gaussian_curvature`; Euclidean
+        space if that is not negative.
     gaussian_curvature : float
-        The least Gaussian curvature of the metric, min K.  A space of this curvature takes the metric: for
-        less than min K by Pogorelov's theorem, for min K itself with a surface that need not be smooth where
-        K is least (arXiv:1401.6026).  Where the metric has errors, it is an estimate without the bias of the
-        least value of noise.
+        Least Gaussian curvature of the metric, min K.  The metric embeds in spaces of curvature less than
+        min K by Pogorelov's theorem, and for min K itself with a surface that need not be smooth where K is
+        least (arXiv:1401.6026).  For a metric with errors, an estimate corrected for the bias of the minimum
+        of a noisy function.
     of_revolution : float or None
-        The greatest curvature of space in which there is a surface of revolution with the metric, at least
-        min K; None if the metric is not symmetric about an axis.
+        Greatest curvature of space that admits a surface of revolution with the metric, at least min K; None
+        if the metric is not axisymmetric.
     error : float
-        By how much the one of the two that decides is uncertain: by the errors of the metric, and rounding.
+        Error of the decisive one of the two, from errors of the metric and rounding.
     """
 
     space: Space
@@ -53,14 +53,14 @@ class LeastHyperbolic:
 
     @property
     def curvature_error(self) -> float:
-        """Error of the curvature of the space; for Euclidean space, how negative the curvature may be."""
+        """Error of the curvature of the space; for Euclidean space, how negative it may be within errors."""
         if not self.space.is_euclidean:
             return self.error
         return max(0.0, self.error - self._bound)
 
     @property
     def explanation(self) -> str:
-        """A sentence: in which space the metric embeds, and why."""
+        """Sentence on the space in which the metric embeds, with the reason."""
         if self.of_revolution is None:
             least = f"the least Gaussian curvature is {Estimate(self.gaussian_curvature, self.error)}"
         else:
@@ -80,12 +80,12 @@ class LeastHyperbolic:
 
 
 def least_hyperbolic(metric: TwoMetric) -> LeastHyperbolic:
-    """Find the least curvature of hyperbolic space with which it takes a metric on the sphere.
+    """Find the hyperbolic space of least absolute curvature in which a metric on the sphere embeds.
 
     Parameters
     ----------
     metric : TwoMetric
-        Those of surfaces in slices and of grids tell their errors.
+        Metric; its errors are used if it is that of a surface in a slice or on a grid.
 
     Returns
     -------
@@ -98,14 +98,14 @@ def least_hyperbolic(metric: TwoMetric) -> LeastHyperbolic:
 
     Notes
     -----
-    If the Gaussian curvature is K > k everywhere, hyperbolic space of curvature k < 0 has exactly one surface
-    with the metric, which is convex (Pogorelov); for K >= k there is one, too [1]_.  Surfaces of revolution
-    need less where K < k, which can be said exactly; what other metrics need there is not known.
+    If the Gaussian curvature satisfies K > k everywhere, hyperbolic space of curvature k < 0 has exactly one
+    surface with the metric, which is convex (Pogorelov); for K >= k there is one, too [1]_.  Surfaces of
+    revolution exist in less curved spaces, with a known bound; no bound is known for other metrics.
 
-    The least value of a function with noise is too low, as min is concave: the mean of min(K + d) and
-    min(K - d) over deviations d of K is less than min K by an estimate of this bias, which is removed.  No
-    minimum is off by more than the function is anywhere: the error is three times the root mean square of
-    max |d|, and the bias, and what is cut off with the degrees of K that are noise.
+    The minimum of a noisy function is biased to low values, as min is concave.  The mean of min(K + d) and
+    min(K - d) over deviations d of K, minus min K, estimates this bias, which is removed.  The error of a
+    minimum is at most that of the function: three times the root mean square of max |d|, plus the bias and
+    the truncation of K.
 
     References
     ----------
@@ -119,14 +119,14 @@ def least_hyperbolic(metric: TwoMetric) -> LeastHyperbolic:
         return LeastHyperbolic(space, least.value, None, least.error)
     greatest = profile.greatest_curvature
     space = EUCLIDEAN if profile.embeds else Space(greatest)
-    # (1 - rho'^2) / rho^2 is a mean of K over the cap inside of the circle; that of small caps has noise in
-    # degrees that are cut off from K, which doubled it where it was measured.
+    # (1 - rho'^2) / rho^2 is a mean of K over the cap inside the circle; for small caps it includes noise of
+    # the truncated degrees of K, which doubled the error where it was measured.
     error = profile.greatest_curvature_error + 3.0 * spread
     return LeastHyperbolic(space, least.value, greatest, error)
 
 
 def _profile(metric: TwoMetric) -> AxisymmetricEmbedding | None:
-    """The meridian of a metric that is symmetric about an axis, if noise leaves it smooth."""
+    """Surface of revolution of an axisymmetric metric; None without symmetry or if it is too noisy."""
     turn = axis_of_symmetry(metric)
     if turn is None:
         return None
@@ -140,7 +140,7 @@ def _profile(metric: TwoMetric) -> AxisymmetricEmbedding | None:
 
 
 def _least_gaussian_curvature(metric: TwoMetric) -> tuple[Estimate, float]:
-    """The least K, and by how much K anywhere is uncertain because the lengths are."""
+    """Least K, and the error of K from the errors of the lengths."""
     if isinstance(metric, DeviatingMetric):
         K = UncertainCurvature.of(metric)
         return _unbiased(K), SURE * K.largest
@@ -152,7 +152,7 @@ def _least_gaussian_curvature(metric: TwoMetric) -> tuple[Estimate, float]:
 
 
 def _unbiased(K: UncertainCurvature) -> Estimate:
-    """The least K without the bias of a minimum."""
+    """Least K, corrected for the bias of the minimum."""
     values = K.values
     least = float(values.min())
     bias = 0.0
@@ -166,7 +166,7 @@ def _unbiased(K: UncertainCurvature) -> Estimate:
 
 
 def _lowest(K: Callable[[Floats], Floats], u: Floats, values: Floats) -> float:
-    """The least value of K, from those at dense directions u (n, 3)."""
+    """Least value of K, refined from values at dense directions u (n, 3)."""
     least = float(values.min())
     for i in np.argsort(values)[:4]:  # start from the lowest samples
         frame = np.stack(angle_frame(u[i : i + 1]))[:, 0]
@@ -177,7 +177,7 @@ def _lowest(K: Callable[[Floats], Floats], u: Floats, values: Floats) -> float:
 
         size = 1.0 / np.sqrt(DIRECTIONS)
         simplex = size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-        # The error of the value is the square of that of the place.
+        # The error of the minimum is quadratic in that of its position.
         options = {"xatol": 1e-7, "fatol": 0.0, "initial_simplex": simplex}
         least = min(least, float(minimize(near, np.zeros(2), method="Nelder-Mead", options=options).fun))
     return least

@@ -17,9 +17,8 @@ def summed(
 ):
     """Sums of harmonics at u (n, 3), with the derivatives of their extension to R^3.
 
-    They are (n, c), (n, c, 3) and (n, c, 3, 3).  No table of harmonics at directions is made, which would
-    take most of the time; and what depends on z alone is summed once for directions of one z that follow each
-    other, as in a rule.
+    Their shapes are (n, c), (n, c, 3) and (n, c, 3, 3).  A table of harmonics, which would take most of the
+    time, is avoided; sums that depend on z only are shared by consecutive directions with the same z.
     """
     n, orders, degrees, count = u.shape[0], table.shape[0], table.shape[1], table.shape[2]
     value: Real[:, ::1] = np.zeros((n, count))

@@ -1,9 +1,9 @@
 """Isometry equations in many harmonics, by matrix-free conjugate gradients.
 
-No matrix is made: the derivatives of the strains and their adjoint are fast transforms.  The unknowns are
-scaled by their degree, which makes the round sphere's equations well conditioned in all degrees; conjugate
-gradients for least squares (CGLS) then take a few hundred iterations, more where the Gaussian curvature is
-negative.
+No matrix is stored: the Jacobian of the strains and its adjoint are applied by fast transforms.  The unknowns
+are scaled by their degree, which makes the equations of the round sphere well conditioned in all degrees;
+conjugate gradients for least squares (CGLS) then take a few hundred iterations, more if the Gaussian
+curvature is negative.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.space import EUCLIDEAN, Space
 
-ITERATIVE_OVERSAMPLING = 1.3  # nodes over coefficients, each way
+ITERATIVE_OVERSAMPLING = 1.3  # ratio of nodes to coefficients in each direction
 SEARCH = LineSearch(decrease=0.0, shortest=2.0**-7)
-EXACT = 1e-5  # relative gradient and residual of deformations, which no later step corrects
+EXACT = 1e-5  # relative gradient and residual of deformations, which are not corrected by later steps
 
 
 @dataclass(frozen=True, eq=False)
 class MatrixFreeIsometry:
-    """The equations ``X_a . X_b = delta_ab``, or another right side, at the nodes of a transform.
+    """Equations ``X_a . X_b = delta_ab``, or with another right-hand side, at the nodes of a transform.
 
     Attributes
     ----------
     transform : SphereTransform
     unit : float
-        The radius of the sphere with the metric's area: in it all numbers here are.
+        Unit of length of the equations: the radius of the sphere with the area of the metric.
     frames : ndarray, shape (n, 2, 2)
-        Vectors that are orthonormal in the metric, by their components along e_theta and e_phi.
+        Orthonormal vectors of the metric, as components along e_theta and e_phi.
     root : ndarray, shape (n,)
-        The roots of the nodes' shares in the area.
+        Square roots of the fractions of the area at the nodes.
     space : Space
-        In that unit.  In curved space the centroid is the origin.
+        Ambient space, in that unit.  In curved space the centroid is the origin.
     """
 
     transform: SphereTransform
@@ -52,7 +52,7 @@ class MatrixFreeIsometry:
     def of(
         cls, transform: SphereTransform, samples: MetricSamples, space: Space = EUCLIDEAN
     ) -> MatrixFreeIsometry:
-        """The equations of a metric that is sampled at the transform's nodes."""
+        """Equations of a metric sampled at the nodes of a transform."""
         area = float(samples.areas.sum())
         unit = float(np.sqrt(area / (4.0 * np.pi)))
         angles = np.stack(angle_frame(samples.u), axis=1)
@@ -60,22 +60,22 @@ class MatrixFreeIsometry:
         return cls(transform, unit, frames, np.sqrt(samples.areas / area), space.scaled(1.0 / unit))
 
     def solved(self, coefficients: Floats, stretch: Floats | float = 0.0, target: float = 0.0) -> Floats:
-        """Coefficients (size, 3) of X near given ones for which the strains come nearest to a stretch.
+        """Coefficients (size, 3) of X near given ones, by least squares of the strains minus a stretch.
 
         Parameters
         ----------
         coefficients : ndarray, shape (size, 3)
         stretch : ndarray, shape (n, 3), or 0
-            In the form that `isoembed.smooth.isometry.strains` has.
+            Prescribed strains, in the form of `isoembed.smooth.isometry.strains`.
         target : float
-            Root mean square of the strains that is enough; so is then what the next degrees would hold.
-            With 0 the least strains are sought.
+            Root mean square of the strains at which to stop, or the estimated contribution of the truncated
+            degrees if that is larger.  With 0 the strains are minimized.
 
         Notes
         -----
-        High degrees are damped, the more the larger the strains are: where K < 0 they hold motions that
-        hardly strain the surface, which noise and too few harmonics would fill.  With too few harmonics the
-        least strains may be those of another surface.
+        High degrees are damped in proportion to the strains: where K < 0 they contain nearly isometric
+        deformations, excited by noise and truncation.  With too few harmonics the minimum may belong to
+        another surface.
         """
         C = coefficients / self.unit
         tangents, residuals = self._strained(C, stretch)
@@ -97,8 +97,8 @@ class MatrixFreeIsometry:
                 break
             slow = slow + 1 if attained > 0.8 * error else 0
             C, error = trial, attained
-            eased *= 0.2 if length == 1.0 else 1.0  # easier after a whole step
-            if slow == 3:  # steps in a row
+            eased *= 0.2 if length == 1.0 else 1.0  # less damping after a full step
+            if slow == 3:  # successive steps
                 break
         C[0] = coefficients[0] / self.unit
         if not self.space.is_euclidean:
@@ -106,9 +106,9 @@ class MatrixFreeIsometry:
         return self.unit * C
 
     def deformations(self, coefficients: Floats, strains: Floats) -> Floats:
-        """Changes (k, size, 3) of the coefficients (size, 3) of X that make changes (k, n, 3) of the strains.
+        """First-order changes (k, size, 3) of the coefficients of X for changes (k, n, 3) of the strains.
 
-        They are of first order, without a translation or rotation.
+        They are free of translations and rotations.
         """
         C = coefficients / self.unit
         right = np.moveaxis(self.root[:, None] * strains, 0, 2)
@@ -121,7 +121,7 @@ class MatrixFreeIsometry:
         return tangents_in(self.space, self._centered(C), vectors)
 
     def _centered(self, C: Floats) -> Floats:
-        """Values (n, c) of functions less their means over the area."""
+        """Values (n, c) of functions minus their means over the area."""
         values = self.transform.values(C)
         return values - self.root**2 @ values
 
@@ -130,28 +130,28 @@ class MatrixFreeIsometry:
         return tangents, self.root[:, None] * (tangents.strains - stretch)
 
     def _beyond(self, C: Floats) -> float:
-        """The strains that the last degrees hold, root mean square, as much as the next ones would hold."""
+        """Root mean square of the strains in the truncated degrees, estimated from the last degrees."""
         degrees = self.transform.harmonics.labels[0]
-        last = degrees > degrees.max() - 3  # these tell what the next ones would hold
+        last = degrees > degrees.max() - 3  # degrees used for the estimate
         return 2.0 * float(np.linalg.norm(degrees[last, None] * C[last])) / np.sqrt(4.0 * np.pi)
 
     @cached_property
     def _scale(self) -> Floats:
-        """Coefficients (size, 1) of unit strains: one over the degree, and no translation."""
+        """Coefficients (size, 1) of unit strain: the inverse degree, and 0 for translations."""
         degrees = self.transform.harmonics.labels[0].astype(np.float64)[:, None]
         return np.divide(1.0, degrees, out=np.zeros_like(degrees), where=degrees > 0.0)
 
     def _least_squares(self, C: Floats, tangents: Tangents, right: Floats, damping: float) -> Floats:
-        """Changes (size, 3, k) of the coefficients C whose strains come nearest to right sides (n, 3, k).
+        """Least-squares changes (size, 3, k) of the coefficients C for right-hand sides (n, 3, k) of strains.
 
-        The method of conjugate gradients for least squares, all right sides at a time.  What the changed
-        coefficients hold in high degrees is damped.
+        Conjugate gradients for least squares (CGLS) with all right-hand sides at once.  High degrees of the
+        changed coefficients are damped.
         """
         X1, X2 = tangents.lowered[:, 0], tangents.lowered[:, 1]
         W = np.zeros((len(X1), 3, 2, 3))
         W[:, 0, 0], W[:, 2, 1] = 2.0 * X1, 2.0 * X2
         W[:, 1, 0], W[:, 1, 1] = np.sqrt(2.0) * X2, np.sqrt(2.0) * X1
-        # Of displacements; their derivatives D_a are those of the harmonics and the drift times their values.
+        # The derivatives D_a of displacements are those of the harmonics plus the drift times their values.
         drifted = np.einsum("nsac,na->nsc", W, self.root[:, None] * tangents.drift)
         W = np.einsum("nsac,nab->nsbc", W, self.root[:, None, None] * self.frames).reshape(len(X1), 3, 6)
         curved = not self.space.is_euclidean

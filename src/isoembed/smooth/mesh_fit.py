@@ -1,6 +1,6 @@
 """Spherical harmonic fit of a closed triangle mesh.
 
-Where on the sphere a vertex belongs is not known and does not matter: only distances along the normal do.
+The directions of the vertices on the sphere are unknown; the distances along the normal are minimized.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.scattered_fit import LEVERAGE
 from isoembed.smooth.vertex_fit import VertexFit
 
-DEGREES = (1, 2, 3, 4, 6, 8, 12, 16, 20, 24, 32, 40, 48)  # in turn
-ROUNDING = 1e-13  # misfit over the mean radius
+DEGREES = (1, 2, 3, 4, 6, 8, 12, 16, 20, 24, 32, 40, 48)  # in order of refinement
+ROUNDING = 1e-13  # misfit attributed to rounding, in mean radii
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class MeshFit:
     misfit : float
         Root mean square of the distances of the vertices.
     deviations : ndarray, shape (N, size of the harmonics of two degrees more, 3)
-        Possible errors, drawn at random: coefficients in the harmonics of ``deviating(harmonics)``.
+        Random samples of the error: coefficients in the harmonics of ``deviating(harmonics)``.
     directions : ndarray, shape (V, 3)
-        Unit vectors at which the surface is nearest to the vertices.
+        Unit vectors of the points of the surface nearest to the vertices.
     """
 
     coefficients: Floats
@@ -46,13 +46,13 @@ class MeshFit:
 
 
 def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
-    """Harmonics fitted to a closed triangle mesh of genus 0.
+    """Fit harmonics to a closed triangle mesh of genus 0.
 
     Parameters
     ----------
     vertices : ndarray, shape (V, 3)
     faces : ndarray of int, shape (F, 3)
-        Counterclockwise from outside.
+        Triangles, counterclockwise as seen from outside.
 
     Raises
     ------
@@ -61,11 +61,10 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
 
     Notes
     -----
-    The triangulation is laid out on the sphere with little distortion.  Then, degree by degree, harmonics are
-    fitted by least squares in which distances along the surface hardly count, and each vertex is moved on the
-    sphere to where the surface is nearest to it, until its distances along the normal do not decrease any
-    more [1].  The surface is left free to slide along itself, and does so until the harmonics suffice best.
-    The degree is the one of least generalized cross-validation.
+    The triangulation is mapped to the sphere with little distortion.  Then, for each degree, harmonics are
+    fitted by least squares with a small weight of tangential distances, and the direction of each vertex is
+    moved to that of the nearest point of the surface, until the normal distances cease to decrease [1].  The
+    parametrization thus adapts to the harmonics.  The degree is chosen by generalized cross-validation.
 
     References
     ----------
@@ -79,8 +78,8 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
     start = VertexFit(x, u, solid_angles(u, faces), np.ones(len(x)), Harmonics(0, 0), np.zeros((1, 3)))
     fit = _best_degree(start, DEGREES, faces)
     assert fit is not None
-    if fit.misfit > 1e-4:  # a poor fit is begun again in higher degree
-        # Shapes that low degrees cannot follow may be left with vertices in wrong places.
+    if fit.misfit > 1e-4:  # a poor fit is restarted in higher degree
+        # Low degrees may move vertices of complicated shapes to wrong directions.
         later = tuple(degree for degree in DEGREES if degree >= 6)
         again = _best_degree(start, later, faces)
         if again is not None and again.chance * again.validation < fit.validation:
@@ -92,19 +91,19 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
 
 
 def _laid_out(metric: PolyhedralMetric, x: Floats) -> tuple[Floats, Indices]:
-    """Directions of the vertices x (V, 3), and triangles between them that look outward."""
+    """Directions of the vertices x (V, 3), and outward triangles between them."""
     u = sphere_layout(metric)
     if are_outward(metric.faces, u):
         return u, metric.faces
-    # Conformal layouts of long thin bodies are those of other triangles: these are Delaunay on the sphere.
+    # Triangles of long thin bodies may be inverted: use the Delaunay triangulation on the sphere.
     faces = hull_faces(u)
     return least_distorted(PolyhedralMetric.from_mesh(x, faces), u), faces
 
 
 def _best_degree(fit: VertexFit, degrees: tuple[int, ...], faces: Indices) -> VertexFit | None:
-    """The fit of the degree that generalized cross-validation chooses, each begun at the one before.
+    """Fit of the degree chosen by generalized cross-validation, each started from the previous one.
 
-    None if the vertices are too few for the first degree, which is not 1.
+    None if the first degree exceeds 1 and the vertices are too few for it.
     """
     fits: list[VertexFit] = []
     for degree in degrees:
@@ -118,14 +117,14 @@ def _best_degree(fit: VertexFit, degrees: tuple[int, ...], faces: Indices) -> Ve
             break
     if not fits:
         return None
-    # As good as the best of all, but for chance.
+    # The lowest degree that is as good as the best within chance.
     enough = fit.chance * min(fit.validation for fit in fits)
     return next(fit for fit in fits if fit.validation <= enough)
 
 
 def _relaxed(fit: VertexFit, faces: Indices) -> VertexFit:
-    """The fit, vertices having been moved on the sphere until it gets no better."""
-    for _ in range(8):  # rounds in which vertices move on the sphere
+    """Fit after updates of the directions of the vertices, until it ceases to improve."""
+    for _ in range(8):  # largest number of updates
         better = fit.nearer().corrected(faces)
         if not (better.misfit < fit.misfit and better.is_determined):
             break
@@ -137,7 +136,7 @@ def _relaxed(fit: VertexFit, faces: Indices) -> VertexFit:
 
 
 def _missed_elsewhere(fit: VertexFit, faces: Indices) -> float:
-    """Misfit of vertices to a fit to the others, over their misfit to this one."""
+    """Ratio of the cross-validated misfit of a tenth of the vertices to the misfit of the fit."""
     used = np.ones(len(fit.x))
     used[np.random.default_rng(0).random(len(fit.x)) < 0.1] = 0.0  # a tenth of the vertices is held out
     without = replace(fit, used=used)

@@ -1,7 +1,4 @@
-"""Rigid motions: standard place of a smooth surface in space.
-
-Without it the orientation would be that of the mesh with which a search began, another one in every run.
-"""
+"""Rigid motions: standard position of a smooth surface in space, independent of the initial mesh."""
 
 from collections.abc import Callable
 
@@ -23,21 +20,21 @@ def oriented(
     shape: Callable[[Floats], Floats] | None = None,
     space: Space = EUCLIDEAN,
 ) -> Floats:
-    """Coefficients (size, 3) of a map X after the rotation that brings it nearest to a shape.
+    """Coefficients (size, 3) of a map X after the rotation that best aligns it with a shape.
 
-    The mean of squared distances over the area of the metric is least.  The centroid of that area is put to
-    the origin, wherever the shape is; in curved space it is there already.
+    The rotation minimizes the mean squared distance over the area of the metric.  The centroid of X is moved
+    to the origin, where it already is in curved space.
 
     Parameters
     ----------
     metric : TwoMetric
-        That X realizes.
+        Metric realized by X.
     harmonics : Harmonics
     coefficients : ndarray, shape (size, 3)
     shape : callable, optional
         Takes directions u (n, 3) and returns points (n, 3), in any unit; by default the directions.
     space : Space
-        That X is a map into, in ambient coordinates.
+        Ambient space of X.
     """
     n = int(np.ceil(2.0 * (harmonics.degree + 1)))
     transform = SphereTransform(harmonics, n, around(n, harmonics))
@@ -48,6 +45,6 @@ def oriented(
     centroid = areas @ points
     found = coefficients.copy()
     if space.is_euclidean:
-        # The constant harmonic is one over the root of 4 pi.
+        # The constant harmonic is 1 / sqrt(4 pi).
         found[0] -= np.sqrt(4.0 * np.pi) * centroid
     return found @ best_rotation(points - centroid, onto - areas @ onto, areas)

@@ -11,17 +11,17 @@ from numpy.polynomial import chebyshev
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidMetric
 
-PIECE_DEGREE = 32  # higher degrees lose digits to differentiation
+PIECE_DEGREE = 32  # higher degrees lose digits in differentiation
 
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
-    """A function on an interval, a Chebyshev series on each of its pieces.
+    """Piecewise Chebyshev series on an interval.
 
     Attributes
     ----------
     breaks : ndarray, shape (k + 1,)
-        Ascending.
+        Break points in increasing order.
     coefficients : ndarray, shape (degree + 1, k)
     """
 
@@ -29,7 +29,7 @@ class Piecewise:
     coefficients: Floats
 
     def local(self, x: Floats) -> tuple[Indices, Floats]:
-        """The piece that each x is on, and where between -1 and 1."""
+        """Index of the piece of each x, and its local coordinate between -1 and 1."""
         i = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, len(self.breaks) - 2)
         a, b = self.breaks[i], self.breaks[i + 1]
         return i, ((x - a) - (b - x)) / (b - a)
@@ -40,13 +40,13 @@ class Piecewise:
         return np.asarray(chebyshev.chebval(t, self.coefficients[:, i], tensor=False))
 
     def derivative(self) -> Piecewise:
-        """Derivative, in the same pieces."""
+        """Derivative, on the same pieces."""
         return Piecewise(
             self.breaks, chebyshev.chebder(self.coefficients, axis=0) * (2.0 / np.diff(self.breaks))
         )
 
     def primitive(self) -> Piecewise:
-        """Integral from the beginning."""
+        """Integral from the first break point."""
         series = chebyshev.chebint(self.coefficients, lbnd=-1.0, axis=0) * (0.5 * np.diff(self.breaks))
         series[0, 1:] += np.cumsum(series.sum(axis=0))[:-1]
         return Piecewise(self.breaks, series)
@@ -55,10 +55,10 @@ class Piecewise:
 def fitted(
     f: Callable[[Floats], Floats], breaks: Floats, weighted: bool
 ) -> tuple[tuple[Piecewise, ...], float]:
-    """Series for the m functions f: (n,) -> (m, n) on common pieces, and the relative accuracy reached.
+    """Series for m functions f: (n,) -> (m, n) on common pieces, and the relative accuracy reached.
 
-    Pieces are bisected until their series have died away.  `weighted` by width suffices for integrals.  Noise
-    makes pieces without end: then less accuracy is asked for.
+    Pieces are bisected until their series converge.  `weighted` weights errors by the widths of the pieces,
+    which suffices for integrals.  The tolerance is relaxed if noise leads to too many pieces.
     """
     for tolerance in (2e-15, 2e-14, 2e-13, 2e-12, 2e-11, 2e-10, 2e-9, 2e-8, 2e-7, 2e-6, 2e-5):
         result = _bisected(f, breaks, weighted, tolerance)
@@ -73,7 +73,7 @@ def _bisected(
     f: Callable[[Floats], Floats], breaks: Floats, weighted: bool, tolerance: float
 ) -> tuple[Piecewise, ...] | None:
     n = PIECE_DEGREE + 1
-    # Whole multiples of one angle, reduced: a recurrence would leave noise in the high coefficients.
+    # Integer multiples of one angle, reduced: a recurrence would leave noise in the high coefficients.
     table = np.cos(np.pi / (2 * n) * (np.outer(np.arange(n), 2 * np.arange(n) + 1) % (4 * n)))
     nodes = table[1]
     to_series = table * np.append(1.0, np.full(PIECE_DEGREE, 2.0))[:, None] / n
@@ -95,7 +95,7 @@ def _bisected(
         if weighted:
             tail = tail * (right - left) / total
         good = (tail <= tolerance).all(axis=0) | (right - left <= 1e-13 * total)
-        # What is rounding in the values would be multiplied by differentiation.
+        # Drop coefficients at rounding level, which differentiation would amplify.
         end = np.abs(series[::-1]).cumsum(axis=0)[::-1] <= 4e-16 * scale[:, None]
         starts.append(left[good])
         kept.append(np.where(end, 0.0, series)[:, :, good])

@@ -1,8 +1,8 @@
 """Regularity of a metric at the poles of its grid.
 
 In the orthonormal frame (e_theta, e_phi) the mean T = (Q_tt + Q_pp) / 2 of a smooth tensor is a function, and
-S = (Q_tt - Q_pp) / 2 +- i Q_tp has the spin weights +-2: at a pole its part with exp(i m phi) falls like
-sin^|m - s| theta [1]_.  What falls less is a conflict.
+S = (Q_tt - Q_pp) / 2 +- i Q_tp has spin weights +-2: near a pole its component with exp(i m phi) decays like
+sin^|m - s| theta [1]_.  A slower decay is a conflict.
 
 References
 ----------
@@ -23,22 +23,22 @@ from isoembed.smooth.double_fourier import DoubleFourier
 Modes = NDArray[np.complex128]
 
 ORDERS = 5  # orders 0 to 4 in the distance from a pole
-REACH = 0.1  # radians from a pole, where orders are compared
-RINGS = (2.0, 3.0, 4.0)  # distances of rings from a pole, over a scale
-SCALES = (0.03, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)  # radians; components by angles use the first three
+REACH = 0.1  # distance from a pole at which orders are compared, in radians
+RINGS = (2.0, 3.0, 4.0)  # distances of rings from a pole, relative to a scale
+SCALES = (0.03, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)  # radians; angular components use the first three
 
 
 @dataclass(frozen=True)
 class PoleSight:
-    """Components of a metric in the frame, as they are seen at the poles theta = 0 and pi.
+    """Behavior of the frame components of a metric at the poles theta = 0 and pi.
 
     Attributes
     ----------
     conflicts, doubts : ndarray, shape (2, orders)
-        The parts of each order in the distance from a pole that no smooth tensor has, at a tenth of a radian,
-        relative to the tensor at the pole; and how large truncation of a series can make them.
+        Parts of each order in the distance from a pole that a smooth tensor does not have, at a tenth of a
+        radian, relative to the tensor at the pole; and bounds on the effect of truncation on them.
     means : ndarray, shape (2, 2)
-        Q_tt and Q_pp at the poles, in the mean over phi.
+        Means of Q_tt and Q_pp over phi at the poles.
     """
 
     conflicts: Floats
@@ -47,33 +47,33 @@ class PoleSight:
 
     @property
     def conflict(self) -> float:
-        """The largest conflict beyond doubt."""
+        """Largest conflict above its doubt."""
         return float(np.max(np.where(self.conflicts > self.doubts, self.conflicts, 0.0)))
 
     @property
     def jump(self) -> float:
-        """The largest conflict of order 0 beyond doubt: lengths at a pole disagree by half of it or more."""
+        """Largest conflict of order 0 above its doubt: lengths at a pole disagree by at least half of it."""
         return float(np.max(np.where(self.conflicts > self.doubts, self.conflicts, 0.0)[:, 0]))
 
     @property
     def misfits(self) -> Floats:
-        """Conflict and doubt of each order together, at most 1: how far this is from a smooth tensor."""
+        """Sum of conflict and doubt of each order, at most 1: deviation from a smooth tensor."""
         return np.minimum(np.max(self.conflicts + self.doubts, axis=0), 1.0)
 
     @property
     def worst(self) -> int:
-        """The pole with the larger conflict: 0 for theta = 0, 1 for pi."""
+        """Pole with the larger conflict: 0 for theta = 0, 1 for pi."""
         return int(np.argmax(np.max(self.conflicts, axis=1)))
 
     @property
     def is_cone(self) -> bool:
-        """Whether the conflict at the worst pole is that the means of Q_tt and Q_pp differ."""
+        """Whether the conflict at the worst pole is a difference of the means of Q_tt and Q_pp."""
         conflicts, (tt, pp) = self.conflicts[self.worst], self.means[self.worst]
         return bool(4.0 * abs(tt - pp) > np.max(conflicts) * abs(tt + pp))
 
 
 def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
-    """Behavior at the poles, from Fourier series of h alternatives for components Q (n, m, h, 3) at nodes."""
+    """Behavior at the poles from Fourier series, for h alternatives of components Q (n, m, h, 3) at nodes."""
     n, m, h, _ = Q.shape
     a = DoubleFourier(theta, phi, Q.reshape(n, m, 3 * h)).coefficients
     sizes, orders = np.abs(a), a.shape[1]
@@ -82,11 +82,11 @@ def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
         high = np.maximum(high, np.max(sizes[:, orders - max(2, orders // 10) :], axis=(0, 1)))
     j = np.arange(ORDERS)
     doubts = 3.0 * n * np.max(high.reshape(h, 3), axis=1)[:, None] * (n * REACH) ** j
-    a = a[:, : (m + 1) // 2]  # of what has m / 2 periods only one half is known
+    a = a[:, : (m + 1) // 2]  # without the order m / 2, of which only one phase is known
     taylor = np.zeros((2, ORDERS, *a.shape[1:]), dtype=np.complex128)
     for order in j:
         parity = order % 2
-        k = np.arange(n) + parity  # of cosines for even orders, of sines for odd ones
+        k = np.arange(n) + parity  # cosines for even orders, sines for odd orders
         slopes = (-1.0) ** (order // 2) * (k * REACH) ** order / factorial(order)
         for pole, sign in enumerate((1.0, -1.0)):
             taylor[pole, order, parity::2] = np.tensordot(slopes * sign**k, a[:, parity::2], axes=1)
@@ -96,7 +96,7 @@ def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
 
 
 def _seen(taylor: Modes, doubts: Floats, least: float) -> PoleSight:
-    """Sight from the terms (2, orders, modes, 3) of Taylor's series in the distance from each pole."""
+    """Behavior from the terms (2, orders, modes, 3) of the Taylor series in the distance from each pole."""
     means = taylor[:, 0, 0, ::2].real
     size = np.maximum(np.abs(means.mean(axis=1)), least)[:, None]
     conflicts = np.array([[_forbidden(part, j, p) for j, part in enumerate(taylor[p])] for p in range(2)])
@@ -104,16 +104,16 @@ def _seen(taylor: Modes, doubts: Floats, least: float) -> PoleSight:
 
 
 def ring_sights(Q: Floats) -> list[PoleSight]:
-    """Behavior at the poles, from rings with h alternatives for components Q (2, s, r, m, h, 3) on them.
+    """Behavior at the poles from rings, for h alternatives of components Q (2, s, r, m, h, 3) on them.
 
-    There are the r rings of `RINGS` times each of the s `SCALES`, or the first of them.  A
-    conflict is the least of all scales: sharp tips are smooth where they are looked at closely.
+    The r rings are `RINGS` times each of the first s `SCALES`.  A conflict is the minimum over all scales,
+    because sharp tips are smooth at small scales.
     """
     m = Q.shape[3]
     modes = np.fft.rfft(Q, axis=3)[:, :, :, : (m + 1) // 2] / m
     modes[:, :, :, 1:] *= 2.0
     rings = np.array(RINGS)
-    # Even functions of the distance, extrapolated to 0.
+    # Extrapolation of even functions of the distance to 0.
     weights = np.linalg.solve(np.vander(rings**2, increasing=True).T, np.eye(len(rings))[0])
     plain = np.linalg.solve(np.vander(rings, increasing=True).T, np.eye(len(rings))[0])
     sights = []
@@ -132,10 +132,10 @@ def ring_sights(Q: Floats) -> list[PoleSight]:
 
 
 def _forbidden(modes: Modes, order: int, pole: int) -> float:
-    """The largest part of components (modes, 3) of some order in the distance from a pole that falls faster.
+    """Largest part of components (modes, 3) of an order in the distance from a pole that should decay faster.
 
-    The order's parity is that of m; but where there is a part without it, of order 0, that is forbidden, too.
-    It is twice the amplitude: where q_tt and q_pp / sin^2 theta differ by a percent, a percent.
+    The parity of the order is that of m; parts of order 0 without this parity are forbidden, too.  The result
+    is twice the amplitude: 1 % if q_tt and q_pp / sin^2 theta differ by 1 %.
     """
     m = np.arange(order % 2, len(modes), 2 if order else 1)
     tt, tp, pp = modes[m].T

@@ -15,19 +15,19 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import ROUNDING, trimmed
 
 HIGHEST_DEGREE = 128
-DIRECTIONS = 200  # where the misfit of a function is measured
+DIRECTIONS = 200  # number of points at which the misfit is measured
 
 
 @dataclass(frozen=True)
 class Projection:
-    """Functions of the direction in harmonics.
+    """Harmonic expansion of functions of the direction.
 
     Attributes
     ----------
     harmonics : Harmonics
     coefficients : ndarray, shape (size, c)
     misfit : float
-        Root mean square, in the function's unit, of what is missed at directions that were not used.
+        Root-mean-square error at directions other than the nodes, in the unit of the function.
     """
 
     harmonics: Harmonics
@@ -36,25 +36,25 @@ class Projection:
 
 
 def project(function: Callable[[Floats], Floats], what: str) -> Projection:
-    """The projection of functions onto harmonics.
+    """Project functions onto harmonics.
 
     Parameters
     ----------
     function : callable
-        Takes unit vectors u (n, 3) and returns values (n, c); smooth.
+        Smooth function that takes unit vectors u (n, 3) and returns values (n, c).
     what : str
-        For messages.
+        Name of the function, for messages.
 
     Raises
     ------
     InvalidParameter
-        Harmonics up to degree 128 miss it by more than a millionth.
+        The relative error exceeds 1e-6 with harmonics up to degree 128.
     """
     apart = fibonacci_directions(DIRECTIONS)
     expected = function(apart)
     largest = float(np.linalg.norm(expected, axis=1).max())
     found: list[tuple[float, Projection]] = []
-    degree = 16  # first degree; it is doubled
+    degree = 16  # initial degree, which is doubled
     while degree <= HIGHEST_DEGREE:
         harmonics = Harmonics(degree, degree)
         transform = SphereTransform(harmonics, degree + 1, 2 * degree + 2)
@@ -75,6 +75,6 @@ def project(function: Callable[[Floats], Floats], what: str) -> Projection:
             f"{what} is not smooth enough for harmonics: those of degree {HIGHEST_DEGREE} are "
             f"still {tail:.3g} of it, and miss it by {missed:.3g}; fit points instead"
         )
-    # Harmonics that come no nearer would be noise, and their second derivatives loud noise.
+    # Further harmonics would be noise, which second derivatives amplify.
     enough = 2.0 * min(missed for missed, _ in found)
     return next(projection for missed, projection in found if missed <= enough)

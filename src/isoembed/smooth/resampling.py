@@ -1,8 +1,8 @@
 """Truncation error of grid data, by coarsening.
 
-The interpolant of a grid is sampled on grids with fewer nodes of the same kind, and these interpolants are
-averaged as the first one is.  The changes are the errors of the coarser grids.  That of the grid itself is
-extrapolated: errors fall geometrically where the functions are analytic.
+The interpolant of a grid is sampled on coarser grids of the same kind, and averages of these interpolants are
+compared.  The changes are the errors of the coarser grids, from which that of the grid itself is
+extrapolated: errors decrease geometrically for analytic functions.
 """
 
 from collections.abc import Callable
@@ -19,39 +19,39 @@ from isoembed.smooth.harmonics import Harmonics
 Derived = Callable[[Floats], Floats]
 
 WEIGHTS = Harmonics(2, 2)
-"""Weights of the averages; those of each degree count half as much as those of the degree below."""
+"""Weight functions of the averages; each degree counts half as much as the one below."""
 
 
 def truncation(series: DoubleFourier, derived: Derived) -> float:
-    """Estimate of the error of averages over the sphere with smooth weights, because the grid is finite.
+    """Estimate of the truncation error of averages over the sphere with smooth weights.
 
-    Coefficients beyond the grid that alias onto averages directly, as those of twice its degree do, are not
-    on the coarser grids either, and not in the estimate.
+    Unresolved coefficients that alias directly onto averages, such as those of twice the degree of the grid,
+    are not included, because the coarser grids lack them, too.
 
     Parameters
     ----------
     series : DoubleFourier
     derived : callable
-        Takes values (k, c) of the functions at points and returns (k, j): the functions to be averaged.
+        Takes values (k, c) of the functions at points and returns the functions (k, j) to be averaged.
 
     Returns
     -------
     float
-        In the unit of the derived functions.
+        Error, in the unit of the derived functions.
     """
     n = len(series.theta)
     finest = _averages(series, derived, n)
-    # A fifth of the nodes is left out in each step.  Parity hides every other change.
+    # Each step omits a fifth of the nodes.  Parity may hide every other change.
     step = max(1 if n < 6 else 2, round(0.2 * n))
     changes = [
         max(
             float(np.linalg.norm(_averages(_coarser(series, less), derived, n) - finest))
             for less in {min(part * step + odd, n - 1) for odd in (0, 1)}
         )
-        for part in range(1, 4 if n >= 12 else 3)  # grids with few nodes tell no rate
+        for part in range(1, 4 if n >= 12 else 3)  # few nodes do not determine a rate
     ]
     ratio = max(less / more if less < more else 1.0 for less, more in pairwise(changes))
-    # The sum over all further steps, at most 10/3 of the first.
+    # Geometric series over all further refinements, with a sum of at most 10/3.
     return changes[0] * ratio / max(1.0 - ratio, 0.3)
 
 

@@ -12,12 +12,12 @@ from scipy.spatial import cKDTree
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.smooth.harmonics import Harmonics
 
-OUTLYING = 8.0  # standard deviations: noise has 5 at most
-ROUNDING = 1e-9  # residual over the largest value that is no outlier
-FEWEST = 40  # values, of which an outlier can be told
-LEVERAGE = 0.9  # largest weight of a value in the fit at its own place
-DEVIATIONS = 12  # random deviations, from which errors are estimated
-MISSING = 2  # further degrees of the deviations
+OUTLYING = 8.0  # least residual of an outlier in standard deviations: noise has 5 at most
+ROUNDING = 1e-9  # largest residual attributed to rounding, relative to the largest value
+FEWEST = 40  # least number of values for the detection of outliers
+LEVERAGE = 0.9  # largest leverage of a value
+DEVIATIONS = 12  # number of random deviations for error estimates
+MISSING = 2  # additional degrees of the deviations
 
 
 @dataclass(frozen=True)
@@ -29,13 +29,13 @@ class ScatteredFit:
     coefficients : ndarray, shape (size,)
     harmonics : Harmonics
     misfit : float
-        Root mean square of what is missed of the values that were not left out.
+        Root mean square of the residuals, without outliers.
     deviations : ndarray, shape (N, size of the harmonics of two degrees more)
-        Possible errors, drawn at random: coefficients in the harmonics of ``deviating(harmonics)``.
+        Random samples of the error: coefficients in the harmonics of ``deviating(harmonics)``.
     left_out : ndarray of int, shape (k,)
-        Outliers: values that alone are far from what all others say.
+        Indices of outliers, isolated values far from a fit to the others.
     apart : ndarray, shape (k,)
-        How far each lies above the fit.
+        Residuals of the outliers.
     """
 
     coefficients: Floats
@@ -47,20 +47,20 @@ class ScatteredFit:
 
 
 def deviating(harmonics: Harmonics) -> Harmonics:
-    """The harmonics of the errors of a fit: some degrees more, and all orders."""
+    """Harmonics for the errors of a fit: two degrees more, and all orders."""
     degree = harmonics.degree + MISSING
     return Harmonics(degree, degree)
 
 
 def white(harmonics: Harmonics, size: float, *functions: int) -> Floats:
-    """Random deviations (N, size of `deviating`, *functions) of this root mean square, alike in harmonics."""
+    """Random deviations (N, size of `deviating`, *functions) of given root mean square, as white noise."""
     count = deviating(harmonics).size
     drawn = np.random.default_rng(0).normal(size=(DEVIATIONS, count, *functions))
     return drawn * (size * np.sqrt(4.0 * np.pi * DEVIATIONS / drawn.size))
 
 
 def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:
-    """Harmonics fitted to scattered values by weighted least squares, without single outliers.
+    """Fit harmonics to scattered values by weighted least squares, without isolated outliers.
 
     Parameters
     ----------
@@ -70,16 +70,16 @@ def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:
 
     Notes
     -----
-    The degree is the one of least generalized cross-validation [1]: what follows is noise.  It is lower where
-    holes between the directions would leave coefficients undetermined.  Degrees are tried until residuals of
-    neighbors are unlike.
+    The degree minimizes generalized cross-validation [1]; higher degrees are noise.  It is lower if gaps
+    between the directions leave coefficients undetermined.  Degrees are tried until residuals of neighbors
+    are uncorrelated.
 
-    An outlier is missed by the fit to the others by more than eight times what these are usually missed by,
-    everywhere and nearby.  If there are more than one in fifty, none is left out.
+    An outlier deviates from the fit to the others by more than eight times the standard deviation, both
+    globally and locally.  If there are more than one in fifty, none is left out.
 
-    The deviations are fits to the residuals with random signs [2], each the residual of the fit to all other
-    values; and in the two degrees that follow, random ones as large as their coefficients would be.  Where
-    these are not determined the coefficients are as large as all residuals.
+    The deviations are fits to the leave-one-out residuals with random signs [2], and random coefficients in
+    the two following degrees, of the size of fitted ones.  If these are not determined, the size is that of
+    all residuals.
 
     References
     ----------
@@ -109,7 +109,7 @@ def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:
 
 @dataclass(frozen=True)
 class _LeastSquares:
-    """A fit of harmonics, with its table (n, size) of orthonormal columns in the order of the degrees."""
+    """Least-squares fit of harmonics with its QR factorization, columns in order of degree."""
 
     coefficients: Floats
     harmonics: Harmonics
@@ -124,12 +124,12 @@ class _LeastSquares:
     def of(cls, u: Floats, values: Floats, weights: Floats) -> _LeastSquares:
         m = len(u)
         most = max(0, min(40, int(np.sqrt(0.5 * m)) - 1))
-        highest = min(most, 8)  # first degree; it is doubled
+        highest = min(most, 8)  # initial degree, which is doubled
         root = np.sqrt(weights * (4.0 * np.pi / weights.sum()))
         while True:
             harmonics = Harmonics(highest, highest)
             by_degree = np.argsort(harmonics.labels[0], kind="stable")
-            # One factorization serves all degrees: those of lower degree are its leading columns.
+            # One factorization serves all degrees: lower degrees are its leading columns.
             table = root[:, None] * harmonics.values(u)[:, by_degree]
             Q, R = qr(table, mode="economic", overwrite_a=True)
             b = Q.T @ (root * values)
@@ -138,7 +138,7 @@ class _LeastSquares:
             sizes = (np.arange(highest + 1) + 1) ** 2
             squares = left + np.concatenate([np.cumsum(b[::-1] ** 2)[::-1], [0.0]])[sizes]
             validation = squares / (1.0 - sizes / m) ** 2
-            # As good as the least of all, but for chance.
+            # The lowest degree that is as good as the best within chance.
             best = int(np.argmax(validation <= (1.0 + np.sqrt(8.0 / m)) * validation.min()))
             if highest == most or (best <= 3 * highest // 4 and _is_noise(rest / root, u, values)):
                 break
@@ -149,7 +149,7 @@ class _LeastSquares:
             # The values hardly determine the highest harmonics.
             return bool(singular[-1] < 0.1 * singular[0])
 
-        degree = bisect_left(range(best + 1), True, key=undetermined) - 1  # the highest that is determined
+        degree = bisect_left(range(best + 1), True, key=undetermined) - 1  # the highest determined degree
         size = sizes[degree]
         Q, R, chosen = Q[:, :size], R[:size, :size], Harmonics(degree, degree)
         coefficients = _sorted(solve_triangular(R, b[:size]), chosen)
@@ -160,7 +160,7 @@ class _LeastSquares:
         return cls(coefficients, chosen, misfit, Q, R, root, residuals, following)
 
     def missed(self, u: Floats, values: Floats) -> Floats:
-        """Heights of values (n,) in the directions u (n, 3) above the fit."""
+        """Residuals (n,) of values in the directions u (n, 3)."""
         return values - self.harmonics.values(u) @ self.coefficients
 
     def deviations(self) -> Floats:
@@ -179,41 +179,41 @@ class _LeastSquares:
 
 
 def _sorted(by_degree: Floats, harmonics: Harmonics) -> Floats:
-    """Coefficients in the order of the harmonics from one in which the degrees follow each other."""
+    """Coefficients in the order of the harmonics, from those sorted by degree."""
     coefficients = np.empty_like(by_degree)
     coefficients[np.argsort(harmonics.labels[0], kind="stable")] = by_degree
     return coefficients
 
 
 def _is_noise(rest: Floats, u: Floats, values: Floats) -> bool:
-    """Whether what is left of values (n,) is unlike at neighbors, or negligible."""
+    """Whether residuals (n,) of values are uncorrelated between neighbors, or negligible."""
     square = float(np.mean(rest**2))
     if square <= (ROUNDING * float(np.abs(values).max())) ** 2:
         return True
     nearest = cKDTree(u).query(u, 2)[1][:, 1]
-    # In noise the correlation of neighbors is a few standard deviations at most.
+    # The correlation of neighbors in noise is at most a few standard deviations.
     return float(np.mean(rest * rest[nearest])) <= 5.0 / np.sqrt(len(u)) * square
 
 
 def _outliers(fit: _LeastSquares, kept: Mask, u: Floats, values: Floats, weights: Floats) -> Mask:
-    """Mask of the values (n,), of those that were kept, that are outliers."""
+    """Mask (n,) of outliers among the values kept so far."""
     out = np.zeros(len(u), dtype=bool)
     out[kept] = np.abs(fit.residuals) > _usual(fit, values)
     rest = kept & ~out
     if not out.any() or np.count_nonzero(rest) < FEWEST // 2:
         return np.zeros_like(out)
     without = _LeastSquares.of(u[rest], values[rest], weights[rest])
-    # Where a shape is not resolved all values nearby are missed, or several that are side by side.
+    # An unresolved feature has large residuals at all values nearby, or at several adjacent ones.
     distances, near = cKDTree(u[rest]).query(u[out], 12)
     nearby = OUTLYING * np.sqrt(np.mean(without.residuals[near] ** 2, axis=1))
     missed = np.abs(without.missed(u[out], values[out]))
-    other = cKDTree(u[out]).query(u[out], 2)[0][:, 1]  # infinite of one alone
-    # An outlier is the only one among its three nearest values.
+    other = cKDTree(u[out]).query(u[out], 2)[0][:, 1]  # infinite for a single one
+    # An outlier must be the only one among its three nearest values.
     out[out] = (missed > np.maximum(nearby, _usual(without, values))) & (other > distances[:, 2])
     return out
 
 
 def _usual(fit: _LeastSquares, values: Floats) -> float:
     """Residual above which a value is an outlier."""
-    deviation = 1.4826 * float(np.median(np.abs(fit.residuals)))  # if they are normal, the standard deviation
+    deviation = 1.4826 * float(np.median(np.abs(fit.residuals)))  # standard deviation if normal
     return max(OUTLYING * deviation, ROUNDING * float(np.abs(values).max()))

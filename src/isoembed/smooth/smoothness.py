@@ -1,4 +1,4 @@
-"""Refusal of metrics that are not smooth tensors at the poles, with the likely mistake."""
+"""Rejection of metrics that are not smooth tensors at the poles, with a diagnosis of the likely mistake."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from isoembed.smooth.geodesics import definite_tensor
 from isoembed.smooth.poles import RINGS, SCALES, PoleSight, ring_sights, series_sights
 from isoembed.smooth.two_metric import NEAR_POLE, AngleMetric, TwoMetric, angle_components, components_at
 
-CONFLICT = 5e-3  # relative conflict of components that are those of no tensor
-VISIBLE = 1e-6  # relative misfit that may be due to a mistake
+CONFLICT = 5e-3  # largest relative conflict of components of a smooth tensor
+VISIBLE = 1e-6  # least relative misfit attributed to a mistake
 AROUND = 32  # directions on a ring
 
 
@@ -28,7 +28,7 @@ def _powers(tp: int, pp: int) -> Repair:
 
 
 def _left_out(Q: Floats, sin: Floats) -> Floats:
-    """Components without what a missing Q_tp explains, if it is 0; phi runs along the last axis but one."""
+    """Components without the part explained by a missing Q_tp, if it is 0; phi is the last axis but one."""
     if np.max(np.abs(Q[..., 1])) > 1e-12 * np.max(np.abs(Q)):
         return Q
     half = 0.5 * (Q[..., 0] - Q[..., 2]).mean(axis=-1, keepdims=True)
@@ -42,7 +42,7 @@ LATITUDE = (
     "q_pp vanishes at the equator instead of the poles: "
     "theta counts from the north pole, not from the equator"
 )
-# What may have been done to the components, how it is undone, and what is said of it.
+# Possible mistakes in the components: their repair, and the sentence for the error message.
 MISTAKES: tuple[tuple[Repair, str], ...] = (
     (
         lambda Q, sin: Q * [1.0, -1.0, 1.0],
@@ -69,20 +69,20 @@ MISTAKES: tuple[tuple[Repair, str], ...] = (
 
 @dataclass(frozen=True)
 class _Look:
-    """Components in the frame, and the values that a refusal quotes.
+    """Frame components of a metric, and values for the error message.
 
     Attributes
     ----------
     Q : ndarray, shape (..., m, 3)
-        At places with m angles phi.
+        Components at points with m angles phi.
     sin : ndarray
-        Of theta there, broadcast over Q_tt.
+        sin(theta) at these points, broadcast over Q_tt.
     near : ndarray, shape (2, 3)
-        theta nearest to each pole, and Q_tt and Q_pp there in the mean over phi.
+        theta nearest to each pole, and the means of Q_tt and Q_pp over phi there.
     equator : tuple of float
-        cos^2 theta and q_pp, nearest to the equator.
+        cos^2 theta and q_pp nearest to the equator.
     reservation : str
-        Words on what else may look like a cone.
+        Alternative explanation of an apparent cone.
     """
 
     Q: Floats
@@ -93,18 +93,18 @@ class _Look:
 
     @property
     def latitude(self) -> bool:
-        """Whether q_pp falls to the equator as it should to the poles."""
+        """Whether q_pp decreases toward the equator as it should toward the poles."""
         square, q_pp = self.equator
         return bool(q_pp <= 3.0 * square * np.min(np.sin(self.near[:, 0]) ** 2 * self.near[:, 2]))
 
 
 def check_series(theta: Floats, phi: Floats, Q: Floats) -> PoleSight:
-    """See the poles through the Fourier series of components Q (n, m, 3) in the frame at nodes.
+    """Check the behavior at the poles from the Fourier series of frame components Q (n, m, 3) at nodes.
 
     Raises
     ------
     InvalidMetric
-        They are the components of no smooth tensor.
+        The components are not those of a smooth tensor.
     """
     n, m, _ = Q.shape
     step = max(np.pi / n, 2.0 * np.pi / m if m > 1 else 0.0)
@@ -119,12 +119,12 @@ def check_series(theta: Floats, phi: Floats, Q: Floats) -> PoleSight:
 
 
 def check_rings(metric: TwoMetric) -> PoleSight:
-    """See the poles of a metric, which can be evaluated anywhere, from rings about them.
+    """Check the behavior of a metric at the poles from rings around them.
 
     Raises
     ------
     InvalidMetric
-        It is not a smooth tensor.
+        The metric is not a smooth tensor.
     """
     if isinstance(metric, AngleMetric):
         _check_seam(metric, WHOLE)
@@ -132,12 +132,12 @@ def check_rings(metric: TwoMetric) -> PoleSight:
 
 
 def check_disc(metric: TwoMetric, zone: Zone) -> None:
-    """Check a metric in a zone: at the pole that is in it, if any, and where phi begins again.
+    """Check a metric in a zone, at a pole inside it and at the seam phi = 0.
 
     Raises
     ------
     InvalidMetric
-        It is not a smooth tensor.
+        The metric is not a smooth tensor.
     """
     if isinstance(metric, AngleMetric):
         _check_seam(metric, zone)
@@ -151,7 +151,7 @@ def check_disc(metric: TwoMetric, zone: Zone) -> None:
 
 @dataclass(frozen=True)
 class _Mirrored:
-    """The metric of a disc about a pole, z = `pole`, and its mirror image about the other one."""
+    """Metric of a disc around the pole z = `pole`, with its mirror image around the other pole."""
 
     metric: TwoMetric
     pole: float
@@ -164,13 +164,13 @@ class _Mirrored:
 
 
 def _checked_rings(metric: TwoMetric, zone: Zone) -> PoleSight:
-    # Nearer to a pole, components by angles are extrapolated.
+    # Angular components are extrapolated closer to a pole.
     by_angles = isinstance(metric.metric if isinstance(metric, _Mirrored) else metric, AngleMetric)
     near = NEAR_POLE if by_angles else 0.0
     scales = np.array([scale for scale in SCALES if scale >= near])
     radii = np.multiply.outer(scales, RINGS)
     phi = 0.1 + 2.0 * np.pi / AROUND * np.arange(AROUND)
-    # Latitudes are told by a place near the equator; a disc may not reach it.
+    # Latitudes are detected near the equator, which a disc may not reach.
     last_theta = 0.5 * np.pi - radii[0, 0] if zone == WHOLE else radii[0, 0]
     theta = np.append(np.stack([radii, np.pi - radii]), last_theta)
     sin = np.append(np.stack([np.sin(radii)] * 2), np.sin(last_theta))  # not rounded, near pi
@@ -191,7 +191,7 @@ def _checked_rings(metric: TwoMetric, zone: Zone) -> PoleSight:
 
 
 def _check_seam(metric: AngleMetric, zone: Zone) -> None:
-    """Refuse components that are not those of the same points a turn later."""
+    """Check that components are periodic in phi."""
     theta: Floats = np.linspace(*zone, AROUND + 1)[1:-1]
     ends = [np.full_like(theta, phi) for phi in (1e-9, 2.0 * np.pi - 1e-9)]
     start, stop = (components_at(metric, theta, phi) for phi in ends)
@@ -208,7 +208,7 @@ def _check_seam(metric: AngleMetric, zone: Zone) -> None:
 
 
 def _checked(sights: Callable[[Floats], list[PoleSight]], look: _Look, allowed: float) -> PoleSight:
-    """Sight of components, refused with a conflict larger than allowed or a mistake that explains one."""
+    """Behavior of components at the poles; raises for too large a conflict or one explained by a mistake."""
     (given,) = sights(look.Q[..., None, :])
     if np.max(given.misfits) <= VISIBLE:
         return given
@@ -225,33 +225,33 @@ def _checked(sights: Callable[[Floats], list[PoleSight]], look: _Look, allowed: 
 
 
 def _by_degrees(given: PoleSight) -> bool:
-    """Whether q_tt and q_pp differ at a pole by the square of a degree in radians."""
+    """Whether q_tt and q_pp differ at a pole by a factor of the squared degree in radians."""
     ratio = np.abs(given.means[:, 1] / given.means[:, 0])
     return bool(np.any(np.abs(np.abs(np.log(ratio)) / np.log(np.radians(1.0) ** -2) - 1.0) < 1e-3))
 
 
 def _cause(given: Floats, repaired: Floats) -> str:
-    """The first of the mistakes whose repair lessens the misfits (orders,) from the lowest order on."""
+    """First of the mistakes whose repair reduces the misfits (orders,), from the lowest order on."""
     for order, misfit in enumerate(given):
         least = np.max(repaired[:, : order + 1], axis=1)
         # A mistake is the cause if its repair divides the misfit by 30.
         good = (misfit > VISIBLE) & (least * 30.0 < misfit)
         if good.any():
-            # Several are as good where there is no q_tp: the first of them is the simplest.
+            # Without q_tp several repairs are equally good; the first is the simplest.
             best = np.min(least[good])
             return MISTAKES[int(np.argmax(good & (least <= max(2.0 * best, VISIBLE))))][1]
     return ""
 
 
 def check_within(sight: PoleSight, tolerance: float) -> None:
-    """Refuse what, as far as the poles are resolved, no smooth surface has to within an error of lengths.
+    """Check that a smooth surface can have the lengths at the poles within an error, if these are resolved.
 
     Raises
     ------
     InvalidMetric
-        The message says what is seen at the poles.
+        No smooth surface can; the message describes the behavior at the poles.
     """
-    if sight.jump > 8.0 * tolerance:  # no smooth surface meets it
+    if sight.jump > 8.0 * tolerance:  # no smooth surface within the tolerance
         raise InvalidMetric(
             f"the metric is not smooth at the poles: {_seen(sight)}; as far as these are resolved, every "
             f"smooth surface misses such lengths by more than {tolerance:.2g}"
@@ -259,7 +259,7 @@ def check_within(sight: PoleSight, tolerance: float) -> None:
 
 
 def _seen(sight: PoleSight, look: _Look | None = None) -> str:
-    """Clause on what is seen that no smooth tensor has."""
+    """Clause on the behavior at the poles that a smooth tensor does not have."""
     pole = sight.worst
     at, (tt, pp) = f"theta = {'pi' if pole else '0'}", sight.means[pole]
     jump, largest = sight.conflicts[pole, 0], np.max(sight.conflicts[pole])

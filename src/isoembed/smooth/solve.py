@@ -31,12 +31,12 @@ from isoembed.smooth.two_metric import TwoMetric
 from isoembed.smooth.uncertain import EXACT
 from isoembed.space import EUCLIDEAN, Space
 
-DEGREES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192)  # of the harmonics, in turn
-ACCURATE = 1e-6  # residual at which slow progress is no failure
-FALLING = 0.6  # residual over the one before that is a decrease
-HINDERED_DEGREE = 32  # highest degree if no surface of revolution has the metric
-PATIENCE = 3  # degrees in turn without progress that end the search
-PER_HARMONIC = 3  # vertices for each harmonic that is fitted to them
+DEGREES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192)  # degrees of the harmonics, in order of refinement
+ACCURATE = 1e-6  # residual below which slow convergence is not a failure
+FALLING = 0.6  # largest ratio of successive residuals that counts as a decrease
+HINDERED_DEGREE = 32  # largest degree if no surface of revolution has the metric
+PATIENCE = 3  # number of successive degrees without progress that ends the search
+PER_HARMONIC = 3  # vertices per fitted harmonic
 NO_REVOLUTION = Evidence(
     "searched",
     "only surfaces of revolution were considered, and it is proved that none has the metric: the "
@@ -58,9 +58,9 @@ def embed_smooth(
 ) -> SmoothEmbedding:
     """Find the smooth surface in R^3, or in another space, that realizes a smooth metric on the sphere.
 
-    A triangulation of the metric is embedded (`isoembed.embed`), its vertices are fitted in spherical
-    harmonics, and Gauss-Newton steps on the isometry equations with more and more harmonics make it exact,
-    until int H dA has settled.  Metrics that are symmetric about an axis need few harmonics and are cheap.
+    A triangulation of the metric is embedded (`isoembed.embed`), spherical harmonics are fitted to its
+    vertices, and the isometry equations are solved by the Gauss-Newton method in increasing degree until
+    int H dA converges.  Axisymmetric metrics need few harmonics and are fast.
 
     Parameters
     ----------
@@ -68,24 +68,23 @@ def embed_smooth(
     space : Space
         Euclidean space, or `isoembed.Hyperbolic` or `isoembed.Spherical` of some curvature.
     start : SmoothEmbedding or Start, optional
-        A surface of a metric nearby, in the same directions: the mesh is left out.
+        Surface of a nearby metric, in the same directions, as initial guess instead of a mesh.
     shape : callable, optional
-        Takes directions u (n, 3) and returns points (n, 3), to which the surface is turned as near as a
-        rotation brings it; by default the directions themselves.
+        Takes directions u (n, 3) and returns points (n, 3), with which the surface is aligned by a rotation;
+        by default the directions themselves.
     vertices : int
-        Of the mesh, where there is one: surfaces of revolution are known without it.
+        Number of vertices of the mesh; surfaces of revolution need none.
     tolerance : float
         Largest relative error of a length that counts as an embedding.  The error of int H dA is about its
         square.
     accuracy : float
-        Of int H dA, relative to it: where it is known so well, no higher degree is tried.  Where K < 0 and
-        the metric has no symmetry, 1e-10 is enough.
+        Relative accuracy of int H dA at which the degree is not raised further; at most 1e-10 is attempted
+        where K < 0 and the metric has no symmetry.
     best_fit : bool
-        Return the surface that comes nearest to the metric, in the mean square of its strains, even if it
-        misses the tolerance.
+        Return the surface of least mean-square strain even if it misses the tolerance.
     lengths_error : float, optional
-        Relative error of the lengths, beyond which an obstruction counts; by default what a metric on a grid
-        or of a surface in a slice says of itself, and 0 for others.
+        Relative error of the lengths beyond which an obstruction counts; by default the error estimate of a
+        metric on a grid or of a surface in a slice, and 0 for others.
 
     Returns
     -------
@@ -94,23 +93,23 @@ def embed_smooth(
     Raises
     ------
     InvalidMetric
-        The metric is not positive definite somewhere, or not smooth at the poles, which nothing comes near
-        to within the tolerance; the message says what is seen there.
+        The metric is not positive definite somewhere, or so far from smooth at the poles that no surface is
+        within the tolerance; the message describes the behavior there.
     NotEmbedded
-        The tolerance was missed, or the metric is symmetric about an axis and is not that of a surface of
-        revolution.  The message says what is in the way, if it can be seen, or whether more harmonics would
-        help; the exception holds the best attempt, or a rough one where no surface of revolution has the
-        metric, which is known at once: other surfaces are sought only for a ``best_fit``.
+        The tolerance was missed, or the metric is axisymmetric but not that of a surface of revolution.  The
+        message names the obstruction, if known, or says whether more harmonics would help; the exception
+        holds the best attempt, or a rough one if no surface of revolution has the metric, as other surfaces
+        are then sought only with ``best_fit``.
 
     Notes
     -----
-    The centroid of the surface is the origin.  Its orientation follows the metric and the shape alone: it
-    does not depend on the mesh or the start, changes with them continuously, and an axis or a plane of
-    symmetry that they have is one of the surface.
+    The centroid of the surface is the origin.  Its orientation depends only on the metric and the shape,
+    continuously; it is independent of the mesh and the start, and common axes or planes of symmetry of metric
+    and shape are preserved.
 
     For K > 0 the surface exists and is unique (Nirenberg 1953, Pogorelov 1952), and in a space of curvature k
-    for K > k (Pogorelov 1964).  With K < k somewhere it is the surface of revolution where there is one, by
-    the closed quadrature of `AxisymmetricEmbedding`, and otherwise the branch that the mesh is on.
+    for K > k (Pogorelov 1964).  With K < k somewhere it is the surface of revolution if there is one, by the
+    quadrature of `AxisymmetricEmbedding`, and otherwise the branch selected by the mesh.
     """
     for name, value in (("tolerance", tolerance), ("accuracy", accuracy)):
         if not 0 < value < np.inf:
@@ -153,7 +152,7 @@ def embed_smooth(
         first = max(0, sum(h.degree < start.harmonics.degree for h in ladder) - 1)
     best, residuals = goal.approached(ladder[first:], origin)
     if not best.converged and profile is not None and profile.embeds:
-        # A surface of revolution is projected onto high degrees.
+        # Restart from the surface of revolution in high degrees.
         high = [h for h in ladder if h.degree >= 48] or ladder[-1:]
         best, residuals = goal.approached(high, _from_profile(profile))
     if best.converged or best_fit:
@@ -163,9 +162,9 @@ def embed_smooth(
 
 @dataclass(frozen=True)
 class _Goal:
-    """Goal of an embedding: the metric, how well it is to be met, and what the surface is turned to.
+    """Specification of an embedding: metric, tolerances, and the shape with which it is aligned.
 
-    The harmonics are those of the directions v of the coordinates u = F(v).
+    The harmonics are functions of the directions v of the coordinates u = F(v).
     """
 
     metric: TwoMetric
@@ -181,9 +180,9 @@ class _Goal:
     def approached(
         self, ladder: list[Harmonics], origin: Callable[[Harmonics], Floats]
     ) -> tuple[SmoothEmbedding, list[float]]:
-        """The best embedding in harmonics of growing degree, and the residuals on the way.
+        """Best embedding in harmonics of increasing degree, and the residuals of all degrees.
 
-        Each begins from the one before, or, where that is far off, from the origin as far as this tells them.
+        Each degree starts from the previous one or, if that is inaccurate, from ``origin``.
         """
         metric, shape = metric_in(self.metric, self.coordinates), _composed(self.shape, self.coordinates)
         residuals: list[float] = []
@@ -218,22 +217,22 @@ class _Goal:
         return surface, residuals
 
     def _attainable(self, surface: SmoothEmbedding) -> float:
-        """The accuracy of int H dA that harmonics attain in less than minutes; 0 is any."""
+        """Relative accuracy of int H dA attainable in less than minutes; 0 for no limit."""
         least = surface.least_curvature - self.space.curvature
-        # Where K - k vanishes the surface is not smooth.
+        # The surface is not smooth where K - k vanishes.
         if not self.space.is_euclidean and abs(least) * surface.area < 4.0 * np.pi * 0.01:
             return 1e-8
-        return 1e-10 if least < 0.0 else 0.0  # where K < 0 more takes minutes
+        return 1e-10 if least < 0.0 else 0.0  # more takes minutes where K < 0
 
     def _is_in_vain(self, surface: SmoothEmbedding, residuals: list[float]) -> bool:
-        """Whether more harmonics hardly bring lengths nearer; once a surface is found, one degree tells."""
+        """Whether more harmonics hardly reduce the residual; one degree decides if a surface is found."""
         if surface.converged and surface.residual <= ACCURATE:
             return len(residuals) > 1 and residuals[-1] >= FALLING * residuals[-2]
         before = residuals[: 1 - PATIENCE]
         return bool(before) and residuals[-1] >= 0.5 * before[-1]
 
     def _judged(self, surface: SmoothEmbedding, residuals: list[float]) -> SmoothEmbedding:
-        """A surface whose residual more harmonics do not reduce: where K < 0 there need not be one."""
+        """Surface with stagnating residual, with a `hindrance` where K < k, as no embedding need exist."""
         enough = max(ACCURATE, 10.0 * self.lengths_error)
         if surface.residual <= enough or surface.hindrance or self._least_curvature >= self.space.curvature:
             return surface
@@ -245,7 +244,7 @@ class _Goal:
         )
 
     def _has_left(self, surface: SmoothEmbedding) -> bool:
-        """Whether K < k on the surface and not in the metric: few harmonics may favor another one."""
+        """Whether K < k on the surface but not in the metric: few harmonics may favor another surface."""
         return surface.least_curvature < self.space.curvature < self._least_curvature
 
     @cached_property
@@ -255,7 +254,7 @@ class _Goal:
 
 
 def _about(coordinates: SphereMap | None) -> str:
-    """Clause that defines theta in sentences about the surface of revolution, if it is not from z."""
+    """Clause that defines theta in sentences about a surface of revolution about another axis than z."""
     if coordinates is None:
         return ""
     axis = coordinates.forward(np.array([[0.0, 0.0, 1.0]]))[0]
@@ -266,7 +265,7 @@ def _about(coordinates: SphereMap | None) -> str:
 def _composed(
     shape: Callable[[Floats], Floats] | None, coordinates: SphereMap | None
 ) -> Callable[[Floats], Floats] | None:
-    """The shape as a function of the coordinates' directions; by default the given directions are it."""
+    """Shape as a function of the directions of the coordinates; by default the original directions."""
     if coordinates is None:
         return shape
     if shape is None:
@@ -275,9 +274,9 @@ def _composed(
 
 
 def _embedded(mesh: SphereMesh) -> Floats:
-    """The vertices (V, 3) of the embedded triangulation, or of the best fit: the equations decide."""
+    """Vertices (V, 3) of the embedded triangulation, or of the best fit, as an initial guess."""
     try:
-        # Enough to be on a branch.
+        # Accurate enough to select a branch.
         points = solve(mesh.metric, Aim(best_fit=True), tolerance=1e-4).vertices
     except NotEmbedded as error:
         points = error.embedding.vertices
@@ -286,13 +285,13 @@ def _embedded(mesh: SphereMesh) -> Floats:
 
 
 def _from_points(directions: Floats, vertices: Floats) -> Callable[[Harmonics], Floats]:
-    """A fit of any harmonics to points in some directions, as far as these tell them."""
+    """Function that fits harmonics to points in given directions, in the degrees these determine."""
     degree = int(np.sqrt(len(directions) / PER_HARMONIC)) - 1
 
     def fitted(harmonics: Harmonics) -> Floats:
         fewer = Harmonics(min(degree, harmonics.degree), min(degree, harmonics.order))
-        # Where directions are far apart, high degrees would be anything between them.
-        # The last degree has a weight of 0.05 against points, lower ones less.
+        # Regularization of high degrees, which are undetermined in gaps between directions.
+        # The last degree has a weight of 0.05 relative to points, lower ones less.
         weights = (fewer.labels[0] / degree) ** 3.0 * 0.05
         weights *= np.sqrt(len(directions) / (4.0 * np.pi))
         rows = np.concatenate([fewer.values(directions), np.diag(weights)])
@@ -303,7 +302,7 @@ def _from_points(directions: Floats, vertices: Floats) -> Callable[[Harmonics], 
 
 
 def _from_profile(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Floats]:
-    """A projection of a surface of revolution on any harmonics."""
+    """Function that projects a surface of revolution onto harmonics."""
 
     def projected(harmonics: Harmonics) -> Floats:
         u, weights = gauss_rule(2 * harmonics.degree, SYMMETRIC_ANGLES)
@@ -313,7 +312,7 @@ def _from_profile(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Float
 
 
 def _round(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Floats]:
-    """A round sphere of the same area, or in spherical space no larger than fits in easily."""
+    """Function that projects a round sphere of the same area, of limited radius in spherical space."""
     radius = float(np.sqrt(profile.area / (4.0 * np.pi)))
     if profile.space.curvature > 0.0:
         radius = min(radius, 0.5 / float(np.sqrt(profile.space.curvature)))
@@ -326,12 +325,12 @@ def _round(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Floats]:
 
 
 def _not_of_revolution(profile: AxisymmetricEmbedding, rough: SmoothEmbedding) -> NotEmbedded:
-    """The refusal of an axisymmetric metric that no surface of revolution has."""
+    """Exception for an axisymmetric metric without a surface of revolution."""
     sentence = f"{rough.hindrance}; other surfaces were not looked for"
     error = NotEmbedded(sentence, rough, NO_REVOLUTION)
     instead = "best_fit=True looks for the nearest surface"
     if profile.greatest_curvature < 0.0:
-        enough = -profile.greatest_curvature * (1.0 + 1e-6)  # more than its rounding to nine digits
+        enough = -profile.greatest_curvature * (1.0 + 1e-6)  # margin above the rounding to nine digits
         instead = (
             f'space=isoembed.Hyperbolic({enough:.9g}) admits the whole surface, as does space="hyperbolic" '
             "in isoembed.relativity.embed_surface; AxisymmetricEmbedding has the bands that embed; " + instead
@@ -341,7 +340,7 @@ def _not_of_revolution(profile: AxisymmetricEmbedding, rough: SmoothEmbedding) -
 
 
 def _profile(metric: TwoMetric, space: Space) -> AxisymmetricEmbedding | None:
-    """The surface of revolution with a metric that is symmetric about z, if it is smooth enough to tell."""
+    """Surface of revolution of a metric symmetric about z; None if the metric is not smooth enough."""
     try:
         return AxisymmetricEmbedding.of(metric, space=space)
     except InvalidMetric:
@@ -349,7 +348,7 @@ def _profile(metric: TwoMetric, space: Space) -> AxisymmetricEmbedding | None:
 
 
 def _is_obstructed(profile: AxisymmetricEmbedding, error: float) -> bool:
-    """Whether no surface of revolution has lengths within a relative error of the metric's."""
+    """Whether no surface of revolution has the lengths of the metric within a relative error."""
     return not profile.embeds and (error == 0.0 or profile.is_obstructed_beyond(error))
 
 
@@ -377,7 +376,7 @@ def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: Axisymmet
 
 
 def _sign_of_curvature(metric: TwoMetric, space: Space) -> str:
-    """Clause on what the sign of the Gaussian curvature, less that of space, says of an embedding."""
+    """Clause on the existence of an embedding, by the sign of the Gaussian curvature minus that of space."""
     u, _ = gauss_rule(48, 96)
     K = gaussian_curvature(metric, u)
     k = int(np.argmin(K))

@@ -1,7 +1,7 @@
 """Gaussian curvature of a smooth metric by spectral differentiation.
 
-The Cartesian components of the tensor are smooth functions on the sphere, at the poles, too.  Their series in
-scalar harmonics has derivatives without differences, and falls exponentially where the metric is analytic.
+The Cartesian components of the tensor are smooth functions on the sphere, including the poles.  Their
+series in scalar harmonics are differentiated exactly, and converge exponentially if the metric is analytic.
 """
 
 import numpy as np
@@ -16,36 +16,36 @@ from isoembed.smooth.transforms import NEGLIGIBLE, ROUNDING, resized, trimmed
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 
-ORDER = 2  # of the Cartesian components of a tensor that is symmetric about the z-axis
+ORDER = 2  # largest order of the Cartesian components of a tensor symmetric about the z-axis
 PAIRS = np.triu_indices(3)
 
 
 def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> UncertainFunction:
-    """Gaussian curvature of a metric, as a function of the direction.
+    """Gaussian curvature of a metric as a function of the direction.
 
     Parameters
     ----------
     metric : TwoMetric
     relative_error : float
-        The uncertainty of its lengths: harmonics that are much smaller are not sought.
+        Relative error of lengths; much smaller harmonics are not computed.
 
     Returns
     -------
     UncertainFunction
-        Of unit vectors u (n, 3), in 1/length^2.  The error is rounding or the uncertainty of the lengths,
-        which second derivatives of harmonics of degree l make l^2 times as large, and where the highest
-        harmonics are larger than these the change from three quarters of the degree.  Smooth averages of K
-        are integrated by parts, and lose nothing.
+        Function of unit vectors u (n, 3), in 1/length^2.  The error is that of rounding or of the lengths,
+        amplified by l^2 by second derivatives of harmonics of degree l, plus the change from three quarters
+        of the degree if the series is not resolved.  Errors of smooth averages of K are not amplified, by
+        integration by parts.
 
     Raises
     ------
     InvalidMetric
-        What the metric raises.
+        Raised by the metric.
 
     Notes
     -----
-    Brioschi's formula in the central projection onto the plane that touches the sphere at u, where first and
-    second derivatives are the covariant ones of the sphere.
+    Brioschi's formula in the central projection onto the tangent plane of the sphere at u, where first and
+    second derivatives equal the covariant ones of the sphere.
     """
     unit, own = in_own_unit(metric)
     harmonics, coefficients, settled = metric_series(own, relative_error)
@@ -63,9 +63,9 @@ def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> Uncert
 
 
 def metric_series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats, bool]:
-    """The components xx, xy, xz, yy, yz, zz (size, 6) in harmonics, and whether these suffice."""
+    """Components xx, xy, xz, yy, yz, zz (size, 6) in harmonics, and whether these resolve the metric."""
     symmetric = is_axisymmetric(metric)
-    degree, most = 16, 512 if symmetric else 64  # first degree; it is doubled
+    degree, most = 16, 512 if symmetric else 64  # initial degree, which is doubled
     while True:
         harmonics = Harmonics(degree, ORDER if symmetric else degree)
         # 32 angles average out rounding.
@@ -75,7 +75,7 @@ def metric_series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, 
         size, high = sizes.max(), harmonics.labels[0] > 3 * degree // 4
         if sizes[high].max() <= max(ROUNDING, relative_error) * size:
             needed = sizes > max(NEGLIGIBLE, 0.1 * relative_error) * size
-            coefficients[sizes <= NEGLIGIBLE * size] = 0.0  # rounding, whose second derivatives are loud
+            coefficients[sizes <= NEGLIGIBLE * size] = 0.0  # rounding, amplified by second derivatives
             coefficients, harmonics = trimmed(coefficients, harmonics, needed)
             return harmonics, coefficients, True
         if 2 * degree > most:
@@ -84,7 +84,7 @@ def metric_series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, 
 
 
 def _everywhere(harmonics: Harmonics) -> Floats:
-    """Directions dense enough for all harmonics, from pole to pole."""
+    """Directions from pole to pole, dense enough for all harmonics."""
     if harmonics.order == harmonics.degree:
         return fibonacci_directions(harmonics.size)
     theta = np.linspace(0.0, np.pi, 4 * harmonics.degree)
@@ -110,7 +110,7 @@ def curvature_of_derivatives(u: Floats, values: Floats, first: Floats, second: F
     ----------
     u : ndarray, shape (n, 3)
     values : ndarray, shape (n, 6)
-        xx, xy, xz, yy, yz and zz.
+        Components xx, xy, xz, yy, yz and zz.
     first : ndarray, shape (n, 2, 6)
         Derivatives along the unit vectors e_theta and e_phi.
     second : ndarray, shape (n, 3, 6)
@@ -130,6 +130,6 @@ def curvature_of_derivatives(u: Floats, values: Floats, first: Floats, second: F
     metric = np.stack([along(pair, values) for pair in (ee, ef, ff)])
     x, y = (np.stack([along(pair, first[:, k]) for pair in (ee, ef, ff)]) for k in (0, 1))
     xy, yy, xx = along(ef, second[:, 1]), along(ee, second[:, 2]), along(ff, second[:, 0])
-    # The projection shortens lengths by 1 + x^2 + y^2, which the second derivatives of E and G see.
+    # The projection contracts lengths by 1 + x^2 + y^2, which contributes to second derivatives of E and G.
     mixed = xy - 0.5 * (yy - 2.0 * metric[0] + xx - 2.0 * metric[2])
     return brioschi(metric, x, y, mixed)

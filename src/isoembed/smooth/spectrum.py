@@ -1,10 +1,10 @@
 """Error estimates of grid functions from their Fourier coefficients.
 
-The coefficients of a smooth function fall with their degree, those of noise do not.  What is beyond the grid
-is estimated from the highest degrees that are on it.  Averages over the sphere see less of it than values at
-points do: only what is aliased onto degree zero, from as far beyond the grid as the grid is high.  That
-coefficients fall so far is believed only where noise is excluded: a function of degree l has no coefficients
-k in theta and m in phi with k^2 + m^2 > l^2, so that in this corner of the spectrum noise is alone.
+The coefficients of a smooth function decay with their degree, those of noise do not.  Truncated coefficients
+are estimated from the highest resolved degrees.  Averages over the sphere are more accurate than values at
+points: they are affected only by aliasing onto degree zero, from about twice the highest degree.  The decay
+is extrapolated so far only if noise is excluded: a function of degree l has no coefficients k in theta and m
+in phi with k^2 + m^2 > l^2, so that this corner of the spectrum contains only noise.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from isoembed.smooth.double_fourier import DoubleFourier
 from isoembed.smooth.resampling import Derived, truncation
 from isoembed.smooth.uncertain import Uncertainty
 
-END = 0.1  # share of the degrees that are the highest
-FEWEST = 2  # highest degrees: symmetry makes some of them zero
-SYMMETRIC = 1e-12  # relative dependence on phi that is zero
-SCATTER = 4.0  # standard deviations, in the largest error at a point
+END = 0.1  # fraction of the degrees that count as the highest
+FEWEST = 2  # least number of highest degrees, as some vanish by symmetry
+SYMMETRIC = 1e-12  # largest relative dependence on phi that counts as zero
+SCATTER = 4.0  # largest error at a point in standard deviations
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class Spectrum:
     Attributes
     ----------
     largest : float
-        The largest coefficient.
+        Largest coefficient.
     tail : float
-        The largest of the highest degrees, in theta or phi.  Degrees in theta that would not be resolved in
-        phi count as high: what turns that fast in theta may do so in phi, unseen.
+        Largest coefficient of the highest degrees in theta or phi.  Degrees in theta beyond the resolution in
+        phi count as high, because the function may vary as fast in phi.
     unseen : float
-        The largest of those degrees in theta alone.
+        Largest coefficient of those degrees in theta.
     error : Uncertainty
     """
 
@@ -53,8 +53,8 @@ class Spectrum:
         ----------
         functions : DoubleFourier
         derived : callable
-            Takes values (k, c) of the functions, over their largest coefficient, and returns functions (k, j)
-            of them in the same unit, whose averages must be within the error; by default themselves.
+            Takes values (k, c) of the functions, relative to their largest coefficient, and returns functions
+            (k, j) of them in the same unit, whose averages the error covers; by default the functions.
         """
         size = np.abs(functions.coefficients)
         largest = float(size.max())
@@ -84,23 +84,23 @@ def _share(share: float, count: int) -> int:
 
 
 def _end(values: Floats) -> float:
-    """The largest of the highest degrees."""
+    """Largest coefficient of the highest degrees."""
     return float(values[-_share(END, len(values)) :].max())
 
 
 def _fall(values: Floats, samples: int) -> float:
-    """Sum of the coefficients beyond degree 2 n over the last of n.
+    """Estimated sum of the coefficients beyond degree 2 n, relative to the last of n.
 
-    Where they fall geometrically that goes on.  Else they are taken to fall half as fast as before n; each is
-    the largest of these samples, and of a narrow and a wide band the one that falls less counts.
+    A geometric decay is extrapolated.  Otherwise half the rate of decay before n is assumed, where each value
+    is a maximum over samples, and the slower decay of a narrow and a wide band counts.
     """
     n = len(values)
     rate = _rate(values)
     if rate > 0.0:
-        return float(np.exp(-0.9 * rate * n))  # not all of the rate is trusted
-    known = n >= 8  # fewer do not show how they fall
-    factor = 4.0 ** (-0.5 * n)  # largest fall by one degree that is trusted
-    # Where both parities are there, from one degree to the next, after what ends before the grid does.
+        return float(np.exp(-0.9 * rate * n))  # safety factor on the rate
+    known = n >= 8  # fewer coefficients do not determine the decay
+    factor = 4.0 ** (-0.5 * n)  # fastest decay that is assumed
+    # From one degree to the next if both parities occur, for functions that end before the grid does.
     for last, before in zip(values[:-3:-1], values[-2:-4:-1], strict=False):
         if SYMMETRIC < last < before:
             factor = max(factor, float(last / before) ** (0.5 * n))
@@ -108,25 +108,25 @@ def _fall(values: Floats, samples: int) -> float:
         if n < 2 * width:
             return 1.0
         last, before = float(values[-width:].max()), float(values[-2 * width : -width].max())
-        # The largest of many coefficients is left to chance.
+        # Statistical fluctuation of the largest coefficient.
         chance = 1.0 + 2.0 / np.sqrt(width * samples) if known else 1.0
         ratio = min(1.0, chance * last / before) if before > 0.0 else 1.0
         factor = max(factor, ratio ** (n / (2.0 * width)))
-    return 3.0 * factor if known else factor  # the sum of all over the largest
+    return 3.0 * factor if known else factor  # ratio of the sum to the largest
 
 
 def _rate(values: Floats) -> float:
-    """Logarithm of the fall of coefficients (n,) by one degree, if it is geometric; 0 if not."""
-    # Parity makes every other one small, or none.
+    """Logarithmic decay of coefficients (n,) per degree, if it is geometric; otherwise 0."""
+    # Every other coefficient may be small by parity.
     pairs = np.maximum.reduceat(values, np.arange(0, len(values), 2))
     both = min(values[::2].max(), values[1::2].max(initial=0.0)) > SYMMETRIC
     return max(0.5 * _geometric(pairs), _geometric(values) if both else 0.0)
 
 
 def _geometric(values: Floats) -> float:
-    """Logarithm of the fall from one of the values (n,) to the next, if it is geometric; 0 if not.
+    """Logarithmic decay from one of the values (n,) to the next, if it is geometric; otherwise 0.
 
-    At kinks coefficients fall like powers, slower and slower; noise ends any fall.
+    For kinks coefficients decay algebraically, at a decreasing rate; noise ends any decay.
     """
     envelope = np.maximum.accumulate(values[::-1])[::-1]
     at = np.unique(np.linspace(len(values) // 5, len(values) - 1, 4).astype(int))
@@ -137,11 +137,11 @@ def _geometric(values: Floats) -> float:
 
 
 def _unseen(by_degree: Floats, by_order: Floats) -> tuple[float, float]:
-    """Coefficients that the angles phi of a grid may not resolve, and what they alias onto averages.
+    """Coefficients possibly not resolved by the angles phi of a grid, and their aliasing onto averages.
 
-    What turns fast in theta may turn as fast in phi.  Averages see what turns twice as fast as the angles phi
-    resolve, and squares of the rest.  But all of it counts where few orders in phi are there: nothing is seen
-    of how they fall, and symmetry aliases orders onto one another.
+    Degrees that occur in theta may occur as orders in phi.  Averages are affected by orders twice as high as
+    the angles phi resolve, and by squares of the others.  With few nonzero orders all of them count, because
+    their decay is unknown, and symmetry aliases orders onto one another.
     """
     m = len(by_order)
     if m == 1:
@@ -149,13 +149,13 @@ def _unseen(by_degree: Floats, by_order: Floats) -> tuple[float, float]:
     unseen = float(by_degree[m:].max(initial=0.0))
     if not np.any(by_order[1:] > SYMMETRIC):
         return unseen, _beyond(by_degree, 2 * m - 2)
-    if np.count_nonzero(by_order[1:] > SYMMETRIC) < 3:  # too few orders show how they fall
+    if np.count_nonzero(by_order[1:] > SYMMETRIC) < 3:  # too few orders to determine a decay
         return unseen, unseen
     return unseen, max(float(by_degree[2 * m - 2 :].max(initial=0.0)), m * unseen**2)
 
 
 def _beyond(values: Floats, degree: int) -> float:
-    """The largest coefficient from a degree on, extrapolated from the end if that is beyond."""
+    """Largest coefficient from a degree on, extrapolated if the degree is beyond the grid."""
     n = len(values)
     if degree < n:
         return float(values[degree:].max())
@@ -163,25 +163,25 @@ def _beyond(values: Floats, degree: int) -> float:
 
 
 def _noise(size: Floats) -> float:
-    """Noise in coefficients (n, m, c): where a function of the grid's degree has none.
+    """Noise in coefficients (n, m, c), from those that vanish for functions of the degree of the grid.
 
-    Without angles phi that is one parity in theta, where the function is symmetric about the equator; else
-    noise is no larger than what the fall ends with.
+    With one angle phi these are one parity in theta, for functions symmetric about the equator; otherwise
+    noise is at most the end of the decay.
     """
     n, m, _ = size.shape
     if m == 1:
         by_degree = size.max(axis=(1, 2))
-        certain = n >= 12 and _geometric(by_degree) > 0.0  # of fewer numbers, noise may look so
+        certain = n >= 12 and _geometric(by_degree) > 0.0  # fewer numbers may be geometric by chance
         high = by_degree[-2 if certain else -max(4, n // 4) :]
         return float(min(high[::2].max(), high[1::2].max())) if n > 2 else np.inf
     far = (np.arange(n)[:, None] / n) ** 2 + (np.arange(m) / m) ** 2
-    # Coefficients of largest k^2 and m^2 are noise alone.
+    # Coefficients of largest k^2 + m^2 are pure noise.
     outermost = far >= np.sort(far, axis=None)[-max(2, far.size // 100)]
     return float(np.sqrt(np.mean(size[outermost] ** 2, axis=0).max()))
 
 
 def _scatter(size: Floats) -> float:
-    """Standard deviation at a point of noise like the highest degrees of coefficients (n, m, c)."""
+    """Pointwise standard deviation of noise of the size of the highest degrees of coefficients (n, m, c)."""
     n, m, _ = size.shape
     high = np.zeros((n, m), dtype=bool)
     high[n - _share(END if m > 1 else 0.25, n) :] = True  # with one angle phi there are few coefficients

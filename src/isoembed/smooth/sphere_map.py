@@ -16,22 +16,22 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import PulledBack, TwoMetric
 from isoembed.smooth.uncertain import EXACT, Uncertainty
 
-FAILED = 1e-9  # radians: a larger error of the inverse is a failure
+FAILED = 1e-9  # largest error of the inverse, in radians
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class SphereMap:
-    """The diffeomorphism ``u = F(v) = G(v) / |G(v)|`` of the sphere of directions, G in harmonics.
+    """Diffeomorphism ``u = F(v) = G(v) / |G(v)|`` of the sphere of directions, with G in harmonics.
 
-    The new directions v name the same points as the old ones u = F(v).  Linear maps seen from any point
-    inside are of degree 1: ``u ~ A v - c``, rotations among them.
+    The new directions v denote the same points as the old ones u = F(v).  Affine maps, projected from a point
+    inside, have degree 1: ``u ~ A v - c``; these include rotations.
 
     Attributes
     ----------
     harmonics : Harmonics
     coefficients : ndarray, shape (harmonics.size, 3)
-        Those of G, up to a factor.
+        Coefficients of G, up to a factor.
 
     Raises
     ------
@@ -62,48 +62,48 @@ class SphereMap:
 
     @classmethod
     def linear(cls, A: Floats) -> SphereMap:
-        """The map ``u ~ A v`` for a matrix A (3, 3) of positive determinant; a rotation, for one."""
+        """Map ``u ~ A v`` for a matrix A (3, 3) of positive determinant, such as a rotation."""
         harmonics = Harmonics(1, 1)
-        # Degree 1 is z, x and y, times the root of 3 / 4 pi.
+        # Degree 1 is z, x and y, times sqrt(3 / 4 pi).
         axes = np.linalg.inv(harmonics.values(np.eye(3))[:, 1:])
         return cls(harmonics, np.vstack([np.zeros(3), axes @ np.asarray(A, dtype=np.float64).T]))
 
     @cached_property
     def rotation(self) -> Floats | None:
-        """The rotation (3, 3) that the map is; None if it is another one."""
+        """Rotation (3, 3) that equals the map; None if it is not a rotation."""
         if self.harmonics.degree != 1 or self.coefficients[0].any():
             return None
         squares = self.coefficients.T @ self.coefficients
-        # The columns of a rotation have one length.
+        # The columns of a rotation are orthogonal and of equal length.
         even = np.abs(squares / squares[0, 0] - np.eye(3)).max() <= 1e-13
         return self.forward(np.eye(3)).T if even else None
 
     def forward(self, v: Floats) -> Floats:
-        """The old directions F(v) (n, 3) of the new ones v (n, 3)."""
+        """Old directions F(v) (n, 3) of the new ones v (n, 3)."""
         return self._evaluated(v)[0]
 
     def differential(self, v: Floats) -> Floats:
-        """The differential dF (n, 3, 3): ``dF @ w`` is the derivative along w; ``dF @ v = 0``."""
+        """Differential dF (n, 3, 3): ``dF @ w`` is the derivative along w; ``dF @ v = 0``."""
         return self._evaluated(v)[1]
 
     def jacobian(self, v: Floats) -> Floats:
-        """The area (n,) of the images of small areas over these, negative where the map reverses them."""
+        """Jacobian (n,), the ratio of areas, negative where the map reverses the orientation."""
         u, slope = self._evaluated(v)
         return np.linalg.det(_extended(slope, u, v))
 
     def inverse(self, u: Floats) -> Floats:
-        """The new directions v (n, 3) of the old ones, F(v) = u, by Newton's method.
+        """New directions v (n, 3) of the old ones, F(v) = u, by Newton's method.
 
         Raises
         ------
         InvalidParameter
-            It does not converge; the message names the direction.
+            Newton's method does not converge; the message names the direction.
         """
         u = np.asarray(u, dtype=np.float64)
         tree, starts = self._starts
         v = starts[tree.query(u)[1]]
         missed = np.linalg.norm(u - self.forward(v), axis=1)
-        part = np.ones(len(u))  # of a Newton step
+        part = np.ones(len(u))  # damping factors
         active = np.arange(len(u))
         for _ in range(60):  # Newton's method
             if not active.size:
@@ -145,7 +145,7 @@ class SphereMap:
 
 
 def metric_in(metric: TwoMetric, coordinates: SphereMap | None) -> TwoMetric:
-    """Metric as a function of the new directions, if there are any; its errors are kept."""
+    """Metric as a function of the new directions of ``coordinates``, if given; its errors are kept."""
     if coordinates is None:
         return metric
     error = getattr(metric, "error", None)
@@ -157,7 +157,7 @@ def metric_in(metric: TwoMetric, coordinates: SphereMap | None) -> TwoMetric:
 
 
 def _extended(slope: Floats, u: Floats, v: Floats) -> Floats:
-    """The differential (n, 3, 3), and u itself along v: invertible where the map is."""
+    """Differential (n, 3, 3) extended to map v to u: invertible where the map is."""
     return slope + u[:, :, None] * v[:, None, :]
 
 

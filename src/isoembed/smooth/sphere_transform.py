@@ -1,9 +1,9 @@
 """Fast spherical harmonic transform at the nodes of a Gauss rule, with derivatives and adjoint.
 
 A sum of harmonics is a Fourier series along each circle of latitude, whose coefficients are Legendre sums:
-FFTs and one matrix product for each order take O(L^3) operations for the L^2 coefficients at L^2 nodes, where
-a table of harmonics at nodes takes O(L^4).  Adjoints are the transposes of the same products, exact to
-rounding, which least squares need.
+FFTs and one matrix product per order take O(L^3) operations for L^2 coefficients at L^2 nodes, compared with
+O(L^4) for a table of harmonics.  Adjoints are the transposes of the same products, exact to rounding, as
+required by least squares.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ class SphereTransform:
     ----------
     harmonics : Harmonics
     n, around : int
-        Heights and angles about the axis, more than twice the order.
+        Number of circles of latitude, and of nodes on each, which exceeds twice the order.
 
     Notes
     -----
-    Of the libraries for this ducc0 is under the GPL and SHTns under CeCILL, which the core does not link;
-    pyshtools has no adjoints of derivatives.  Derivatives of three functions and back, on 1.5 times as many
-    heights as degrees, take 1.9, 1.2 and 2.2 times as long as with ducc0 0.42 at the degrees 64, 128 and 192,
-    on one core.
+    Existing libraries are not used because ducc0 is under the GPL and SHTns under CeCILL, which the core does
+    not link, and pyshtools has no adjoints of derivatives.  Derivatives of three functions and their adjoint,
+    with 1.5 times as many circles as degrees, take 1.9, 1.2 and 2.2 times as long as with ducc0 0.42 at
+    degrees 64, 128 and 192, on one core.
     """
 
     harmonics: Harmonics
@@ -53,25 +53,25 @@ class SphereTransform:
 
     @cached_property
     def rule(self) -> tuple[Floats, Floats]:
-        """The nodes (N, 3), circle by circle from south to north, and the weights (N,)."""
+        """Nodes (N, 3), circle by circle from south to north, and weights (N,)."""
         return gauss_rule(self.n, self.around)
 
     @property
     def u(self) -> Floats:
-        """The nodes (N, 3), N = n * around."""
+        """Nodes (N, 3), N = n * around."""
         return self.rule[0]
 
     @property
     def weights(self) -> Floats:
-        """The weights (N,), which sum to 4 pi."""
+        """Weights (N,), which sum to 4 pi."""
         return self.rule[1]
 
     def values(self, coefficients: Floats) -> Floats:
-        """The values (N, c) of functions with the coefficients (size, c)."""
+        """Values (N, c) of functions with coefficients (size, c)."""
         return self._synthesis(coefficients, [(self._value, False)])[:, 0]
 
     def gradients(self, coefficients: Floats) -> Floats:
-        """Derivatives (N, 2, c) along e_theta and e_phi of functions with the coefficients (size, c)."""
+        """Derivatives (N, 2, c) along e_theta and e_phi of functions with coefficients (size, c)."""
         return self._synthesis(coefficients, self._first)
 
     def hessians(self, coefficients: Floats) -> Floats:
@@ -81,8 +81,8 @@ class SphereTransform:
     def on_meridian(self, order: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
         """Complex harmonics of one order m >= 0, ``Pi_lm(z) sin^m exp(i m phi)``, at phi = 0 on the circles.
 
-        The values (n, c), first (n, 2, c) and second derivatives (n, 3, c), as `values`, `gradients` and
-        `hessians` have them, for l = m, ..., the degree.
+        Values (n, c), first (n, 2, c) and second derivatives (n, 3, c) as in `values`, `gradients` and
+        `hessians`, for l = m, ..., degree.
         """
 
         def stacked(kinds: list[tuple[Tables, bool]]) -> Complexes:
@@ -93,22 +93,22 @@ class SphereTransform:
         return self._value[order].astype(np.complex128), stacked(self._first), stacked(self._second)
 
     def adjoint_values(self, f: Floats) -> Floats:
-        """Sums over the nodes (size, c) of functions f (N, c) times the harmonics."""
+        """Sums (size, c) over the nodes of functions f (N, c) times the harmonics."""
         return self._adjoint(f[:, None], [(self._value, False)])
 
     def adjoint_gradients(self, f: Floats) -> Floats:
-        """Sums over the nodes (size, c) of vector fields f (N, 2, c) times the harmonics' `gradients`."""
+        """Sums (size, c) over the nodes of vector fields f (N, 2, c) times the harmonics' `gradients`."""
         return self._adjoint(f, self._first)
 
     def adjoint_hessians(self, f: Floats) -> Floats:
-        """Sums over the nodes (size, c) of f (N, 3, c) times the harmonics' `hessians`."""
+        """Sums (size, c) over the nodes of f (N, 3, c) times the harmonics' `hessians`."""
         return self._adjoint(f, self._second)
 
     def analysis(self, f: Floats) -> Floats:
-        """Coefficients (size, c) of functions with the values f (N, c), where the nodes suffice for these."""
+        """Coefficients (size, c) of functions with values f (N, c), if the nodes resolve them."""
         weights = self.weights[:, None]
         found = self.adjoint_values(weights * f)
-        # Corrected once: the weights of long rules have lost two digits.
+        # One correction, because the weights of long rules lose two digits.
         return found + self.adjoint_values(weights * (f - self.values(found)))
 
     @cached_property
@@ -118,7 +118,7 @@ class SphereTransform:
         return z, np.sqrt((1.0 - z) * (1.0 + z))
 
     def _legendre(self, derivatives: int) -> list[Tables]:
-        """``Pi_lm(z) sin^m`` and its derivatives in z of Pi, one matrix (n, degrees) for each order."""
+        """``Pi_lm(z) sin^m``, also with z-derivatives of Pi, as one matrix (n, degrees) for each order."""
         z, s = self._heights
         a, b, sectoral = recurrence(self.harmonics.degree, self.harmonics.order)
         tables: list[Tables] = [[] for _ in range(derivatives + 1)]
@@ -163,7 +163,7 @@ class SphereTransform:
         return [(tt, False), (tp, True), (pp, False)]
 
     def _synthesis(self, coefficients: Floats, kinds: list[tuple[Tables, bool]]) -> Floats:
-        """Sums (N, kinds, c) of the tables' functions."""
+        """Sums (N, kinds, c) of the tabulated functions."""
         c = coefficients.shape[1]
         spectrum = np.zeros((self.n, self.harmonics.order + 1, len(kinds), c), dtype=np.complex128)
         for m, a in enumerate(self._by_order(coefficients)):
@@ -175,7 +175,7 @@ class SphereTransform:
         return values.reshape(-1, len(kinds), c)
 
     def _adjoint(self, f: Floats, kinds: list[tuple[Tables, bool]]) -> Floats:
-        """The transpose of `_synthesis`."""
+        """Transpose of `_synthesis`."""
         c = f.shape[2]
         spectrum = fft.rfft(f.reshape(self.n, self.around, len(kinds), c), axis=1)
         result = np.empty((self.harmonics.size, c))

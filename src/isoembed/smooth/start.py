@@ -20,16 +20,16 @@ SURFACE, COORDINATES = "surface", "coordinates"
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A map X from the sphere into R^3 that an embedding is deformed from.
+    """Initial map X from the sphere into R^3 for an embedding.
 
     Attributes
     ----------
     harmonics : Harmonics
     coefficients : ndarray, shape (harmonics.size, 3)
-        Of X in the harmonics.
+        Coefficients of X.
     coordinates : SphereMap, optional
-        The map u = F(v) to the metric's directions u from those of the harmonics, v; by default they are the
-        same.
+        Map u = F(v) to the metric's directions u from the directions v of the harmonics; by default the
+        identity.
     """
 
     harmonics: Harmonics
@@ -37,19 +37,19 @@ class Start:
     coordinates: SphereMap | None = None
 
     def __post_init__(self) -> None:
-        # In one order in memory, which sums may depend on: what is restored does the same to the last bit.
+        # Fixed memory layout, on which sums may depend, for bitwise reproducible results after restoring.
         coefficients = np.array(self.coefficients, dtype=np.float64, order="C")
         coefficients.setflags(write=False)
         object.__setattr__(self, "coefficients", coefficients)
 
     @classmethod
     def of(cls, surface: SmoothEmbedding | Start) -> Start:
-        """The start that a surface is."""
+        """Start from a surface."""
         return cls(surface.harmonics, surface.coefficients, surface.coordinates)
 
     @classmethod
     def restored(cls, arrays: Mapping[str, NDArray]) -> Start:
-        """The start with these `arrays`, to the last bit."""
+        """Start restored from its `arrays`, bit by bit."""
         coordinates = f"{COORDINATES}/degrees" in arrays
         return cls(
             *_restored(SURFACE, arrays), SphereMap(*_restored(COORDINATES, arrays)) if coordinates else None
@@ -57,14 +57,14 @@ class Start:
 
     @property
     def arrays(self) -> dict[str, NDArray]:
-        """Named arrays: the ``coefficients`` and ``degrees`` of the surface and of coordinates of its own."""
+        """Named arrays: ``coefficients`` and ``degrees`` of the surface and of its coordinates, if any."""
         kept = _kept(SURFACE, self.harmonics, self.coefficients)
         if self.coordinates is not None:
             kept |= _kept(COORDINATES, self.coordinates.harmonics, self.coordinates.coefficients)
         return kept
 
     def in_directions_of(self, coordinates: SphereMap | None, harmonics: Harmonics) -> Floats:
-        """Coefficients (size, 3) in some harmonics of the directions of other coordinates."""
+        """Coefficients (size, 3) in harmonics of the directions of other coordinates."""
         if self.coordinates is coordinates:
             return resized(self.coefficients, self.harmonics, harmonics)
         transform = SphereTransform(harmonics, 2 * harmonics.degree, 4 * harmonics.degree)

@@ -10,30 +10,30 @@ from isoembed.smooth.geodesics import definite_tensor
 from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.two_metric import TwoMetric, angle_frame, area_density, is_axisymmetric
 
-STEP = 1e-3  # of the differences for gradients, in radians
+STEP = 1e-3  # step of finite differences for gradients, in radians
 
 
 def axis_of_symmetry(metric: TwoMetric) -> Floats | None:
-    """A rotation R (3, 3) that takes the z-axis to an axis of symmetry of a metric; None if it has none.
+    """Rotation R (3, 3) that maps the z-axis to a symmetry axis of a metric; None if there is none.
 
-    ``metric_in(metric, SphereMap.linear(R))`` is then symmetric about z as `is_axisymmetric` sees it.  Of a
-    metric that is symmetric about z itself, such as that of a sphere, R is the unit matrix.
+    ``metric_in(metric, SphereMap.linear(R))`` then satisfies `is_axisymmetric`.  R is the unit matrix for a
+    metric symmetric about z, such as that of a sphere.
 
     Raises
     ------
     InvalidMetric
-        The metric is not positive definite at one of the directions that are looked at.
+        The metric is not positive definite at one of the sampled directions.
 
     Notes
     -----
-    Of a function f that is symmetric about a, ``a . (u x grad f) = 0`` for all u: the axis is the null vector
-    of as many equations as there are directions.  The area density and the trace are such functions.
+    A function f symmetric about a satisfies ``a . (u x grad f) = 0`` for all u: the axis is the null vector
+    of one equation per direction.  The area density and the trace are such functions.
     """
     if is_axisymmetric(metric):
         return np.eye(3)
     u = fibonacci_directions(150)
     _, sizes, axes = np.linalg.svd(_turning(metric, u))
-    if sizes[2] > 1e-3 * sizes[1]:  # it changes as much about its axis
+    if sizes[2] > 1e-3 * sizes[1]:  # no null vector
         return None
     axis = _polished(metric, u, axes[2])
     R = _onto(axis if axis[2] >= 0.0 else -axis)
@@ -41,14 +41,14 @@ def axis_of_symmetry(metric: TwoMetric) -> Floats | None:
 
 
 def _invariants(metric: TwoMetric, u: Floats) -> Floats:
-    """Two functions (n, 2) that know nothing of the frame: of the area density, and of the trace over it."""
+    """Two frame-independent functions (n, 2): logarithm of the area density, and trace over density."""
     q = definite_tensor(metric, u)
     density = area_density(q)
     return np.stack([np.log(density), np.trace(q, axis1=1, axis2=2) / density], axis=1)
 
 
 def _turning(metric: TwoMetric, u: Floats) -> Floats:
-    """``u x grad f`` (2 n, 3) of both invariants f: how they change under rotations about x, y and z."""
+    """``u x grad f`` (2 n, 3) of both invariants f: their derivatives under rotations about x, y and z."""
     rows = []
     for e in angle_frame(u):
         slope = np.zeros((len(u), 2))
@@ -62,11 +62,11 @@ def _turning(metric: TwoMetric, u: Floats) -> Floats:
 
 
 def _polished(metric: TwoMetric, u: Floats, axis: Floats) -> Floats:
-    """The axis nearby about which the invariants change least."""
+    """Nearby axis about which the invariants change least."""
 
     def changes(axis: Floats) -> Floats:
         axis = axis / np.linalg.norm(axis)
-        # Angles that are not fractions of a turn.
+        # Angles that are not simple fractions of a turn.
         values = [_invariants(metric, _turned(u, axis, angle)) for angle in (0.0, 1.1, 2.9)]
         return np.diff(values, axis=0).ravel()
 
@@ -79,13 +79,13 @@ def _polished(metric: TwoMetric, u: Floats, axis: Floats) -> Floats:
 
 
 def _turned(u: Floats, axis: Floats, angle: float) -> Floats:
-    """Rodrigues' rotation of u (n, 3)."""
+    """Rotation of u (n, 3) by Rodrigues' formula."""
     along = (u @ axis)[:, None] * axis
     return along + np.cos(angle) * (u - along) + np.sin(angle) * np.cross(axis, u)
 
 
 def _onto(axis: Floats) -> Floats:
-    """The least rotation (3, 3) that takes z to a unit vector; the half turn about x if that is -z."""
+    """Smallest rotation (3, 3) that maps z to a unit vector; the half turn about x for -z."""
     x, y, z = axis
     if z < 0.0:
         return _onto(-axis) @ np.diag([1.0, -1.0, -1.0])

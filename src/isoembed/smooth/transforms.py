@@ -5,12 +5,12 @@ import numpy as np
 from isoembed.arrays import Floats, Mask
 from isoembed.smooth.harmonics import Harmonics
 
-ROUNDING = 1e-15  # of the highest harmonics of a function, over the largest
-NEGLIGIBLE = 5e-17  # relative size below which harmonics are left out
+ROUNDING = 1e-15  # rounding error of the highest harmonics of a function, relative to the largest
+NEGLIGIBLE = 5e-17  # relative size below which harmonics are dropped
 
 
 def resized(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
-    """Coefficients (size, c) of functions in other harmonics: cut off or filled up with zeros."""
+    """Coefficients (size, c) of functions in other harmonics, truncated or zero-padded."""
     place = {label: i for i, label in enumerate(zip(*new.labels, strict=True))}
     result = np.zeros((new.size, coefficients.shape[1]))
     for i, label in enumerate(zip(*old.labels, strict=True)):
@@ -20,7 +20,7 @@ def resized(coefficients: Floats, old: Harmonics, new: Harmonics) -> Floats:
 
 
 def trimmed(coefficients: Floats, harmonics: Harmonics, needed: Mask) -> tuple[Floats, Harmonics]:
-    """Coefficients (size, ...) in the lowest degree and order that hold all of those that are needed."""
+    """Coefficients (size, ...) truncated to the lowest degree and order that contain all needed ones."""
     degrees, orders = harmonics.labels
     fewer = Harmonics(int(degrees[needed].max()), int(np.abs(orders[needed]).max()))
     kept = (degrees <= fewer.degree) & (np.abs(orders) <= fewer.order)

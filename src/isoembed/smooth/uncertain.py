@@ -15,9 +15,9 @@ class Uncertainty:
     Attributes
     ----------
     pointwise : float
-        The largest error at any point.
+        Largest error at any point.
     mean : float
-        The error of averages over the sphere with smooth weights: noise averages out, smooth errors do not.
+        Error of averages over the sphere with smooth weights: noise averages out, smooth errors do not.
     """
 
     pointwise: float = 0.0
@@ -32,7 +32,7 @@ EXACT = Uncertainty()
 
 @dataclass(frozen=True)
 class UncertainFunction:
-    """A function of the direction with its errors.
+    """Function of the direction with its errors.
 
     Attributes
     ----------
@@ -45,5 +45,5 @@ class UncertainFunction:
     error: Uncertainty
 
     def __call__(self, u: Floats) -> Floats:
-        """The values at the unit vectors u (n, 3)."""
+        """Values at unit vectors u (n, 3)."""
         return self.values(u)

@@ -18,33 +18,33 @@ from isoembed.smooth.two_metric import TwoMetric
 
 @runtime_checkable
 class DeviatingMetric(TwoMetric, Protocol):
-    """A metric with an error estimate."""
+    """Metric with an error estimate."""
 
     def deviations(self, u: Floats) -> tuple[Floats, ...]:
         """Changes (N, n, 3, 3) of the tensor at u (n, 3), for each independent source of errors.
 
-        They are drawn at random: the root of their mean square is a standard deviation.
+        They are random samples, whose root mean square is a standard deviation.
         """
         ...
 
 
 @dataclass(frozen=True)
 class UncertainCurvature:
-    """The Gaussian curvature of a metric, in harmonics of the degrees that are above the noise.
+    """Gaussian curvature of a metric, in harmonics of the degrees above the noise.
 
     Attributes
     ----------
     harmonics : Harmonics
     coefficients : ndarray, shape (size,)
-        Of K, in 1/length^2.
+        Coefficients of K, in 1/length^2.
     u : ndarray, shape (n, 3)
         Nodes, dense enough for the harmonics.
     values : ndarray, shape (n,)
-        K there.
+        K at the nodes.
     deviations : tuple of ndarray, shape (N, n)
-        What K may be off by there, for each source of errors; see `DeviatingMetric`.
+        Samples of the error of K at the nodes, for each source of errors; see `DeviatingMetric`.
     cut : ndarray, shape (n,)
-        Estimated size of the degrees that were cut off, as they fall like those before; zero if none was.
+        Estimated truncation error, by extrapolation of the decay; zero without truncation.
     """
 
     harmonics: Harmonics
@@ -56,21 +56,21 @@ class UncertainCurvature:
 
     @classmethod
     def of(cls, metric: DeviatingMetric) -> UncertainCurvature:
-        """Curvature of a metric whose deviations are known.
+        """Curvature of a metric with known deviations.
 
         Raises
         ------
         InvalidMetric
-            What the metric raises.
+            Raised by the metric.
 
         Notes
         -----
-        Derivatives of degree l multiply noise by l^2, and the degrees of K fall exponentially where the
-        metric is analytic: from some degree on there is only noise, which the least K would collect.
+        Differentiation amplifies noise of degree l by l^2, while K decays exponentially with the degree if
+        the metric is analytic: beyond some degree there is only noise, which would bias the least K.
         """
         unit, own = in_own_unit(metric)
         harmonics, coefficients, settled = metric_series(own, 0.0)
-        n = max(harmonics.degree + 8, 64)  # three degrees apart at most, for the least K among the nodes
+        n = max(harmonics.degree + 8, 64)  # spacing of at most three degrees (angle), for the least K
         full = harmonics.order == harmonics.degree
         transform = SphereTransform(harmonics, n, 2 * n if full else 2 * harmonics.order + 4)
 
@@ -111,17 +111,17 @@ class UncertainCurvature:
 
     @property
     def largest(self) -> float:
-        """The largest deviation anywhere, for all sources together, in the mean square."""
+        """Root mean square of the largest deviation, for all sources together."""
         sizes = [np.abs(source).max(axis=1) / np.sqrt(len(source)) for source in self.deviations]
-        return math.hypot(*(float(size) for source in sizes for size in source))  # which does not overflow
+        return math.hypot(*(float(size) for source in sizes for size in source))  # without overflow
 
     def __call__(self, u: Floats) -> Floats:
-        """K (n,) at the unit vectors u (n, 3)."""
+        """K (n,) at unit vectors u (n, 3)."""
         return self.harmonics.derivatives(u, self.coefficients)[0]
 
 
 class _Spectrum:
-    """Squares of K and of its deviations by degree."""
+    """Power spectra of K and of its deviations by degree."""
 
     def __init__(self, harmonics: Harmonics, series: Floats, deviations: list[Floats]) -> None:
         degrees = harmonics.labels[0]
@@ -131,9 +131,9 @@ class _Spectrum:
 
     @property
     def scales(self) -> list[float]:
-        """Factors, at least 1, of the sources, with which there is as much noise in high degrees as is seen.
+        """Factors, at least 1, that scale the sources to the power of K in high degrees.
 
-        What a source says of its size may be too little, but where K has degrees without end they are errors.
+        Sources may underestimate their size; an unresolved K consists of errors in high degrees.
         """
         high = slice(2 * len(self.power) // 3, None)
         seen, told = (float(np.median(values[high])) for values in (self.power, self.noise))
@@ -144,15 +144,15 @@ class _Spectrum:
 
     @property
     def last(self) -> int:
-        """The highest degree that with the one before is twice as large as noise, which is more than chance.
+        """Highest degree that, together with the previous one, has twice the amplitude of the noise.
 
-        Symmetry leaves out every other one, of K as of its deviations.
+        Degrees are paired because every other one may vanish by symmetry.
         """
         return int(np.flatnonzero(_pairs(self.power) > 4.0 * _pairs(self.noise)).max(initial=0))
 
     @property
     def beyond(self) -> float:
-        """All degrees after the last over that and the one before, if they fall as those before."""
+        """Estimated ratio of all truncated degrees to the last two, by geometric extrapolation."""
         last, pairs = self.last, _pairs(self.power)
         if last + 1 == len(pairs):
             return 0.0
@@ -167,5 +167,5 @@ def _by_degree(degrees: Indices, squares: Floats) -> Floats:
 
 
 def _pairs(squares: Floats) -> Floats:
-    """Pairs of each degree and the one before."""
+    """Sums of each degree and the previous one."""
     return squares + np.concatenate([[0.0], squares[:-1]])

@@ -1,6 +1,6 @@
 """Spherical harmonic fit of vertices at given directions, and reparameterization.
 
-Distances along the surface hardly count: only those along its normals tell how well it fits.
+Tangential distances have a small weight; the fit is judged by distances along the normals.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from isoembed.smooth.scattered_fit import DEVIATIONS, deviating
 from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import angle_frame
 
-SIDEWAYS = 0.1  # weight of a distance along the surface
+SIDEWAYS = 0.1  # weight of tangential distances
 
 
 @dataclass(frozen=True)
 class VertexFit:
-    """Harmonics for the vertices of a mesh.
+    """Harmonic fit to the vertices of a mesh.
 
     Attributes
     ----------
     x, u : ndarray, shape (V, 3)
-        The vertices, and their directions.
+        Vertices and their directions.
     angles : ndarray, shape (V,)
-        The solid angles that the directions stand for.
+        Solid angles of the directions.
     used : ndarray, shape (V,)
-        1 for the vertices that count, and 0 for others.
+        1 for the vertices used in the fit, 0 for the others.
     harmonics : Harmonics
     coefficients : ndarray, shape (size, 3)
     """
@@ -49,7 +49,7 @@ class VertexFit:
 
     @cached_property
     def table(self) -> Floats:
-        """The harmonics (V, size)."""
+        """Harmonics (V, size) at the directions."""
         return self.harmonics.values(self.u)
 
     @cached_property
@@ -73,7 +73,7 @@ class VertexFit:
 
     @cached_property
     def distances(self) -> Floats:
-        """Their lengths (V,) along the normals."""
+        """Distances (V,) of the vertices along the normals."""
         return np.einsum("ni,ni->n", self.missed, self.normals)
 
     @cached_property
@@ -88,22 +88,22 @@ class VertexFit:
 
     @property
     def validation(self) -> float:
-        """The score of generalized cross-validation."""
+        """Generalized cross-validation score."""
         return (self.misfit / (1.0 - self._freedom / len(self.x))) ** 2
 
     @property
     def chance(self) -> float:
-        """Scores that differ by this factor may do so by chance."""
+        """Largest ratio of scores attributed to chance."""
         return 1.0 + float(np.sqrt(8.0 / len(self.x)))
 
     @property
     def _freedom(self) -> int:
-        """Degrees of freedom of distances along the normals, which add two degrees to the harmonics or so."""
+        """Degrees of freedom of normal distances, as of harmonics of about two degrees more."""
         return deviating(self.harmonics).size
 
     @property
     def is_possible(self) -> bool:
-        """Whether the vertices are enough to determine all coefficients, and not too many for the memory."""
+        """Whether the vertices determine all coefficients and the table fits into memory."""
         count = len(self.x)
         # The table of harmonics at vertices must fit into memory.
         if self._freedom > 0.6 * count or self.harmonics.size * count > 100_000_000:
@@ -117,11 +117,11 @@ class VertexFit:
         return replace(self, harmonics=harmonics, coefficients=coefficients)
 
     def moved(self, change: Floats) -> VertexFit:
-        """Fit with coefficients that differ by a change (size, 3)."""
+        """Fit with a change (size, 3) of the coefficients."""
         return replace(self, coefficients=self.coefficients + change)
 
     def nearer(self) -> VertexFit:
-        """A step of Gauss and Newton to the least distances along the normals."""
+        """Fit after a Gauss-Newton step toward least normal distances."""
         return self.moved(self._least_along(self.missed))
 
     def corrected(self, faces: Indices) -> VertexFit:
@@ -137,7 +137,7 @@ class VertexFit:
         return replace(self, u=u, angles=solid_angles(u, faces))
 
     def deviations(self) -> Floats:
-        """Possible errors (N, size of ``deviating(harmonics)``, 3), drawn at random: coefficients."""
+        """Random samples of the error, as coefficients (N, size of ``deviating(harmonics)``, 3)."""
         random = np.random.default_rng(0)
         more = deviating(self.harmonics)
         signs = random.choice((-1.0, 1.0), (DEVIATIONS, len(self.x), 1))
@@ -157,7 +157,7 @@ class VertexFit:
 
     @cached_property
     def _triangle(self) -> Floats:
-        """The upper triangle R (size, size) of the weighted table, ``R^T R`` being its normal matrix."""
+        """Cholesky factor R (size, size) of the normal matrix ``R^T R`` of the weighted table."""
         rows = self._root * self.table
         return np.asarray(cholesky(rows.T @ rows))
 
@@ -171,12 +171,12 @@ class VertexFit:
         return float(dtrcon(R)[0]) >= 1e-4  # reciprocal condition
 
     def least(self, vectors: Floats) -> Floats:
-        """Coefficients (size, 3) of the least squares fit to vectors (V, 3)."""
+        """Coefficients (size, 3) of the least-squares fit to vectors (V, 3)."""
         pulled = self.table.T @ (self.weights[:, None] * vectors)
         return np.asarray(cho_solve((self._triangle, False), pulled))
 
     def _least_along(self, vectors: Floats) -> Floats:
-        """Least squares with a low weight of the parts along the surface, iterated after a change by R."""
+        """Iterative least squares with a small weight of tangential parts, preconditioned by R."""
         R, n = self._triangle, self.normals
 
         def weighted(v: Floats) -> Floats:
@@ -191,15 +191,15 @@ class VertexFit:
 
         shape = (self.x.size, 3 * self.harmonics.size)
         operator = LinearOperator(shape, matvec=forward, rmatvec=backward, dtype=np.float64)
-        tolerance, most = 1e-4, 200  # later rounds add digits
+        tolerance, most = 1e-4, 200  # later steps add digits
         found = lsmr(operator, weighted(vectors).ravel(), atol=tolerance, btol=tolerance, maxiter=most)
         return np.asarray(solve_triangular(R, found[0].reshape(-1, 3)))
 
 
 def _moved(u: Floats, step: Floats, faces: Indices) -> Floats:
-    """Unit vectors moved by a step (V, 3), by less of it around triangles that would turn over."""
+    """Unit vectors moved by a step (V, 3), reduced around triangles that would be inverted."""
     share = np.ones((len(u), 1))
-    for _ in range(30):  # halve the ways around triangles that would turn over
+    for _ in range(30):  # halve the steps around inverted triangles
         v = u + share * step
         v /= np.linalg.norm(v, axis=1, keepdims=True)
         over = orientations(faces, v) <= 0.0

@@ -1,15 +1,15 @@
 """Chen-Wang-Yau energy with an (anti-)de Sitter reference, for tau = 0.
 
-The surface is embedded in the static slice of the reference, hyperbolic or spherical space of the curvature
-k = cosmological constant / 3, and V, the length of the static Killing vector there, is the cosine `Space.cs`
-of the distance from the center of the static observers.  With k0 in that space and |H|^2 = k^2 - p^2,
+The surface is embedded in the static slice of the reference, hyperbolic or spherical space of curvature
+k = cosmological constant / 3.  V, the norm of the static Killing vector, is the cosine `Space.cs` of the
+distance from the center of the static observers.  With k0 in that space and |H|^2 = k^2 - p^2,
 
     8 pi E = int V (k0 - |H|) dA.
 
-With ``8 pi (p_0, p) = int (w, x) (k0 - |H|) dA``, the energy-momentum, it is ``w_a p_0 + k a . p`` for
-observers about the point (a, w_a).  They are at rest where it is stationary, at ``a = p / E``, E^2 being
-``p_0^2 + k |p|^2``: the least in anti-de Sitter space, the greatest in de Sitter space; as k tends to 0, a
-tends to the center of mass p / p_0.
+With the energy-momentum ``8 pi (p_0, p) = int (w, x) (k0 - |H|) dA``, it is ``w_a p_0 + k a . p`` for
+observers about the point (a, w_a).  Observers at rest make it stationary: ``a = p / E`` with
+``E^2 = p_0^2 + k |p|^2``, a minimum in anti-de Sitter space and a maximum in de Sitter space.  As k tends to
+0, a tends to the center of mass p / p_0.
 
 References
 ----------
@@ -50,21 +50,21 @@ from isoembed.surface.estimate import Estimate
 @short_repr
 @dataclass(frozen=True)
 class ChenWangYau:
-    """The energy of a surface for observers at rest.
+    """Chen-Wang-Yau energy of a surface for observers at rest.
 
     Attributes
     ----------
     energy : Estimate
-        E, in the unit of length.
+        Energy E, in the unit of length.
     momentum : ndarray, shape (4,)
-        The energy p_0 for observers about the origin, a length, and p, a length squared.
+        Energy p_0 for observers about the origin, a length, and p, a length squared.
     center : ndarray, shape (3,)
-        The point that observers at rest are about, x as in `isoembed.Space`.
+        Center of the observers at rest, with ambient coordinates x of `isoembed.Space`.
     gradient : float or None
-        The norm of the derivatives of E in the coefficients of tau at tau = 0, which are lengths; None for a
+        Norm of the gradient of E in the coefficients of tau at tau = 0, which are lengths; None for a
         horizon, whose mean curvature vector has no direction.
     notes : tuple of str
-        What must be known to read the number.
+        Remarks on the interpretation of the energy.
     """
 
     energy: Estimate
@@ -86,17 +86,17 @@ class ChenWangYau:
 def chen_wang_yau(
     data: SurfaceData, embedding: SmoothEmbedding, *, curvature_error: float = 0.0
 ) -> ChenWangYau:
-    """Wang-Yau energy of a surface for tau = 0, the reference being the static spacetime of its embedding.
+    """Wang-Yau energy of a surface for tau = 0, with the static spacetime of its embedding as reference.
 
     Parameters
     ----------
     data : SurfaceData
-        With k, and with p and K(., n) where they do not vanish.
+        Surface with k, and with p and K(., n) unless they vanish.
     embedding : SmoothEmbedding
-        Of ``data.metric`` in hyperbolic or spherical space, of the curvature cosmological constant / 3; in
-        Euclidean space V = 1, and the energy is that of Kijowski, Liu and Yau.
+        Embedding of ``data.metric`` in hyperbolic or spherical space of curvature cosmological constant / 3;
+        in Euclidean space V = 1, and the energy is that of Kijowski, Liu and Yau.
     curvature_error : float
-        By how much the curvature of the reference is uncertain, in 1/length^2.
+        Error of the curvature of the reference, in 1/length^2.
 
     Raises
     ------
@@ -106,10 +106,10 @@ def chen_wang_yau(
 
     Notes
     -----
-    The energy of Chen, Wang and Yau is defined for every embedding in the reference that is given by a time
-    function tau; its critical points are the optimal ones.  At tau = 0 the first derivative is that of ``int
-    V^2 alpha(grad tau) dA / 8 pi``, alpha the connection of the normal bundle: it vanishes in time-symmetric
-    slices and for axisymmetric surfaces of Kerr's spacetimes, and `gradient` says if it does.
+    The energy of Chen, Wang and Yau is defined for every embedding in the reference, given by a time function
+    tau; optimal embeddings are its critical points.  The first derivative at tau = 0 is that of ``int
+    V^2 alpha(grad tau) dA / 8 pi``, with alpha the connection of the normal bundle.  It vanishes in
+    time-symmetric slices and for axisymmetric surfaces of Kerr spacetimes; see `gradient`.
     """
     plain = smooth_energies(data, embedding)
     radius = float(np.sqrt(plain.area.value / (4.0 * np.pi)))
@@ -140,11 +140,11 @@ def chen_wang_yau(
             f"V = {potential[i]:.3g} at u = {u[i].tolist()}: the surface reaches beyond the cosmological "
             "horizon of the static observers"
         )
-    # V changes with the curvature, too: on spheres it makes of dE/dk 2 V times as much.
+    # V changes with the curvature, too: on spheres dE/dk is then 2 V times as large.
     by_space = 3.0 * embedding.volume * curvature_error / (8.0 * np.pi)
     error += float(potential.max()) * (plain.liu_yau.error + 2.0 * by_space) + embedding.residual * abs(value)
     gradient, notes = None if data.marginal else _gradient(data, embedding, center), []
-    # A derivative in tau up to this, over E / areal radius, is zero.
+    # A smaller derivative in tau, relative to E / areal radius, counts as zero.
     if gradient is not None and gradient > 1e-6 * abs(value) / radius:
         notes.append(
             f"tau = 0 is not critical for the Wang-Yau energy: the norm of its derivatives is {gradient:.3g}"
@@ -153,7 +153,7 @@ def chen_wang_yau(
 
 
 def _momentum(data: SurfaceData, embedding: SmoothEmbedding, u: Floats, weights: Floats) -> Floats:
-    """The energy-momentum (4,) by a rule on the sphere."""
+    """Energy-momentum (4,) by quadrature on the sphere."""
     excess = 2.0 * embedding.mean_curvature(u)
     if not data.marginal:
         assert data.mean_curvature is not None
@@ -171,7 +171,7 @@ def _potential(embedding: SmoothEmbedding, u: Floats, center: Floats) -> Floats:
 
 
 def _gradient(data: SurfaceData, embedding: SmoothEmbedding, center: Floats) -> float:
-    """The norm of the derivatives of the energy in the coefficients of tau, at tau = 0."""
+    """Norm of the gradient of the energy in the coefficients of tau, at tau = 0."""
     n = FEWEST_HEIGHTS
     samples = MetricSamples.of(data.metric, n, 2 * n)
     k, p, alpha = physical(data, samples.u, samples.frames)
@@ -181,6 +181,6 @@ def _gradient(data: SurfaceData, embedding: SmoothEmbedding, center: Floats) -> 
         psi = transform.analysis(np.arctanh(p / k)[:, None])
         alpha = alpha - (frames @ transform.gradients(psi))[:, :, 0]
     weights = samples.areas * _potential(embedding, samples.u, center) ** 2 / (8.0 * np.pi)
-    tau = Harmonics(8, 8)  # degree of the time functions along which the derivative is taken
+    tau = Harmonics(8, 8)  # harmonics of the time functions
     along = np.einsum("nai,nim->nam", samples.frames, tau.gradients(samples.u)[1])
     return float(np.linalg.norm(np.einsum("n,na,nam->m", weights, alpha, along, optimize=True)))

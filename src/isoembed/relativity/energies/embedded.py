@@ -1,4 +1,4 @@
-"""Smooth embedding of a surface of a slice, and the energies that follow from it."""
+"""Smooth embedding of a surface of a slice, and its quasi-local energies."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ from isoembed.space import EUCLIDEAN, Space
 from isoembed.space.models import to_model
 
 NoWangYau = InvalidParameter | NotEmbedded | NoMinimum
-"""Absence of a Wang-Yau energy: data are missing, no surface in Minkowski space embeds, or no minimum."""
+"""Reasons for a missing Wang-Yau energy: missing data, no embedding in Minkowski space, or no minimum."""
 
 CONVENTIONS = {
     "units": "geometric, G = c = 1, in the unit of the lengths",
@@ -46,26 +46,26 @@ IN_CURVED_SPACE = {
     "integrated_mean_curvature": "int H dA with H = (k1 + k2)/2 in the space; int k0 dA is twice that",
     "wang_yau": "int V (k0 - sqrt(k^2 - p^2)) dA / 8 pi for observers at rest, for tau = 0 alone",
 }
-"""Conventions that differ where the space of reference is hyperbolic or spherical."""
+"""Conventions that differ for a hyperbolic or spherical reference space."""
 
 
 def conventions(space: Space) -> dict[str, str]:
-    """Conventions of the numbers of a report, with this space of reference."""
+    """Conventions of the numbers of a report, for a reference space."""
     return CONVENTIONS if space.is_euclidean else CONVENTIONS | IN_CURVED_SPACE
 
 
 @short_repr
 @dataclass(frozen=True)
 class EmbeddedSurface:
-    """A surface with its smooth embedding.
+    """Surface with its smooth embedding.
 
     Attributes
     ----------
     data : SurfaceData
     embedding : SmoothEmbedding
-        Of ``data.metric``.
+        Embedding of ``data.metric``.
     least : LeastHyperbolic, optional
-        Of the metric, where the least hyperbolic space was asked for.
+        Least hyperbolic space of the metric, if ``space="hyperbolic"`` was requested.
     """
 
     data: SurfaceData
@@ -83,12 +83,12 @@ class EmbeddedSurface:
 
     @property
     def status(self) -> str:
-        """``"embedded"``, or ``"best fit"`` where the surface has the metric approximately only."""
+        """``"embedded"``, or ``"best fit"`` if the surface has the metric only approximately."""
         return "embedded" if self.embedding.converged else "best fit"
 
     @property
     def space(self) -> Space:
-        """The space of reference."""
+        """Reference space."""
         return self.embedding.space
 
     @cached_property
@@ -103,17 +103,17 @@ class EmbeddedSurface:
 
     @property
     def curvature_error(self) -> float:
-        """Uncertainty of the curvature of the space: 0 where it was given."""
+        """Error of the curvature of the space: 0 if it was given."""
         return self.least.curvature_error if self.least else 0.0
 
     @cached_property
     def spin(self) -> Spin | None:
-        """The angular momentum and its axis; None where K(., n) is not known."""
+        """Angular momentum and its axis; None if K(., n) is not known."""
         return find_spin(self.data)
 
     @cached_property
     def wang_yau(self) -> WangYau | ChenWangYau | NoWangYau:
-        """The least Wang-Yau energy that is found, or the exception that says why there is none.
+        """Least Wang-Yau energy, or the exception that explains why there is none.
 
         In hyperbolic and spherical space, slices of anti-de Sitter and de Sitter space, it is that of tau = 0
         (`isoembed.relativity.chen_wang_yau`), whose surface is the embedded one.
@@ -123,7 +123,7 @@ class EmbeddedSurface:
                 return wang_yau(self.data, "optimal", embedding=self.embedding)
             return chen_wang_yau(self.data, self.embedding, curvature_error=self.curvature_error)
         except (InvalidParameter, NotEmbedded, NoMinimum) as error:
-            return error.with_traceback(None)  # which would keep what was computed on the way
+            return error.with_traceback(None)  # the traceback would keep intermediate results alive
 
     @property
     def report(self) -> dict[str, Any]:
@@ -131,19 +131,18 @@ class EmbeddedSurface:
         return embedded_report(self)
 
     def mesh(self, vertices: int) -> dict[str, NDArray[Any]]:
-        """A triangulation of the embedded surface, with data at its vertices.
+        """Triangulation of the embedded surface, with data at its vertices.
 
         Returns
         -------
         dict of str to ndarray
             ``vertices`` (V, 3) and ``faces`` (F, 3); in hyperbolic and spherical space the vertices are
-            conformal coordinates, as in files, and there is the ``curvature`` of the space.  At the vertices
-            (V,) the ``mean_curvature`` H and the ``gaussian_curvature`` there, and the ``residual``, the
-            relative error of lengths.  Where k is given, ``k`` and ``p`` in the slice, and the expansions of
-            outgoing and ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p).  Where
-            there is a spin, the ``angular_momentum_density`` K(phi, n) / 8 pi, phi the rotation about its
-            axis in the coordinates of the slice.  Where the points in the slice are known, these, as
-            ``slice_coordinates`` (V, 3).
+            conformal coordinates, as in files, and the ``curvature`` of the space is included.  Further
+            entries (V,): ``mean_curvature`` H, ``gaussian_curvature``, and ``residual``, the relative error
+            of lengths.  If k is given, ``k`` and ``p`` in the slice, and the expansions of outgoing and
+            ingoing light rays, ``theta_plus`` = k - p and ``theta_minus`` = -(k + p).  If there is a spin,
+            ``angular_momentum_density``, K(phi, n) / 8 pi, where phi is the rotation about its axis in slice
+            coordinates.  If the points in the slice are known, ``slice_coordinates`` (V, 3).
         """
         triangulation = self.embedding.triangulated(vertices)
         return self.mesh_on(triangulation.directions, triangulation.faces)
@@ -154,7 +153,7 @@ class EmbeddedSurface:
         Parameters
         ----------
         directions : ndarray, shape (V, 3)
-            Such as fit a surface nearby: for meshes of a sequence that can be compared vertex by vertex.
+            Directions, for example of the mesh of a nearby surface, for vertex-wise comparison in a sequence.
         faces : ndarray of int, shape (F, 3)
         """
         u = directions
@@ -187,17 +186,17 @@ def embed_surface(
     tolerance: float = 1e-4,
     best_fit: bool = False,
 ) -> EmbeddedSurface:
-    """Embedding of a surface of a slice in Euclidean space, or another one, for its energies.
+    """Embed a surface of a slice in Euclidean space or another reference space, for its energies.
 
     Parameters
     ----------
     data : SurfaceData
     space : Space or "hyperbolic"
-        The space of reference, from `isoembed.Hyperbolic` or `isoembed.Spherical`; or ``"hyperbolic"``: of
-        the least curvature that takes the metric (see `isoembed.smooth.least_hyperbolic`), Euclidean if that
-        is zero.
+        Reference space, from `isoembed.Hyperbolic` or `isoembed.Spherical`; or ``"hyperbolic"`` for the space
+        of least absolute curvature in which the metric embeds (see `isoembed.smooth.least_hyperbolic`),
+        Euclidean if that is zero.
     start : EmbeddedSurface or isoembed.smooth.Start, optional
-        One nearby, such as the one before in a sequence: it is deformed, which is several times faster.
+        Nearby surface, such as the previous one of a sequence, as initial guess; several times faster.
     vertices, tolerance, best_fit
         See `isoembed.smooth.embed_smooth`.
 
@@ -208,7 +207,7 @@ def embed_surface(
 
     Notes
     -----
-    Where lengths are uncertain (``data.lengths_error``), no more digits are sought than they have.
+    Tolerances are adapted to the errors of lengths (``data.lengths_error``).
     """
     if not isinstance(data, SurfaceData):
         instead = "take its data()" if hasattr(data, "data") else "for a metric alone, SurfaceData(metric)"
@@ -216,7 +215,7 @@ def embed_surface(
     if not (start is None or isinstance(start, EmbeddedSurface | Start)):
         raise InvalidParameter(f"start is a {type(start).__name__}, not an EmbeddedSurface or a Start")
     trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)
-    if not np.all((trace > 1e-200) & (trace < 1e200)):  # squares of other lengths underflow or overflow
+    if not np.all((trace > 1e-200) & (trace < 1e200)):  # otherwise squares of lengths underflow or overflow
         raise InvalidMetric(
             f"squares of lengths of about {trace.max():.3g} leave the range of numbers when they are "
             "multiplied: take another unit"
@@ -245,17 +244,17 @@ def embed_surface(
 
 
 def _with_displacement(least: LeastHyperbolic, data: SurfaceData) -> LeastHyperbolic:
-    """The least space with what the displacement of a horizon adds to the error of its curvature."""
+    """Least hyperbolic space, with the displacement of a horizon added to the error of its curvature."""
     if not data.displacement:
         return least
     u, weights = gauss_rule(24, 48)
     area = float(weights @ area_density(data.metric.tensor(u)))
-    # Lengths times exp(f), f of degree 2, make of K of a sphere (K + 6 f / R^2) exp(-2 f).
+    # A factor exp(f) of lengths, f of degree 2, changes K of a sphere to (K + 6 f / R^2) exp(-2 f).
     return replace(least, error=least.error + 8.0 * data.displacement * 4.0 * np.pi / area)
 
 
 def space_report(space: Space, least: LeastHyperbolic | None = None) -> dict[str, Any]:
-    """Plain numbers, for JSON: the space of reference, and how it was found if it was looked for."""
+    """Plain numbers, for JSON: the reference space, and how it was determined."""
     found = (
         {
             "gaussian_curvature": least.gaussian_curvature,
@@ -278,7 +277,7 @@ def embedded_report(
     ----------
     surface : EmbeddedSurface
     wang_yau : WangYau, ChenWangYau or exception, optional
-        `EmbeddedSurface.wang_yau`, where it was asked for.
+        `EmbeddedSurface.wang_yau`, if requested.
     """
     data, embedding = surface.data, surface.embedding
     energies, more, notes = surface.energies.report, dict[str, Any](), tuple[str, ...]()
@@ -313,6 +312,6 @@ def embedded_report(
 
 
 def intrinsic_entries(data: SurfaceData, spin: Spin | None) -> dict[str, Any]:
-    """Entries of the spin and, of a horizon, of its intrinsic shape."""
+    """Entries of the spin and, for a horizon, of its intrinsic shape."""
     shape = HorizonShape.of(data, spin).report if data.marginal else {}
     return {"spin": spin_report(data, spin), **shape}

@@ -31,20 +31,20 @@ from isoembed.arrays import Floats
 from isoembed.reprs import short_repr
 from isoembed.surface.estimate import Estimate
 
-ROUNDING = 1e-14  # relative, in an energy
+ROUNDING = 1e-14  # relative rounding error of an energy
 
 
 @short_repr
 @dataclass(frozen=True)
 class Integrals:
-    """The integrals over a surface of which the energies are made.
+    """Integrals over a surface that determine its energies.
 
     Attributes
     ----------
     area : Estimate
         int dA.
     reference : Estimate, optional
-        int k0 dA = 2 int H dA, of the embedding in Euclidean space.
+        int k0 dA = 2 int H dA, for the embedding in Euclidean space.
     k : Estimate, optional
         int k dA.
     norm : Estimate, optional
@@ -63,7 +63,7 @@ class Integrals:
 @short_repr
 @dataclass(frozen=True)
 class Energies:
-    """Area, int H dA and the energies, each with its error; None where a number is not defined.
+    """Area, int H dA and energies with their errors; None for undefined numbers.
 
     Attributes
     ----------
@@ -72,12 +72,12 @@ class Energies:
         None without an embedding.
     irreducible_mass : Estimate
     christodoulou_mass : Estimate or None
-        None where the angular momentum is not known, or the surface is not a horizon.
+        None if the angular momentum is not known, or the surface is not a horizon.
     dimensionless_spin : Estimate or None
         J over the square of the Christodoulou mass.
     hawking, brown_york, liu_yau : Estimate or None
     notes : tuple of str
-        Why a number is missing or must be read with care.
+        Reasons for missing numbers, and remarks on their interpretation.
     """
 
     area: Estimate
@@ -109,7 +109,7 @@ class Energies:
         charge : float
             Q, in units of length.
         notes : tuple of str
-            Handed on.
+            Notes to keep.
         """
         A, reference = integrals.area, integrals.reference
         m = np.sqrt(A.value / (16.0 * np.pi))
@@ -136,7 +136,7 @@ class Energies:
 
     @property
     def error_estimate(self) -> float:
-        """The largest error among the energies, in the unit of the mass."""
+        """Largest error of the energies, in the unit of mass."""
         return max(
             e.error
             for name in ("irreducible_mass", "christodoulou_mass", "hawking", "brown_york", "liu_yau")
@@ -156,13 +156,13 @@ class Energies:
 
 
 def _with_spin(irreducible: Estimate, J: Estimate, charge: float) -> tuple[Estimate, Estimate]:
-    """The Christodoulou mass M, and J / M^2."""
+    """Christodoulou mass M, and J / M^2."""
     m = irreducible.value
     rest, spin = m + charge**2 / (4.0 * m), J.value / (2.0 * m)
     M = float(np.hypot(rest, spin))
     slope = (rest * (1.0 - charge**2 / (4.0 * m**2)) - spin**2 / m) / M  # of M along m
     steep = spin / (2.0 * m * M)  # along J
-    # Where these vanish, at the extreme and without spin, the second order and rounding are left.
+    # These vanish for extreme and zero spin; the second order and rounding remain.
     shrunk, turned = irreducible.error / m, J.error / (2.0 * m * M)
     error = abs(slope) * irreducible.error + abs(steep) * J.error + (shrunk**2 + 0.5 * turned**2) * M
     mass = Estimate(M, error + ROUNDING * M)
@@ -175,16 +175,16 @@ def _with_spin(irreducible: Estimate, J: Estimate, charge: float) -> tuple[Estim
 def norm_hindrance(
     k: Floats, squared: Floats, place: Callable[[int], str], allowed: tuple[float, float] = (0.0, 0.0)
 ) -> str:
-    """Sentence on why ``sqrt(k^2 - p^2)`` has no integral; empty where it has one.
+    """Sentence on why ``sqrt(k^2 - p^2)`` cannot be integrated; empty if it can.
 
     Parameters
     ----------
     k, squared : ndarray, shape (n,)
-        k and ``k^2 - p^2`` at places on the surface.
+        k and ``k^2 - p^2`` at points of the surface.
     place : callable
-        Words for the i-th place.
+        Takes an index i and returns a description of the i-th point.
     allowed : tuple of float
-        How far below zero k and ``k^2 - p^2`` may be, as rounding.
+        Magnitudes of negative k and ``k^2 - p^2`` that count as rounding.
     """
     for name, values, least, what in (
         ("k^2 - p^2", squared, -allowed[1], "spacelike there"),

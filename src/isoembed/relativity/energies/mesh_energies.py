@@ -17,7 +17,7 @@ from isoembed.surface.checked import checked_errors
 from isoembed.surface.estimate import Estimate
 from isoembed.surface.smooth_integrals import Lengths, SmoothIntegrals
 
-PROBES = 32  # random errors, from whose effects the standard deviations are estimated
+PROBES = 32  # number of random samples for standard deviations
 
 
 def mesh_energies(
@@ -29,17 +29,17 @@ def mesh_energies(
     angular_momentum: float | None = None,
     charge: float = 0.0,
 ) -> Energies:
-    """Energies of a smooth surface of which a triangulation and its lengths, k and p are known.
+    """Energies of a smooth surface from a triangulation with lengths, k and p.
 
     Parameters
     ----------
     embedding : Embedding
-        Of the lengths, from `isoembed.embed`.
+        Embedding of the lengths, from `isoembed.embed`.
     mean_curvature, momentum : array_like, shape (V,), optional
         ``k = k1 + k2`` and ``p = K_ij (gamma^ij - n^i n^j)`` of the surface in its slice; p is 0 by default.
     lengths : "geodesic" or "chord", optional
-        What the lengths are: those of geodesics of the surface, or distances of points of it in space.  By
-        default they are taken for geodesics', with errors wide enough for chords.
+        Kind of the lengths: of geodesics of the surface, or of chords between its points in space.  By
+        default they are treated as geodesic, with errors large enough for chords.
     angular_momentum : float, optional
         J, in units of length^2.
     charge : float
@@ -47,15 +47,15 @@ def mesh_energies(
 
     Notes
     -----
-    The integrals are of fourth order in the edge length, with the errors that `SmoothIntegrals` estimates.
-    What k and p at a vertex differ by from fits to their neighbors is taken for noise: in integrals it
-    averages out, but its square enters those of k^2 - p^2 and its root.
+    The integrals are of fourth order in the edge length, with error estimates of `SmoothIntegrals`.
+    Differences of k and p at a vertex from fits to the neighbors are treated as noise: it averages out in
+    integrals, but its square biases those of k^2 - p^2 and its root.
 
     Raises
     ------
     InvalidParameter
-        Arrays have other shapes, the momentum has no mean curvature beside it, or the unit of length is such
-        that the area is not a number.
+        Arrays have wrong shapes, the momentum is given without the mean curvature, or the area overflows or
+        underflows in the unit of length.
     """
     n = embedding.triangulation.n_vertices
     given = {"mean curvature": mean_curvature, "momentum": momentum}
@@ -91,31 +91,30 @@ def mesh_deviation(
     *,
     lengths: Lengths | None = None,
 ) -> dict[str, float | None]:
-    """Standard deviations of the energies of `mesh_energies`, by independent errors of the lengths.
+    """Standard deviations of the energies of `mesh_energies` for independent errors of the lengths.
 
-    To first order: signs are drawn at random for the errors, the vertices are moved as they follow, and the
-    squares of what that changes are averaged.  With 32 draws, each standard deviation is known to an eighth.
-    k and p are taken as they are.
+    To first order: the vertices are displaced according to errors with random signs, and the squared changes
+    are averaged.  With 32 samples, each standard deviation has a relative error of 1/8.  k and p are fixed.
 
     Parameters
     ----------
     embedding : Embedding
     errors : float or array_like, shape (E,)
-        As of `isoembed.Sensitivity.deviation`.
+        See `isoembed.Sensitivity.deviation`.
     mean_curvature, momentum, lengths
-        As of `mesh_energies`.
+        See `mesh_energies`.
 
     Returns
     -------
     dict
-        By the names of the energies; None for those that are not known.
+        Standard deviations by the names of the energies; None for unknown energies.
 
     Raises
     ------
     InvalidParameter
-        As `isoembed.Sensitivity.integral_deviation`, and `mesh_energies`.
+        See `isoembed.Sensitivity.integral_deviation` and `mesh_energies`.
     SingularMatrix, OutOfMemory
-        As `isoembed.Sensitivity.jvp`.
+        See `isoembed.Sensitivity.jvp`.
     """
     noisy = checked_errors(embedding.metric, errors)
     shared = shared_errors(embedding.metric.lengths, noisy)
@@ -127,7 +126,7 @@ def mesh_deviation(
         changes = noisy * rng.choice([-1.0, 1.0], len(noisy))[shared]
         motion = Sensitivity(embedding).jvp(changes)
         farthest = float(np.linalg.norm(motion / embedding.metric.unit, axis=1).max())
-        # The largest displacement of a vertex, in mean edge lengths.
+        # A largest displacement of a vertex of 1e-6 mean edge lengths.
         step = 1e-6 * embedding.metric.normalized.mean_length / (farthest or 1.0)
         moved = Embedding(
             embedding.metric,
@@ -143,7 +142,7 @@ def mesh_deviation(
 
 
 def _values(energies: Energies) -> dict[str, float]:
-    """Values of the energies that are known."""
+    """Values of the known energies."""
     found = ((each.name, getattr(energies, each.name)) for each in fields(energies))
     return {name: estimate.value for name, estimate in found if isinstance(estimate, Estimate)}
 
@@ -151,7 +150,7 @@ def _values(energies: Energies) -> dict[str, float]:
 def _integrals(
     embedding: Embedding, mean_curvature: ArrayLike | None, momentum: ArrayLike | None, lengths: Lengths
 ) -> tuple[dict[str, Estimate], list[str]]:
-    """The integrals by their names in `Integrals`, and what hinders others."""
+    """Integrals by their names in `Integrals`, and reasons for missing ones."""
     smooth = SmoothIntegrals.of(embedding.surface, lengths)
     parts = {"area": smooth.area, "reference": smooth.integrated_mean_curvature.scaled(2.0)}
     if mean_curvature is None:
@@ -173,11 +172,11 @@ class _Noise:
     Attributes
     ----------
     squares : ndarray, shape (V,)
-        The squares of both: the mean of k^2 - p^2 is off by them.
+        Squares of the errors, which bias the mean of k^2 - p^2.
     squared : ndarray, shape (V,)
-        The error of k^2 - p^2.
+        Error of k^2 - p^2.
     typical : tuple of float
-        The errors of k and of k^2 - p^2 at all but a few of the vertices.
+        Errors of k and of k^2 - p^2 exceeded at few vertices only.
     """
 
     squares: Floats
@@ -193,7 +192,7 @@ class _Noise:
         return cls(squares, squared, (float(of_most[0]), float(of_most[1])))
 
     def of_root(self, squared: Floats) -> Floats:
-        """Error of the root of k^2 - p^2 (V,), in the mean."""
+        """Mean error (V,) of the square root of k^2 - p^2."""
         low, middle, high = (
             np.sqrt(np.maximum(squared + shift, 0.0)) for shift in (-self.squared, 0.0, self.squared)
         )
@@ -202,5 +201,5 @@ class _Noise:
 
 
 def _biased(smooth: SmoothIntegrals, values: Floats, bias: Floats) -> Estimate:
-    """The integral of values (V,), and in its error that of their bias (V,)."""
+    """Integral of values (V,), with that of their bias (V,) added to its error."""
     return smooth.integral(values) + Estimate(0.0, smooth.sum_at_vertices(bias))

@@ -19,13 +19,13 @@ from isoembed.smooth.two_metric import area_density, is_axisymmetric, is_symmetr
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
 
-ROUNDING = 3e-14  # relative, in sums over many nodes
-RTOL = 3e-13  # change of an integral with more nodes at which it has converged
-GROWTH = 1.5  # ratio of successive numbers of heights of nodes
-FEWEST_HEIGHTS = 32  # of nodes, to begin with
-MOST_HEIGHTS = 256  # of nodes
-MOST_HEIGHTS_SYMMETRIC = 6000  # of nodes, on axisymmetric surfaces
-SCATTER = 0.5  # standard deviation over the largest error, at least
+ROUNDING = 3e-14  # relative rounding error of sums over many nodes
+RTOL = 3e-13  # relative change of a converged integral with more nodes
+GROWTH = 1.5  # ratio of successive numbers of circles of nodes
+FEWEST_HEIGHTS = 32  # initial number of circles of nodes
+MOST_HEIGHTS = 256  # largest number of circles of nodes
+MOST_HEIGHTS_SYMMETRIC = 6000  # the same on axisymmetric surfaces
+SCATTER = 0.5  # least ratio of the standard deviation to the largest error
 
 
 def smooth_energies(
@@ -37,20 +37,20 @@ def smooth_energies(
     ----------
     data : SurfaceData
     embedding : SmoothEmbedding
-        Of ``data.metric``.
+        Embedding of ``data.metric``.
     spin : Spin, optional
-        Of the surface: its J makes the Christodoulou mass of a horizon.
+        Spin of the surface; its J enters the Christodoulou mass of a horizon.
     curvature_error : float
-        By how much the curvature k of space is uncertain, in 1/length^2.
+        Error of the curvature k of space, in 1/length^2.
 
     Notes
     -----
-    The quadrature's error is the change from fewer nodes; that of int k0 dA is twice the
-    embedding's ``curvature_error``; and every integral is uncertain by what the lengths are.
+    The error of the quadrature is the change from fewer nodes; that of int k0 dA is twice the
+    ``curvature_error`` of the embedding; errors of lengths contribute to every integral.
 
-    For a given metric ``d int H dA / dk = -3/2 V - k dV/dk``, V being the volume: of surfaces in
-    spaces of curvature -1 the metric -k q makes the change of int H dA - V that Schlaefli's formula tells.
-    As V grows with k, the first term is a bound for k <= 0.
+    For a given metric ``d int H dA / dk = -3/2 V - k dV/dk``, with V the volume, by the Schlaefli formula for
+    the change of int H dA - V of surfaces with metric -k q in space of curvature -1.  As V increases with k,
+    the first term is a bound for k <= 0.
     """
     n = max(FEWEST_HEIGHTS, int(GROWTH * embedding.harmonics.degree))
     values, notes = _integrated(data, n, is_symmetric(data, embedding), embedding.coordinates)
@@ -59,7 +59,7 @@ def smooth_energies(
     error = 2.0 * embedding.curvature_error + relative * abs(reference)
     error += 3.0 * embedding.volume * curvature_error
     k = embedding.space.curvature
-    allowed = max(1e-6 * abs(k), curvature_error)  # K may be below the curvature of space by this, relatively
+    allowed = max(1e-6 * abs(k), curvature_error)  # tolerance for K below the curvature of space
     if embedding.converged and embedding.least_curvature - k < -allowed:
         below = f"less than the {k:.3g} of space" if k else "negative"
         notes.append(
@@ -74,19 +74,19 @@ def smooth_energies(
 
 
 def intrinsic_energies(data: SurfaceData, spin: Spin | None = None) -> Energies:
-    """Energies of a surface that need no embedding."""
+    """Energies of a surface that require no embedding."""
     symmetric = is_axisymmetric(data.metric) and _lies_symmetrically(data)
     return _energies(data, *_integrated(data, FEWEST_HEIGHTS, symmetric), spin)
 
 
 def is_symmetric(data: SurfaceData, embedding: SmoothEmbedding) -> bool:
-    """Whether the embedding, k and p are symmetric about the z-axis of the embedding's directions."""
+    """Whether embedding, k and p are symmetric about the z-axis of the directions of the embedding."""
     harmonics = embedding.harmonics
     return harmonics.order < harmonics.degree and _lies_symmetrically(data, embedding.coordinates)
 
 
 def _lies_symmetrically(data: SurfaceData, coordinates: SphereMap | None = None) -> bool:
-    """Whether k and p are symmetric about the z-axis, that of the coordinates if there are any."""
+    """Whether k and p are symmetric about the z-axis, of the coordinates if given."""
 
     def symmetric(function: Callable[[Floats], Floats]) -> bool:
         if coordinates is None:
@@ -130,10 +130,10 @@ def _energies(
 def _integrated(
     data: SurfaceData, n: int, symmetric: bool, coordinates: SphereMap | None = None
 ) -> tuple[dict[str, Estimate], list[str]]:
-    """The integrals over the surface by their names in `Integrals`, and what hinders others.
+    """Integrals over the surface by their names in `Integrals`, and reasons for missing ones.
 
-    The heights of the nodes, which are even in the coordinates, become more until no integral changes, or
-    they are many.  About an axis of symmetry they are turned each time: what is not quite symmetric shows.
+    The number of circles of nodes is increased until the integrals converge or a limit is reached.  With
+    axial symmetry the nodes are rotated each time, to detect departures from symmetry.
     """
     relative = ROUNDING + data.lengths_error.mean + data.displacement
     most = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
@@ -148,7 +148,7 @@ def _integrated(
             value, error = values[name].value, values[name].error
             change = abs(value - before[name].value) if name in before else np.inf
             if last and name not in before:
-                change = 0.0  # fewer nodes did not see it as spacelike
+                change = 0.0  # the integral was undefined with fewer nodes
             if last or change <= max(RTOL * abs(value), error):
                 settled[name] = Estimate(value, change + error)
         if last or settled.keys() == values.keys():
@@ -159,9 +159,9 @@ def _integrated(
 def sphere_rule(
     n: int, symmetric: bool, coordinates: SphereMap | None, turned: bool = False
 ) -> tuple[Floats, Floats]:
-    """Nodes u (m, 3) at n heights, few about an axis of symmetry, and weights of a rule for integrals.
+    """Nodes u (m, 3) on n circles, with few nodes each about an axis of symmetry, and quadrature weights.
 
-    Nodes that are turned lie midway between the angles of those that are not.
+    Rotated nodes lie midway between the others.
     """
     around = SYMMETRIC_ANGLES if symmetric else 2 * n
     v, weights = gauss_rule(n, around)
@@ -175,7 +175,7 @@ def sphere_rule(
 
 @dataclass(frozen=True)
 class _Nodes:
-    """The data at the nodes u (n, 3) of a quadrature."""
+    """Data at the nodes u (n, 3) of a quadrature."""
 
     u: Floats
     dA: Floats
@@ -195,7 +195,7 @@ class _Nodes:
         return cls(u, dA, k, p, *errors, data.marginal, data.doubtful)
 
     def integrals(self, relative: float) -> tuple[dict[str, Estimate], list[str]]:
-        """The integrals by their names in `Integrals`, and what hinders others."""
+        """Integrals by their names in `Integrals`, and reasons for missing ones."""
         area = float(self.dA.sum())
         values, notes = {"area": Estimate(area, 2.0 * relative * area)}, []
         if self.k is not None:
@@ -212,12 +212,12 @@ class _Nodes:
             values["squared"] = Estimate(0.0, _sum(self.dA, size))
             return {**values, "norm": Estimate(0.0, _sum(self.dA, np.sqrt(size)))}, notes
         squared, smooth = self.k**2 - self.p**2, 2.0 * relative * (self.k**2 + self.p**2)
-        # What averages out in k and p remains in their squares.
+        # Noise that averages out in k and p remains in their squares.
         spread = SCATTER**2 * (self.k_error.pointwise**2 + self.p_error.pointwise**2)
         smooth = smooth + self._shift(self.k_error.mean, self.p_error.mean)
         anywhere = smooth + self._shift(self.k_error.pointwise, self.p_error.pointwise) + spread
         values["squared"] = Estimate(_sum(self.dA, squared), _sum(self.dA, smooth) + spread * area)
-        # Relative to the largest k^2 or k: a value below zero by less is rounding.
+        # Negative values of smaller magnitude relative to the largest k^2 or k are rounding.
         trapped, largest = 1e-9, float(np.abs(self.k).max())
         allowed = (
             max(trapped * largest, self.k_error.pointwise),
@@ -230,12 +230,12 @@ class _Nodes:
         return values, notes
 
     def _shift(self, k: float, p: float) -> Floats:
-        """Change of ``k^2 - p^2`` by errors of k and p, to first order."""
+        """First-order change of ``k^2 - p^2`` from errors of k and p."""
         assert self.k is not None
         return 2.0 * (np.abs(self.k) * k + np.abs(self.p) * p)
 
     def _norm(self, squared: Floats, smooth: Floats, anywhere: Floats) -> Estimate:
-        """``int sqrt(k^2 - p^2)``: with errors that average out, and the bend of the root over the others."""
+        """``int sqrt(k^2 - p^2)`` with its error, from averaged errors and the curvature of the root."""
         middle, low, high, least, most = (
             np.sqrt(np.maximum(squared + shift, 0.0))
             for shift in (0.0, -smooth, smooth, -SCATTER * anywhere, SCATTER * anywhere)

@@ -33,7 +33,7 @@ SHOWN = {
 
 
 def energy_table(report: dict[str, Any]) -> str:
-    """Energies of a report with their errors, a line each, and its notes."""
+    """Energies of a report with their errors, one per line, and its notes."""
     width = max(map(len, SHOWN.values()))
     lines = [report["name"], *_space_lines(report.get("space")), ""]
     for name, shown in SHOWN.items():
@@ -63,7 +63,7 @@ def energy_table(report: dict[str, Any]) -> str:
 
 
 def _angular_momentum(spin: dict[str, Any], width: int) -> Iterator[str]:
-    """J, with a charge in its parts: that of K_ij and the electromagnetic one."""
+    """Lines on J, for a charged surface with its parts from K_ij and from the electromagnetic field."""
     charged = "electromagnetic" in spin
     yield _line("J of K_ij" if charged else "angular momentum J", spin["J"], spin["error"], width)
     if charged and spin["total"] is None:
@@ -74,7 +74,7 @@ def _angular_momentum(spin: dict[str, Any], width: int) -> Iterator[str]:
 
 
 def _space_lines(space: dict[str, Any] | None) -> Iterator[str]:
-    """The space of reference, but Euclidean space only where another was looked for."""
+    """Line on the reference space; for Euclidean space only if another one was searched for."""
     if space is None:
         return
     if "least" in space:
@@ -117,20 +117,20 @@ def _line(shown: str, value: float, error: float, width: int) -> str:
 
 
 def _by_lengths(report: dict[str, Any], name: str) -> str:
-    """The standard deviation of a number, if that of the lengths is known."""
+    """Standard deviation of a number, if that of the lengths is known."""
     sigma = report.get("deviation", {}).get(name)
     return "" if sigma is None else f", +- {sigma:.1e} by the lengths"
 
 
 def _triple(x: list[float], error: float) -> str:
-    """Three numbers with one error, to one digit more than that leaves of the largest."""
+    """Three numbers with a common error, to one digit more than is significant in the largest."""
     size = max(map(abs, x)) or 1.0
     digits = Estimate(size, error).digits
     return "(" + ", ".join(f"{round(c / size, digits) * size + 0.0:.{digits}g}" for c in x) + ")"
 
 
 def unembedded_report(data: SurfaceData, error: NotEmbedded) -> dict[str, Any]:
-    """Report of a surface that was not embedded: why, and the energies that need no embedding."""
+    """Report of a surface that was not embedded: the reason, and energies that require no embedding."""
     spin = find_spin(data)
     return {
         "status": "not embedded",
@@ -150,7 +150,7 @@ def mesh_report(
     name: str,
     deviation: dict[str, float | None] | None = None,
 ) -> dict[str, Any]:
-    """Report of the energies of triangles, from `mesh_energies` and `mesh_deviation` with these lengths."""
+    """Report of the energies of a mesh, from `mesh_energies` and `mesh_deviation`."""
     return {
         "status": "embedded",
         "message": embedding.message,
@@ -169,6 +169,6 @@ def mesh_report(
 
 
 def checked_report(report: dict[str, Any], check: CurvatureCheck | None) -> dict[str, Any]:
-    """A report with the comparison of the curvature with that in the file, if it is there."""
+    """Report with the check of the curvature against that in the file, if there is one."""
     notes = report["notes"] + list(check.notes if check else ())
     return {**report, "notes": notes, "curvature_check": check and check.report}

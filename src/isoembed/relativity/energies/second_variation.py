@@ -1,7 +1,8 @@
-"""Second variation of the Wang-Yau energy in the time function, with the embedding that follows it.
+"""Second variation of the Wang-Yau energy in the time function, including the change of the embedding.
 
-They guide Newton's method and tell minima, for which some digits do: X is taken in few harmonics, for which
-the linearized isometry equations of all of tau's harmonics are one small dense system.
+The second derivatives are used in Newton's method and to identify minima, which requires few digits: X is
+expanded in few harmonics, and the linearized isometry equations for all harmonics of tau are one small dense
+system.
 """
 
 from __future__ import annotations
@@ -20,17 +21,17 @@ COFACTORS = np.array([-1.0, 1.0, -1.0])[:, None]
 
 @dataclass(frozen=True)
 class SecondVariation:
-    """The second derivatives of E(tau) for tau and X in few harmonics.
+    """Second derivatives of E(tau) for tau and X in few harmonics.
 
     Attributes
     ----------
     functional : Functional
     first, second : ndarray, shapes (n, 2, size), (n, 3, size)
-        The derivatives of the harmonics of X along the frames, the second ones covariant on the sphere.
+        Derivatives of the harmonics of X along the frames, the second ones covariant on the sphere.
     gradients : ndarray, shape (n, 2, m)
-        Of tau's harmonics, without the constant one, along the frames.
+        Gradients of the non-constant harmonics of tau along the frames.
     laplacians : ndarray, shape (n, m)
-        Theirs, in q.
+        Their Laplacians in q.
     """
 
     functional: Functional
@@ -55,7 +56,7 @@ class SecondVariation:
         )
 
     def at(self, tau: Floats, X: Floats) -> Floats:
-        """The second derivatives (m, m) at tau (m,), with the coefficients (size, 3) of its X."""
+        """Second derivatives (m, m) at tau (m,), with the coefficients (size, 3) of X."""
         f, P, turn = self.functional, self.gradients, self.laplacians
         here = EmbeddedTime(f, tau, X)
         slope, shape = here.slope, here.shape
@@ -70,7 +71,7 @@ class SecondVariation:
         return np.asarray(0.5 * (total + total.T) / (8.0 * np.pi))
 
     def _response(self, slope: Floats, X: Floats) -> Floats:
-        """Part (m, m) that is due to the change of X with tau, of the gradient (n, 2)."""
+        """Part (m, m) from the change of X with tau, for a gradient (n, 2) of tau."""
         f, P = self.functional, self.gradients
         g1, g2 = slope.T[:, :, None]
         strains = np.stack(
@@ -81,7 +82,7 @@ class SecondVariation:
         return np.asarray(np.einsum("n,nam,nal->ml", f.areas, flow, P, optimize=True))
 
     def _deformations(self, X: Floats, strains: Floats) -> Floats:
-        """Changes (size, 3, m) of X that make these strains (3, n, m) to first order, without a rotation."""
+        """First-order changes (size, 3, m) of X for strains (3, n, m), without rotation."""
         B, root = self.first[:, :, 1:], np.sqrt(self.functional.areas)
         (X1, X2), (first, second) = np.moveaxis(B @ X[1:], 1, 0), root[:, None] * np.moveaxis(B, 1, 0)
         flat = strain_rates(X1, X2, first, second)
@@ -96,7 +97,7 @@ class SecondVariation:
         return changes
 
     def _conjugates(self, X: Floats, changes: Floats) -> Floats:
-        """Changes (n, 3, m) of `Shape.conjugate` with changes (size, 3, m) of X."""
+        """Changes (n, 3, m) of `Shape.conjugate` for changes (size, 3, m) of X."""
         X1, X2 = np.moveaxis(self.first @ X, 1, 0)
         # The conjugate is this sum of second derivatives times the normal N, over N^2.
         bent = COFACTORS * (self.second @ X)[:, ::-1]

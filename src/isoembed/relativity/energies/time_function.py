@@ -18,21 +18,21 @@ from isoembed.smooth.sphere_map import SphereMap
 from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.two_metric import TwoMetric
 
-DEGREE = 16  # of the harmonics onto which functions are projected
+DEGREE = 16  # degree of the projection of functions
 
 
 @short_repr
 @dataclass(frozen=True)
 class TimeFunction:
-    """A function tau on the sphere of directions, in spherical harmonics.
+    """Function tau on the sphere of directions, in spherical harmonics.
 
     Attributes
     ----------
     harmonics : Harmonics
     coefficients : ndarray, shape (size,)
-        In the unit of length.  That of the constant harmonic has no consequences.
+        Coefficients in the unit of length.  That of the constant harmonic has no effect.
     coordinates : SphereMap, optional
-        The map u = F(v) from the directions v of the harmonics, if they are others: see `SmoothEmbedding`.
+        Map u = F(v) from the directions v of the harmonics, by default the identity; see `SmoothEmbedding`.
     """
 
     harmonics: Harmonics
@@ -48,7 +48,7 @@ class TimeFunction:
 
     @classmethod
     def zero(cls) -> TimeFunction:
-        """The time function tau = 0."""
+        """Time function tau = 0."""
         return cls.from_array(np.zeros(4))
 
     @classmethod
@@ -63,17 +63,17 @@ class TimeFunction:
 
     @classmethod
     def of(cls, function: Callable[[Floats], ArrayLike], degree: int = DEGREE) -> TimeFunction:
-        """Projection of a function of the directions u (n, 3), with values (n,), on harmonics up to a degree.
+        """Projection of a function of directions u (n, 3), with values (n,), onto harmonics up to a degree.
 
         Raises
         ------
         InvalidParameter
-            Its values have another shape or are not finite, or the harmonics miss it.
+            The values have a wrong shape or are not finite, or the harmonics do not resolve the function.
         """
         harmonics = Harmonics(degree, degree)
         transform = SphereTransform(harmonics, 2 * degree + 2, 4 * degree + 4)
         tau = cls(harmonics, transform.analysis(values_of(function, transform.u, "tau")[:, None])[:, 0])
-        u = fibonacci_directions(1000)  # where the projection is checked
+        u = fibonacci_directions(1000)  # check points of the projection
         values = values_of(function, u, "tau")
         missed = float(np.abs(tau.values(u) - values).max())
         if missed > 1e-7 * np.abs(values).max():  # of the largest value
@@ -88,7 +88,7 @@ class TimeFunction:
         Raises
         ------
         InvalidParameter
-            Harmonics of twice the usual degree miss it.
+            Harmonics of twice the default degree do not resolve it.
         """
         if self.coordinates is coordinates:
             return self if coordinates is None else replace(self, coordinates=None)
@@ -104,19 +104,19 @@ class TimeFunction:
         return self.harmonics.values(v) @ self.coefficients
 
     def gradient(self, u: Floats) -> Floats:
-        """The tangent vectors (n, 3) whose products with velocities of u are the rates of change of tau."""
+        """Gradient of tau as tangent vectors (n, 3) of the unit sphere."""
         if self.coordinates is None:
             return self.harmonics.gradients(u)[1] @ self.coefficients
         v = self.coordinates.inverse(u)
         slope = self.harmonics.gradients(v)[1] @ self.coefficients
-        # dF takes v to 0; what is added to it makes it invertible and concerns no tangent vector.
+        # dF maps v to 0; the added term makes it invertible without affecting tangent vectors.
         full = self.coordinates.differential(v) + u[:, :, None] * v[:, None, :]
         return np.asarray(np.linalg.solve(full.transpose(0, 2, 1), slope[:, :, None])[:, :, 0])
 
 
 @dataclass(frozen=True)
 class TimeRaisedMetric:
-    """The metric ``q + d tau d tau``, that of a surface of Minkowski space in its projection to R^3."""
+    """Metric ``q + d tau d tau`` of the projection of a surface in Minkowski space to R^3."""
 
     metric: TwoMetric
     tau: TimeFunction

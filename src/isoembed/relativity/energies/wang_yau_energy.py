@@ -28,25 +28,25 @@ def wang_yau(
     degrees: tuple[int, ...] = (2, 4, 6, 8),
     accuracy: float = 1e-9,
 ) -> WangYau:
-    """Wang-Yau energy E(tau) of a surface, or the least one.
+    """Wang-Yau energy E(tau) of a surface, for a given or the optimal time function.
 
     Parameters
     ----------
     data : SurfaceData
-        With k, and with p and K(., n) where they do not vanish.  Where the norm of the mean curvature vector
-        and the connection alpha of the normal bundle are known instead, they are ``mean_curvature`` and
-        ``normal_momentum``.
+        Surface with k, and with p and K(., n) unless they vanish.  Alternatively, ``mean_curvature`` and
+        ``normal_momentum`` may be the norm of the mean curvature vector and the connection alpha of the
+        normal bundle.
     tau : TimeFunction, ndarray, callable, "optimal" or None
-        The time function; an array (size,) holds its coefficients in all harmonics up to some degree, as
-        `Harmonics` sorts them; a callable takes directions u (n, 3) and returns tau (n,).  None is tau = 0.
-        "optimal" looks for the least energy by Newton's method from tau = 0, in spherical harmonics.
+        Time function: an array (size,) of coefficients in all harmonics up to some degree, in the order of
+        `Harmonics`; or a callable that takes directions u (n, 3) and returns tau (n,).  None is tau = 0.
+        "optimal" minimizes the energy by Newton's method from tau = 0, in spherical harmonics.
     embedding : SmoothEmbedding, optional
-        Of ``data.metric`` in Euclidean space, if it is at hand.  Where that does not embed, a given tau will
-        do for which ``q + d tau d tau`` does.
+        Embedding of ``data.metric`` in Euclidean space, if already computed.  If the metric does not embed,
+        a given tau suffices for which ``q + d tau d tau`` does.
     degrees : tuple of int
-        Those of tau, one after the other, until the energy settles.
+        Degrees of tau, in order of refinement until the energy converges.
     accuracy : float
-        Relative change of the energy (over that of the radius of areas) at which it has settled.
+        Change of the energy at convergence, relative to that of the areal radius.
 
     Returns
     -------
@@ -55,20 +55,21 @@ def wang_yau(
     Raises
     ------
     InvalidParameter
-        The mean curvature vector is not spacelike and outward somewhere: the energy is not real there.  Or
-        the surface is a horizon, and tau not 0.
+        The mean curvature vector is not spacelike and outward somewhere, so that the energy is not real; or
+        the surface is a horizon and tau is not 0.
     NotEmbedded
-        The surface, or the one that a given tau makes, does not embed, or harmonics of degree 96 miss it.
+        The metric, or ``q + d tau d tau`` for a given tau, does not embed, or harmonics of degree 96 do not
+        resolve the surface.
     NoMinimum
-        The search ended where the energy still falls.
+        The search ended while the energy was still decreasing.
 
     Notes
     -----
     Signature - + + +, H the trace of the second fundamental form.  The error is the change when X is embedded
     in 3/4 of its harmonics, and that from the next lower degree of tau.
 
-    Of a horizon the energy is the limit ``int k0 dA / 8 pi`` of the least energies of surfaces that tend to
-    it, whose tau tends to 0; another tau is refused, as its energy has no limit (Zhao, Andersson and Yau).
+    The energy of a horizon is the limit ``int k0 dA / 8 pi`` of the least energies of surfaces that tend to
+    it, whose tau tends to 0; the energy of any other tau has no limit (Zhao, Andersson and Yau).
 
     References
     ----------
@@ -104,7 +105,7 @@ def wang_yau(
 
 
 def _in_directions_of(embedding: SmoothEmbedding, data: SurfaceData) -> SurfaceData:
-    """The data as functions of the directions of an embedding's harmonics."""
+    """Data as functions of the directions of the harmonics of an embedding."""
     F = embedding.coordinates
     if F is None:
         return data
@@ -113,7 +114,7 @@ def _in_directions_of(embedding: SmoothEmbedding, data: SurfaceData) -> SurfaceD
 
 
 def _returned(found: WangYau, metric: TwoMetric, coordinates: SphereMap) -> WangYau:
-    """A result in the given directions u, of one in those of a map u = F(v)."""
+    """Result in the original directions u, from one in the directions v of a map u = F(v)."""
     R, notes = coordinates.rotation, found.notes
     if R is None:
         tau = replace(found.tau, coordinates=coordinates)
@@ -125,7 +126,7 @@ def _returned(found: WangYau, metric: TwoMetric, coordinates: SphereMap) -> Wang
 
 
 def _limit(data: SurfaceData, embedding: SmoothEmbedding, time: TimeFunction | None) -> WangYau:
-    """The energy to which that of surfaces tends that tend to a horizon: |H| = 0 there."""
+    """Limit of the energies of surfaces that tend to a horizon, where |H| = 0."""
     if time is not None and np.any(time.coefficients[1:]):
         raise InvalidParameter(
             "the mean curvature vector of a horizon is null: the energy of surfaces that tend to it grows "

@@ -37,7 +37,7 @@ from isoembed.smooth.uncertain import Uncertainty
 
 
 class Shape(NamedTuple):
-    """Geometry of a map X of the surface, in frames that are orthonormal in q; pairs are 11, 12, 22."""
+    """Geometry of a map X of the surface, in orthonormal frames of q; pairs are 11, 12, 22."""
 
     k0: Floats  # (n,)
     stretch: Floats  # (n,) dA0 / dA
@@ -46,7 +46,7 @@ class Shape(NamedTuple):
 
 
 class Slope(NamedTuple):
-    """A time function's derivatives in q at the nodes, and what E is made of."""
+    """Derivatives of a time function in q at the nodes, and the terms of E."""
 
     gradient: Floats  # (n, 2) along the frames
     laplacian: Floats  # (n,)
@@ -57,22 +57,22 @@ class Slope(NamedTuple):
 
 @dataclass(frozen=True)
 class Functional:
-    """E(tau) for tau in the harmonics of one basis, X in others.
+    """Functional E(tau), for tau and X in harmonics of different degrees.
 
     Attributes
     ----------
     system : MatrixFreeIsometry
-        Of q: the equations for X.
+        Isometry equations for X.
     X, tau : SphereTransform
-        Of X, and of the time functions, at the same n nodes.
+        Transforms of X and of the time functions, at the same n nodes.
     frames : ndarray, shape (n, 2, 2)
-        Frames that are orthonormal in q, in their components along e_theta and e_phi.
+        Orthonormal frames of q, as components along e_theta and e_phi.
     areas : ndarray, shape (n,)
     drift : ndarray, shape (n, 2)
-        The Laplacian in q is the trace of the sphere's second derivatives along the frames, less this
-        vector's product with the gradient.
+        The Laplacian in q is the trace of the sphere's second derivatives along the frames minus the product
+        of this vector with the gradient.
     H, psi : ndarray, shape (n,)
-        The norm of the mean curvature vector, and the angle between it and the normal in the slice.
+        Norm of the mean curvature vector, and the angle between it and the normal in the slice.
     j : ndarray, shape (n, 2)
         K(., n) of the slice along the frames.
     """
@@ -96,7 +96,7 @@ class Functional:
         harmonics: Harmonics,
         time: Harmonics,
     ) -> Functional:
-        """The functional of a surface.
+        """Functional of a surface.
 
         Raises `InvalidParameter`: k is not given, or the mean curvature vector is not spacelike and outward;
         the message says where.
@@ -104,15 +104,15 @@ class Functional:
         Parameters
         ----------
         data : SurfaceData
-            With the mean curvature.
+            Surface with its mean curvature.
         embedding : SmoothEmbedding
-            Of ``q + d tau d tau`` for one tau.
+            Embedding of ``q + d tau d tau`` for one tau.
         at : TimeFunction
             That tau.
         harmonics, time : Harmonics
-            Of X, and of the time functions.
+            Harmonics of X and of the time functions.
         """
-        # Twice the degree, against aliasing.
+        # Twice the degree, to avoid aliasing.
         n = max(int(np.ceil(2.0 * (harmonics.degree + 1))), time.degree + 1)
         samples = MetricSamples.of(data.metric, n, 2 * n)
         k, p, j = physical(data, samples.u, samples.frames)
@@ -121,8 +121,8 @@ class Functional:
         system = MatrixFreeIsometry.of(transform, samples)
         start = SphereTransform(at.harmonics, n, 2 * n)
         slope = (frames @ start.gradients(at.coefficients[:, None]))[:, :, 0]
-        # (tau, X0) has the metric q in Minkowski space: the tangent part of its second derivatives is how q's
-        # derivative differs from that of the sphere.
+        # (tau, X0) has the metric q in Minkowski space: the tangential part of its second derivatives is the
+        # difference of the connections of q and of the sphere.
         X0 = resized(embedding.coefficients, embedding.harmonics, harmonics)
         X0 = _nearer(system, frames, X0, _stretch(slope))
         trace = traced(frames, transform.hessians(X0))
@@ -145,15 +145,15 @@ class Functional:
         return replace(self, tau=replace(self.tau, harmonics=harmonics))
 
     def embedded(self, tau: Floats, start: Floats) -> EmbeddedTime:
-        """The embedding for tau (m,), from the coefficients (size, 3) of X for a tau nearby."""
+        """Embedding for tau (m,), from the coefficients (size, 3) of X for a nearby tau."""
         return EmbeddedTime(self, tau, self.system.solved(start, self.stretch(tau)))
 
     def stretch(self, tau: Floats) -> Floats:
-        """Strains (n, 3) that d tau d tau adds to the metric."""
+        """Strains (n, 3) from the term d tau d tau of the metric."""
         return _stretch(self.gradient(tau))
 
     def gradient(self, tau: Floats) -> Floats:
-        """The derivatives (n, 2) along the frames of tau (m,), given without the constant harmonic."""
+        """Derivatives (n, 2) along the frames of tau (m,), without the constant harmonic."""
         return np.asarray((self.frames @ self.tau.gradients(_whole(tau)))[:, :, 0])
 
     def slope(self, tau: Floats) -> Slope:
@@ -175,7 +175,7 @@ class Functional:
         return np.asarray(result[1:, 0])
 
     def shape(self, X: Floats) -> Shape:
-        """Curvatures of the map with these coefficients, (size, 3)."""
+        """Curvatures of the map with coefficients X (size, 3)."""
         X1, X2 = np.moveaxis(self.tangents(X), 1, 0)
         g11, g12, g22 = ((a * b).sum(axis=1) for a, b in ((X1, X1), (X1, X2), (X2, X2)))
         normals = np.cross(X1, X2)
@@ -184,24 +184,24 @@ class Functional:
         h11, h12, h22 = -np.einsum("npc,nc->pn", second, normals / stretch[:, None])
         det = stretch**2
         k0 = (g22 * h11 - 2.0 * g12 * h12 + g11 * h22) / det
-        # k0 g^ab - h^ab is the matrix of cofactors of h, over det g.
+        # k0 g^ab - h^ab is the cofactor matrix of h over det g.
         conjugate = np.stack([h22, -h12, h11], axis=1) / stretch[:, None]
         return Shape(k0, stretch, conjugate, (h11 * h22 - h12**2) / det)
 
     def tangents(self, X: Floats) -> Floats:
-        """The derivatives (n, 2, 3) along the frames of the map with these coefficients, (size, 3)."""
+        """Derivatives (n, 2, 3) along the frames of the map with coefficients X (size, 3)."""
         return np.asarray(self.frames @ self.X.gradients(X))
 
 
 @dataclass(frozen=True)
 class EmbeddedTime:
-    """A time function tau with its embedding X, and E(tau) with its first derivatives.
+    """Time function tau with its embedding X, and E(tau) with its first derivatives.
 
     Attributes
     ----------
     functional : Functional
     tau : ndarray, shape (m,)
-        Coefficients, without that of the constant.
+        Coefficients, without that of the constant harmonic.
     X : ndarray, shape (size, 3)
     """
 
@@ -210,22 +210,22 @@ class EmbeddedTime:
     X: Floats
 
     def refined(self) -> EmbeddedTime:
-        """Embedding with an X whose metric is nearer, where one more linear solve finds it."""
+        """Embedding with a more accurate X after one more linear solve, if that improves it."""
         f = self.functional
         X = _nearer(f.system, f.frames, self.X, f.stretch(self.tau))
         return self if X is self.X else EmbeddedTime(f, self.tau, X)
 
     @property
     def time_function(self) -> TimeFunction:
-        """The time function, its constant harmonic being 0."""
+        """Time function, with zero constant harmonic."""
         return TimeFunction(self.functional.tau.harmonics, _whole(self.tau)[:, 0])
 
     @cached_property
     def misfit(self) -> float:
-        """The largest relative error of a length at the nodes."""
+        """Largest relative error of a length at the nodes."""
         (a, b, c), s = self._off.T, self.slope
         off = np.stack([a, b / np.sqrt(2.0), b / np.sqrt(2.0), c], axis=1).reshape(-1, 2, 2)
-        # The inverse root of the metric 1 + d tau d tau.
+        # Inverse square root of the metric 1 + d tau d tau.
         root = (
             np.eye(2) - s.gradient[:, :, None] * s.gradient[:, None, :] / (s.W * (s.W + 1.0))[:, None, None]
         )
@@ -233,7 +233,7 @@ class EmbeddedTime:
 
     @cached_property
     def reference(self) -> float:
-        """Int k0 dA0 / 8 pi, corrected to first order in what X misses of the metric."""
+        """Integral of k0 dA0 / 8 pi, corrected to first order in the metric error of X."""
         shape, off = self.shape, self._off
         missed = np.einsum("np,np->n", shape.conjugate * [1.0, np.sqrt(2.0), 1.0], off)
         return float(self.functional.areas @ (shape.stretch * shape.k0 - 0.5 * missed)) / (8.0 * np.pi)
@@ -247,17 +247,17 @@ class EmbeddedTime:
 
     @cached_property
     def gradient(self) -> Floats:
-        """The derivatives (m,) of E; X changes with tau, but int k0 dA0 by its conjugate alone."""
+        """Gradient (m,) of E; the change of X with tau enters int k0 dA0 through the conjugate only."""
         f, s = self.functional, self.slope
         flow = applied(self.shape.conjugate, s.gradient) - (s.S / s.W**2)[:, None] * s.gradient + f.j
         return f.derivatives(flow, f.psi - s.theta) / (8.0 * np.pi)
 
     def error(self, k: Uncertainty, p: Uncertainty, j: Uncertainty) -> float:
-        """Error of E(tau) by those of k, p and K(., n)."""
+        """Error of E(tau) from those of k, p and K(., n)."""
         f, s = self.functional, self.slope
         cosh, sinh = np.cosh(f.psi), np.abs(np.sinh(f.psi))
         norm = cosh * k.mean + sinh * p.mean
-        # What averages out remains in squares.
+        # Noise that averages out remains in squares.
         norm += 0.25 * (k.pointwise**2 + p.pointwise**2) / f.H
         angle = (cosh * p.mean + sinh * k.mean) / f.H
         total = s.W * norm + np.abs(s.laplacian) * angle
@@ -266,12 +266,12 @@ class EmbeddedTime:
 
     @cached_property
     def admissible(self) -> float:
-        """The least ``K + det D^2 tau / W^2`` at the nodes; tau is admissible if it is positive."""
+        """Least ``K + det D^2 tau / W^2`` at the nodes; tau is admissible if it is positive."""
         return float((self.shape.curvature * self.slope.W**2).min())
 
     @cached_property
     def _off(self) -> Floats:
-        """Excess of the metric (n, 3) of X, as `strains` has it."""
+        """Excess of the metric of X (n, 3), in the form of `strains`."""
         f = self.functional
         return strains(f.tangents(self.X)) - f.stretch(self.tau)
 
@@ -287,7 +287,7 @@ class EmbeddedTime:
 
 
 def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floats, Floats]:
-    """The curvature k and momentum p (n,) of the data and, along the frames (n, 2), K(., n)."""
+    """Curvature k and momentum p (n,) of the data, and K(., n) along the frames (n, 2)."""
     if data.mean_curvature is None:
         raise InvalidParameter("the Wang-Yau energy needs the mean curvature k of the surface")
     k = values_of(data.mean_curvature, u, "the mean curvature")
@@ -307,7 +307,7 @@ def physical(data: SurfaceData, u: Floats, frames: Floats) -> tuple[Floats, Floa
 
 
 def _nearer(system: MatrixFreeIsometry, frames: Floats, X: Floats, stretch: Floats) -> Floats:
-    """Coefficients (size, 3) of a map whose strains are nearer to a stretch than X's, or X if it is near."""
+    """Coefficients (size, 3) of a map with strains closer to a stretch, or X if it is accurate enough."""
 
     def off(X: Floats) -> Floats:
         return strains(frames @ system.transform.gradients(X)) - stretch
@@ -320,18 +320,18 @@ def _nearer(system: MatrixFreeIsometry, frames: Floats, X: Floats, stretch: Floa
 
 
 def _stretch(gradient: Floats) -> Floats:
-    """Strains (n, 3) that d tau d tau adds, of the gradient (n, 2) along frames."""
+    """Strains (n, 3) from d tau d tau, for the gradient (n, 2) along frames."""
     g1, g2 = gradient.T
     return np.stack([g1**2, np.sqrt(2.0) * g1 * g2, g2**2], axis=1)
 
 
 def _whole(tau: Floats) -> Floats:
-    """Coefficients (size, 1) with a constant harmonic, 0."""
+    """Coefficients (size, 1) with a zero constant harmonic prepended."""
     return np.concatenate([[0.0], tau])[:, None]
 
 
 def paired(frames: Floats, tensors: Floats) -> Floats:
-    """Symmetric tensors (n, 3, c) as 11, 12, 22 along frames (n, 2, 2) whose components are given."""
+    """Components 11, 12, 22 of symmetric tensors (n, 3, c) along frames (n, 2, 2)."""
     (a, b), (c, d) = frames.transpose(1, 2, 0)[..., None]
     tt, tp, pp = np.moveaxis(tensors, 1, 0)
     return np.stack(

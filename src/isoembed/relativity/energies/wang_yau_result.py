@@ -17,7 +17,7 @@ from isoembed.surface.estimate import Estimate
 @short_repr
 @dataclass(frozen=True)
 class WangYau:
-    """The Wang-Yau energy of a surface.
+    """Wang-Yau energy of a surface.
 
     Attributes
     ----------
@@ -25,18 +25,18 @@ class WangYau:
         E(tau), in the unit of length.
     tau : TimeFunction
     embedding : SmoothEmbedding
-        Of ``q + d tau d tau``: with tau it is the surface in Minkowski space, (tau, X).
+        Embedding X of ``q + d tau d tau``; (tau, X) is the surface in Minkowski space.
     admissible : float
-        The least ``K + det D^2 tau / (1 + |grad tau|^2)``; tau is admissible where it is positive.
+        Least ``K + det D^2 tau / (1 + |grad tau|^2)``; tau is admissible if it is positive.
     gradient : float
-        The norm of the derivatives of E by tau's coefficients, which are lengths; 0 at a critical tau.
+        Norm of the gradient of E in the coefficients of tau, which are lengths; 0 at a critical tau.
     least_second_derivative : float or None
-        The least eigenvalue of the second derivatives: positive at a minimum, 0 where E does not change to
-        second order (boosts, in Minkowski space); None if tau was given.
+        Least eigenvalue of the second derivatives: positive at a minimum, 0 if E is constant to second order
+        (boosts, in Minkowski space); None if tau was given.
     embeddings : int
-        How many embeddings it took.
+        Number of embeddings computed.
     notes : tuple of str
-        What must be known to read the number.
+        Remarks on the interpretation of the energy.
     """
 
     energy: Estimate
@@ -49,7 +49,7 @@ class WangYau:
     notes: tuple[str, ...] = ()
 
     def mesh(self, vertices: int) -> dict[str, NDArray[Any]]:
-        """A triangulation of the surface in Minkowski space, nearly equilateral in its projection.
+        """Triangulation of the surface in Minkowski space, nearly equilateral in its projection.
 
         Returns
         -------
@@ -68,7 +68,7 @@ class WangYau:
 
     @property
     def evidence(self) -> Evidence | None:
-        """Evidence that no time function has less energy: how it was sought; None if tau was given."""
+        """Evidence that no time function has less energy; None if tau was given."""
         if self.least_second_derivative is None:
             return None
         return Evidence(
@@ -99,7 +99,7 @@ class WangYau:
 
 
 def inadmissible(least: float) -> str:
-    """A note of a least ``K + det D^2 tau / W^2`` that is not positive."""
+    """Note on a least ``K + det D^2 tau / W^2`` that is not positive."""
     return (
         f"tau is not admissible: K + det D^2 tau / W^2 is {least:.3g} somewhere. The number may be quoted as "
         "E(tau), not as the Wang-Yau energy, which is the least over admissible tau"

@@ -19,16 +19,16 @@ from isoembed.smooth.orientation import oriented
 from isoembed.smooth.transforms import resized
 from isoembed.surface.estimate import Estimate
 
-LEAST_DEGREE = 16  # of X: a time function adds harmonics to those of the surface
-HIGHEST_DEGREE = 96  # of X: the cost grows quickly
+LEAST_DEGREE = 16  # least degree of X: a time function adds harmonics to those of the surface
+HIGHEST_DEGREE = 96  # largest degree of X, limited by the cost
 MAX_ITERATIONS = 30  # of Newton's method
 SHORTEST_STEP = 1e-3  # fraction of the Newton step below which the line search gives up
-FLAT = 1e-9  # second derivative over the largest that is zero (boosts, in Minkowski space)
-STATIONARY = 1e-9  # predicted decrease, in irreducible masses, that a minimum may have
+FLAT = 1e-9  # largest relative second derivative that counts as zero (boosts, in Minkowski space)
+STATIONARY = 1e-9  # largest predicted decrease at a minimum, in irreducible masses
 
 
 class Search:
-    """Energies of one surface for time functions, with a count of the embeddings."""
+    """Energies of a surface for time functions, with a count of the embeddings."""
 
     def __init__(self, data: SurfaceData, base: SmoothEmbedding, at: TimeFunction) -> None:
         degree = int(np.clip(base.harmonics.degree, LEAST_DEGREE, HIGHEST_DEGREE))
@@ -36,20 +36,20 @@ class Search:
         self.harmonics = Harmonics(degree, degree)  # of X
         self.embeddings = 1
         self.scale = float(np.sqrt(base.area / (16.0 * np.pi)))
-        # Above this relative error of a length X has lost its surface.
+        # Largest relative error of a length of X.
         self.strained = max(1e-3, 2.0 * base.residual)
 
     @property
     def start(self) -> Floats:
-        """Coefficients of the base in the harmonics of X."""
+        """Coefficients of the base embedding in the harmonics of X."""
         return resized(self.base.coefficients, self.base.harmonics, self.harmonics)
 
     def functional(self, harmonics: Harmonics, time: Harmonics) -> Functional:
-        """The functional for X and tau in these harmonics."""
+        """Functional for X and tau in given harmonics."""
         return Functional.of(self.data, self.base, self.at, harmonics, time)
 
     def given(self, tau: TimeFunction) -> WangYau:
-        """The energy of a given time function, reached from that of the base."""
+        """Energy of a given time function, by continuation from that of the base."""
         t = tau.coefficients[1:]
         if tau is self.at or not np.any(t):
             if self.base.harmonics.order < self.base.harmonics.degree:  # symmetric about the z-axis
@@ -58,10 +58,10 @@ class Search:
         return self._result(self._continued(self.functional(self.harmonics, tau.harmonics), t))
 
     def minimum(self, degrees: tuple[int, ...], accuracy: float) -> WangYau:
-        """The least energy, in more and more harmonics."""
+        """Least energy, in harmonics of increasing degree."""
         highest = Harmonics(max(degrees), max(degrees))
         functional = self.functional(self.harmonics, highest)
-        few = min(self.harmonics.degree, 12)  # of X for second derivatives
+        few = min(self.harmonics.degree, 12)  # degree of X for second derivatives
         coarse = self.functional(Harmonics(few, few), highest)
         at = EmbeddedTime(functional.with_time(self.at.harmonics), self.at.coefficients[1:], self.start)
         for degree in degrees:
@@ -78,7 +78,7 @@ class Search:
         return self._result(at, change, least)
 
     def _newton(self, at: EmbeddedTime, second: SecondVariation) -> tuple[EmbeddedTime, Floats]:
-        """Newton's method, downhill also where the second derivatives are negative; and their eigenvalues."""
+        """Minimum by Newton's method, with descent for negative second derivatives, and their eigenvalues."""
         fewer = second.functional.X.harmonics
         for _ in range(MAX_ITERATIONS):
             eigenvalues, modes = np.linalg.eigh(second.at(at.tau, resized(at.X, self.harmonics, fewer)))
@@ -100,7 +100,7 @@ class Search:
         return at, eigenvalues
 
     def _line_search(self, at: EmbeddedTime, step: Floats, foretold: float) -> EmbeddedTime | None:
-        """A time function along a step, as admissible, that embeds and has so much less energy, if any."""
+        """Admissible time function along a step with an embedding and a sufficient decrease of E, if any."""
         length = 1.0
         convex = at.admissible > 0.0
         while length >= SHORTEST_STEP:
@@ -112,15 +112,14 @@ class Search:
             if followed and there.energy <= enough:
                 return there
             if foretold <= STATIONARY * self.scale:
-                # Of the energy rounding is left; tau still has digits to gain.
-                # Where energies are rounded, the gradient tells whether the step helps.
+                # The energy is converged to rounding while tau is not: the gradient decides.
                 flatter = np.linalg.norm(there.gradient) <= 0.3 * np.linalg.norm(at.gradient)
                 return there if followed and flatter else None
             length *= 0.5
         return None
 
     def _continued(self, functional: Functional, t: Floats) -> EmbeddedTime:
-        """The embedding for a given tau, step by step from 0."""
+        """Embedding for a given tau, by continuation from 0."""
         done, step, X = 0.0, 1.0, self.start
         while done < 1.0:
             self.embeddings += 1
@@ -139,7 +138,7 @@ class Search:
         return there
 
     def _result(self, found: EmbeddedTime, change: float = 0.0, least: float | None = None) -> WangYau:
-        """The energy with its error: `change` is that from the tau of lower degree."""
+        """Energy with its error, where `change` is that from the lower degree of tau."""
         found = found.refined()
         if found.misfit > self.strained:
             raise NotEmbedded(
@@ -147,7 +146,7 @@ class Search:
                 f"{self.harmonics.degree}",
                 self.base,
             )
-        # The error is estimated from X of three quarters of the degree.
+        # Error estimate from X in three quarters of the degree.
         degree = int(0.75 * self.harmonics.degree)
         lower = Harmonics(degree, min(degree, self.harmonics.order))
         self.embeddings += 1

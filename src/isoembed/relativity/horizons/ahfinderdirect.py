@@ -1,7 +1,7 @@
 """Reader for horizon shapes of AHFinderDirect (Einstein Toolkit), h.t<iteration>.ah<number>.gp.
 
-They hold the radius of the horizon about an origin on up to six patches of an inflated cube [1]_, and points
-in the coordinates of the slice; no metric.  Runs with symmetries write fewer patches.
+A file holds the radius of the horizon about an origin on up to six patches of an inflated cube [1]_ and the
+points in slice coordinates, but no metric.  Runs with symmetries write fewer patches.
 
 References
 ----------
@@ -26,13 +26,13 @@ from isoembed.smooth.harmonics import Harmonics
 
 HEADER = re.compile(r"[#%!;\"]+\s*(N_patches|origin|N_rho|N_sigma)\b\s*[=:]?\s*(.*)", re.IGNORECASE)
 PATCH = re.compile(r"[#%!;\"]+\s*([+-][xyz])[\s_-]*patch", re.IGNORECASE)
-DIGITS = 1e-3  # degrees, by which the printed digits may move a point
-SMOOTH_DEGREE = 8  # of the harmonics that tell a smooth surface from one with a crease
+DIGITS = 1e-3  # angular error of printed points, in degrees
+SMOOTH_DEGREE = 8  # degree of the harmonics that distinguish a smooth surface from one with a crease
 
 
 @dataclass
 class _Patch:
-    """One patch as it is being read: its last line, its announced sizes, and its rows."""
+    """Partially read patch: its last line, announced sizes, and rows."""
 
     name: str
     line: int
@@ -42,34 +42,34 @@ class _Patch:
 
 @dataclass(frozen=True)
 class _Symmetry:
-    """A completion of the part that a file holds: the images (3, 3) of it, and what they are called."""
+    """Candidate symmetry of an incomplete surface: its matrices (3, 3) and a name for messages."""
 
     images: list[Floats]
     name: str
 
 
 def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
-    """Read a horizon's shape as AHFinderDirect writes it, and make it one closed surface.
+    """Read the closed coordinate surface of a horizon from a file of AHFinderDirect.
 
-    Ghost zones are dropped, points on the seams of patches merged, and what a symmetric run leaves out is
-    completed: by reflections in the planes z = 0, x = 0 and y = 0 of the origin, or by rotations about the
-    z-axis, whichever gives the smooth surface.
+    Ghost zones are dropped, and points on the seams between patches are merged.  Parts omitted by a symmetric
+    run are completed by reflections in the planes z = 0, x = 0 and y = 0 through the origin, or by rotations
+    about the z-axis, whichever gives a smooth surface.
 
     Parameters
     ----------
     path : path
-        ``h.t*.ah*.gp``, which may be compressed (``.gz``).
+        ``h.t*.ah*.gp``, optionally compressed (``.gz``).
 
     Returns
     -------
     CoordinateShape
-        The number behind ``t`` in the name of the file is its iteration; its time is None.
+        The iteration is the number after ``t`` in the file name; the time is None.
 
     Raises
     ------
     FileError
-        The file cannot be read, is cut short or malformed (the message names the line), patches are missing
-        that no symmetry supplies, or none of those that may completes a smooth surface.
+        The file cannot be read, is truncated or malformed (the message names the line), no symmetry supplies
+        the missing patches, or none of the candidate symmetries gives a smooth surface.
     """
     with opened(path) as file:
         origin, arrows = _patches(file)
@@ -78,24 +78,24 @@ def read_ahfinderdirect(path: str | os.PathLike[str]) -> CoordinateShape:
 
 
 def horizon_and_iteration(path: Path) -> tuple[str, int | None]:
-    """The horizon, such as "ah1", and the iteration in a file name h.t<iteration>.ah<number>.gp."""
+    """Horizon name, such as "ah1", and iteration from a file name h.t<iteration>.ah<number>.gp."""
     horizon, iteration = (re.search(pattern, path.name) for pattern in (r"ah\d+", r"\.t(\d+)\."))
     return horizon[0] if horizon else "", int(iteration[1]) if iteration else None
 
 
 def shape_of_patches(origin: Floats, arrows: dict[str, Floats], source: str) -> CoordinateShape:
-    """Closed surface of the patches of an inflated cube, with or without ghost zones, completed by symmetry.
+    """Closed surface from patches of an inflated cube, with or without ghost zones, completed by symmetry.
 
-    Raises `FileError`: patches are missing that no symmetry supplies, or none of those that may completes a
+    Raises `FileError`: no symmetry supplies the missing patches, or none of the candidate symmetries gives a
     smooth surface.
 
     Parameters
     ----------
     origin : ndarray, shape (3,)
     arrows : dict of str to ndarray, shape (n, 3)
-        The points of each patch relative to the origin, by the axis that the patch is around: "+z".
+        Points of each patch relative to the origin, keyed by the axis of the patch, such as "+z".
     source : str
-        For messages.
+        Name of the source, for messages.
     """
     halves = _halves(arrows, origin, source)
     trimmed = {name: _trimmed(name, arrow, halves) for name, arrow in arrows.items()}
@@ -103,7 +103,7 @@ def shape_of_patches(origin: Floats, arrows: dict[str, Floats], source: str) -> 
         if len(arrow) == 0:
             raise FileError(f"{source}: no point of the patch {name} is in the direction {name}")
     points = origin + _completed(np.concatenate(list(trimmed.values())), halves, source)
-    # The copies of a point of two patches differ by their digits.
+    # Copies of a point in two patches differ by the rounding of printed digits.
     kept, faces = triangulate_star_shaped(points, origin, source, same=1e-4)
     return CoordinateShape(points[kept], faces, origin, source=source, is_hull=True)
 
@@ -114,7 +114,7 @@ def _has_header(file: InputFile) -> bool:
 
 
 def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
-    """The origin, and the points of each patch relative to it, by the axis that the patch is around."""
+    """Origin, and the points of each patch relative to it, keyed by the axis of the patch."""
     text = file.text
     if not _has_header(file):
         raise FileError(
@@ -161,7 +161,7 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
                 raise wrong(f"there are numbers before a line {missing}")
             row = floats(words)
             r, distance = row[2], float(np.linalg.norm(np.array(row[3:]) - origin))
-            # The digits of a printed radius, and the rounding of the distance from a far origin.
+            # Rounding of a printed radius, and of the distance from a remote origin.
             room = 1e-5 * r + 1e-9 * float(np.max(np.abs(origin)))
             if not (np.isfinite(row).all() and r > 0 and abs(r - distance) <= room):
                 raise wrong(
@@ -177,7 +177,7 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
 
 
 def _check_size(patch: _Patch, file: InputFile) -> None:
-    """Check that there are as many rows as the header says, with or without ghost zones around them."""
+    """Check the number of rows against the header, with or without ghost zones."""
     rho, sigma = patch.sizes.get("n_rho", 0), patch.sizes.get("n_sigma", 0)
     rows, zones = len(patch.rows), range(9)  # at most eight ghost zones on each side of a patch
     allowed = {(rho + 2 * ghosts) * (sigma + 2 * ghosts) for ghosts in zones} if rho and sigma else {rows}
@@ -189,19 +189,19 @@ def _check_size(patch: _Patch, file: InputFile) -> None:
 
 
 def _axis(name: str) -> tuple[int, int]:
-    """The axis that a patch is around, x, y or z, and its sign."""
+    """Index of the axis of a patch (x, y or z) and its sign."""
     return "xyz".index(name[1]), 1 if name[0] == "+" else -1
 
 
 def _overhang(name: str, arrow: Floats) -> float:
-    """Reach of ghost zones beyond 45 degrees from the middle of a patch, in degrees."""
+    """Angular width of the ghost zones beyond 45 degrees from the center of a patch, in degrees."""
     axis, sign = _axis(name)
     others = np.abs(np.delete(arrow, axis, axis=1))
     return max(0.0, float(np.degrees(np.max(np.arctan2(others.T, sign * arrow[:, axis])))) - 45.0)
 
 
 def _halves(arrows: dict[str, Floats], origin: Floats, source: str) -> dict[int, int]:
-    """The axes of which only one half is there, and the sign of that half."""
+    """Axes with only one of two opposite patches, and the sign of that patch."""
     widest = max(_overhang(name, arrow) for name, arrow in arrows.items())
     halves = {}
     for axis, letter in enumerate("xyz"):
@@ -212,7 +212,7 @@ def _halves(arrows: dict[str, Floats], origin: Floats, source: str) -> dict[int,
             for name, arrow in arrows.items():
                 sines = sign * arrow[:, axis] / np.linalg.norm(arrow, axis=1)
                 angle = float(np.degrees(np.max(np.arcsin(np.clip(sines, -1.0, 1.0)))))
-                # Degrees: a patch that ends before 45 does not reach across its axis.
+                # In degrees: a patch that ends before 45 does not cross the coordinate plane.
                 if name[1] != letter and angle > min(widest, 44.0) + DIGITS:
                     raise FileError(
                         f"{source}: the patch {'+-'[sign < 0]}{letter} is missing, and no reflection "
@@ -237,7 +237,7 @@ def _trimmed(name: str, arrow: Floats, halves: dict[int, int]) -> Floats:
 
 
 def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
-    """The points and their images under the symmetry that fits them."""
+    """Points and their images under the symmetry that gives the smoothest surface."""
     if 2 in halves:
         arrow = _images(arrow, [np.eye(3), np.diag([1.0, 1.0, -1.0])])
     candidates = _symmetries(halves)
@@ -246,9 +246,9 @@ def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
     completed = [_images(arrow, candidate.images) for candidate in candidates]
     misses = [_miss(points, SMOOTH_DEGREE) for points in completed]
     best = int(np.argmin(misses))
-    # Half as many degrees again: a crease goes with 1 / degree, what is smooth exponentially.
+    # At 1.5 times the degree: the misfit of a crease decays as 1 / degree, of a smooth surface exponentially.
     if (
-        misses[best] > 1e-3  # mean radii: a smaller misfit is no crease
+        misses[best] > 1e-3  # mean radii: a smaller misfit is not a crease
         and _miss(completed[best], 3 * SMOOTH_DEGREE // 2) > 0.5 * misses[best]
     ):
         names = " nor ".join(candidate.name for candidate in candidates)
@@ -260,7 +260,7 @@ def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
 
 
 def _symmetries(halves: dict[int, int]) -> list[_Symmetry]:
-    """Symmetries that may complete the surface, once it is complete in z."""
+    """Candidate symmetries that complete a surface already complete in z."""
     one = np.eye(3)
     horizontal = [axis for axis in (0, 1) if axis in halves]
     if not horizontal:
@@ -281,7 +281,7 @@ def _images(arrow: Floats, images: list[Floats]) -> Floats:
 
 
 def _miss(arrow: Floats, degree: int) -> float:
-    """Largest misfit of the best fit of log r in harmonics."""
+    """Largest residual of the least-squares fit of log r in harmonics."""
     r = np.linalg.norm(arrow, axis=1)
     Y = Harmonics(degree, degree).values(arrow / r[:, None])
     log = np.log(r / np.max(r))

@@ -1,15 +1,15 @@
 """Approximate Killing vectors of a metric on the sphere.
 
-A field without divergence has a potential z, ``phi^a = eps^ab D_b z``.  Its shear ``D_(a phi_b)``, zero for a
-symmetry of the metric, has the square of the trace-free part of ``D_a D_b z``; the fields that make
-``int |shear|^2 dA / int |phi|^2 dA`` stationary solve an eigenvalue problem for z [1]_ [2]_ [3]_ [4]_.
+A divergence-free field has a potential z, ``phi^a = eps^ab D_b z``.  Its shear ``D_(a phi_b)`` vanishes for a
+Killing vector and has the norm of the trace-free part of ``D_a D_b z``; the stationary points of
+``int |shear|^2 dA / int |phi|^2 dA`` solve an eigenvalue problem for z [1]_ [2]_ [3]_ [4]_.
 
 References
 ----------
 .. [1] G. B. Cook and B. F. Whiting, "Approximate Killing vectors on S^2", Phys. Rev. D 76 (2007) 041501.
 .. [2] G. Lovelace, R. Owen, H. P. Pfeiffer and T. Chu, Phys. Rev. D 78 (2008) 084017, appendix A.
 .. [3] R. Owen, "Final remnant of binary black hole mergers: multipolar analysis", Phys. Rev. D 80 (2009)
-   084012, which has the norm and the normalization that are used here.
+   084012, for the norm and the normalization used here.
 .. [4] C. Beetle and S. Wilder, "Perturbative stability of the approximate Killing field eigenvalue problem",
    Class. Quantum Grav. 31 (2014) 075009.
 """
@@ -29,30 +29,30 @@ from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_fram
 
 @dataclass(frozen=True, eq=False)
 class Rotations:
-    """The three rotations that shear a metric least, at the nodes of a rule on the sphere.
+    """Three approximate Killing vectors of least shear, at the nodes of a quadrature rule on the sphere.
 
-    Their potentials are normalized to ``int z^2 dA = A^3 / (48 pi^2)`` and ``int z dA = 0``, and orthogonal.
-    The orbits of a symmetry then close after 2 pi: in its angle phi, dA = dz dphi spreads z evenly from
-    -A / 4 pi to A / 4 pi.  On a round sphere they are the rotations about three axes at right angles.
+    Their potentials are orthogonal and normalized to ``int z^2 dA = A^3 / (48 pi^2)`` and ``int z dA = 0``.
+    The orbits of a Killing vector then have period 2 pi: in its angle phi, dA = dz dphi, and z is distributed
+    uniformly from -A / 4 pi to A / 4 pi.  On a round sphere they are rotations about three orthogonal axes.
 
     Attributes
     ----------
     area : float
-        A.
+        Area A.
     u : ndarray, shape (n, 3)
-        The nodes.
+        Nodes, as unit vectors.
     dA : ndarray, shape (n,)
-        The area that each stands for, over A / 4 pi.
+        Area weights of the nodes, in units of A / 4 pi.
     potentials : ndarray, shape (n, 3)
-        Of the three, over A / 4 pi.
+        Potentials of the three fields, in units of A / 4 pi.
     fields : ndarray, shape (n, 3, 3)
-        Velocities of u, tangent vectors: the k-th rotation at [:, k].
+        Tangent vectors of the unit sphere; the k-th field is ``fields[:, k]``.
     shearing, size : ndarray, shape (3, 3)
-        Of their combination with weights c the root of ``A / 4 pi int |shear|^2 dA`` is the length of
-        ``shearing @ c``, and that of ``int |phi|^2 dA`` the length of ``size @ c``, both over A / 4 pi.
+        For the combination with weights c, ``sqrt(A / 4 pi int |shear|^2 dA)`` is the length of
+        ``shearing @ c`` and ``sqrt(int |phi|^2 dA)`` that of ``size @ c``, both in units of A / 4 pi.
     harmonics : Harmonics
     coefficients : ndarray, shape (harmonics.size, 3)
-        Of the potentials.
+        Coefficients of the potentials.
     """
 
     area: float
@@ -68,24 +68,24 @@ class Rotations:
     def shear(self, c: Floats) -> float:
         """``sqrt(A / 4 pi int |shear|^2 dA / int |phi|^2 dA)`` of a combination, with weights c (3,).
 
-        0 for a symmetry; sqrt(2) for the fields that come after the rotations on a round sphere.
+        0 for a Killing vector; on a round sphere sqrt(2) for the next fields after the rotations.
         """
         return float(np.linalg.norm(self.shearing @ c) / np.linalg.norm(self.size @ c))
 
     @property
     def least_sheared(self) -> Floats:
-        """The weights (3,), of length one, of the rotation that has the least shear of all."""
+        """Unit vector of weights (3,) of the rotation of least shear."""
         weights = np.linalg.solve(self.size, svd(self.shearing @ np.linalg.inv(self.size))[2][-1])
         return np.asarray(weights / np.linalg.norm(weights))
 
     @property
     def least_shears(self) -> Floats:
-        """The stationary values (3,) of the shear, increasing."""
+        """Stationary values (3,) of the shear, in increasing order."""
         return np.asarray(svd(self.shearing @ np.linalg.inv(self.size), compute_uv=False)[::-1])
 
 
 def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
-    """The rotations that shear a metric least, with potentials in harmonics.
+    """Approximate Killing vectors of least shear, with potentials in harmonics.
 
     Raises `InvalidMetric`: the metric is not positive definite.
 
@@ -93,15 +93,15 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     ----------
     metric : TwoMetric
     degree : int
-        Of the harmonics; the nodes are twice as dense, which leaves as many harmonics to the metric.
+        Degree of the harmonics; the nodes resolve twice this degree, for products with the metric.
     axisymmetric : bool
-        The metric is symmetric about the z-axis: it takes a few orders only.
+        Whether the metric is symmetric about the z-axis, so that orders up to 1 suffice.
 
     Notes
     -----
-    Of the fields of least shear those are taken whose potentials have the largest means of z u: the others
-    are twists, which shear an elongated surface as little.  A last singular value decomposition in their span
-    keeps the digits that squares have lost.
+    Among the fields of least shear, those with the largest means of z u are selected: the others are twists,
+    which have a comparably small shear on an elongated surface.  A singular value decomposition in their span
+    recovers the digits lost in the normal equations.
     """
     n = 2 * degree
     u, weights = gauss_rule(n, 16 if axisymmetric else 2 * n)  # enough angles for order 1
@@ -112,16 +112,16 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
     dA = weights * (density / unit)
     q = q / unit
     e = orthonormal_frame(u, q)
-    # A rotation about the z-axis has order 0, those across it order 1.
+    # A rotation about the z-axis has order 0, rotations about axes orthogonal to it order 1.
     harmonics = Harmonics(degree, min(degree, 1) if axisymmetric else degree)
     Y, first = harmonics.along(u, e)
-    Y, first = Y[:, 1:], first[:, :, 1:]  # constants move nothing
+    Y, first = Y[:, 1:], first[:, :, 1:]  # a constant potential has no field
     second = harmonics.second_along(u, e)[..., 1:]
     second -= np.einsum("nabc,ncs->nabs", _bend(u, q, e, n), first, optimize=True)
     root = np.sqrt(dA)[:, None, None]
     G = (root * first).reshape(-1, Y.shape[1])
     S = (root * _trace_free(second)).reshape(-1, Y.shape[1])
-    # The three rotations are among the eight fields of least shear.
+    # Degrees 1 and 2 on the round sphere: the rotations are among these eight fields.
     _, found = eigh(S.T @ S, G.T @ G, subset_by_index=[0, 7])
     z = Y @ found
     means = dA @ z / (4.0 * np.pi)
@@ -139,9 +139,9 @@ def rotations(metric: TwoMetric, degree: int, axisymmetric: bool) -> Rotations:
 
 
 def _bend(u: Floats, q: Floats, e: Floats, heights: int) -> Floats:
-    """C^c_ab (n, 2, 2, 2) of ``D_a D_b z = nabla_a nabla_b z - C^c_ab D_c z`` in a frame, by a, b and c.
+    """Difference tensor C^c_ab (n, 2, 2, 2) at [:, a, b, c], in a frame.
 
-    D is the derivative of q, nabla that of the unit sphere.
+    ``D_a D_b z = nabla_a nabla_b z - C^c_ab D_c z``, with D the connection of q and nabla that of the sphere.
     """
     around = len(u) // heights
     harmonics = Harmonics(heights - 1, min(heights, around // 2) - 1)
@@ -155,5 +155,5 @@ def _bend(u: Floats, q: Floats, e: Floats, heights: int) -> Floats:
 
 
 def _trace_free(second: Floats) -> Floats:
-    """The trace-free part of symmetric tensors (n, 2, 2, c), as vectors (n, 2, c) of the same norm."""
+    """Trace-free part of symmetric tensors (n, 2, 2, c), as vectors (n, 2, c) of the same norm."""
     return np.stack([second[:, 0, 0] - second[:, 1, 1], 2.0 * second[:, 0, 1]], axis=1) / np.sqrt(2.0)

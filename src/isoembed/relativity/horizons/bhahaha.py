@@ -1,7 +1,7 @@
 """Reader for horizon shapes written by BHaHAHA of NRPy, h.t<iteration>.ah<number>.gp.
 
-They hold points of the horizon in the coordinates of the slice, on a cell-centered grid in theta and phi
-[1]_; no metric, and no center.
+A file holds points of the horizon in slice coordinates, on a cell-centered grid in theta and phi [1]_, but
+neither a metric nor the center of the angles.
 
 References
 ----------
@@ -25,27 +25,27 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 
 TIME = re.compile(r"\btime\b[^\d+-]*([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)")
-SAME = 1e-6  # of the size of the horizon, by which a point that is repeated may be off
+SAME = 1e-6  # largest distance between copies of a point, relative to the size of the horizon
 
 
 def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
     """Read the shape of a horizon from a file of BHaHAHA.
 
-    The file holds one row ``x y z`` for each point, separated by blanks or commas: rings of constant theta,
-    each closed by its first point, to within rounding, and followed by a blank line.  The angles about the
-    center are theta = (i + 1/2) pi / n_theta and phi = -pi + (j + 1/2) 2 pi / n_phi.  The file does not name
-    the center: it is the point from which the points are seen at these angles.  Raises `FileError`: the file
-    cannot be read, is cut short or malformed; the message names the line where it can.
+    The file has one row ``x y z`` per point, separated by blanks or commas.  The rows form rings of constant
+    theta, each closed by a copy of its first point (to within rounding) and followed by a blank line.  The
+    angles about the center are theta = (i + 1/2) pi / n_theta and phi = -pi + (j + 1/2) 2 pi / n_phi.  The
+    center is not in the file; it is determined from these angles by least squares.  Raises `FileError`: the
+    file cannot be read, is truncated or malformed; the message names the line if possible.
 
     Parameters
     ----------
     path : path
-        ``h.t*.ah*.gp``, which may be compressed (``.gz``).
+        ``h.t*.ah*.gp``, optionally compressed (``.gz``).
 
     Returns
     -------
     CoordinateShape
-        With the time in the comments of the file, and the iteration in its name.
+        Its time comes from the comments of the file, its iteration from the file name.
     """
     with opened(path) as file:
         table = read_text_table(file)
@@ -75,21 +75,22 @@ def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
     return replace(shape, name=name, iteration=iteration, time=time)
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite is at no such angles
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # the check below rejects non-finite values
 def _center(points: Floats, source: str) -> Floats:
-    """The point (3,) from which points (n_theta, n_phi, 3) are seen at the angles of the grid."""
+    """Center (3,) about which points (n_theta, n_phi, 3) have the angles of the grid."""
     n_theta, n_phi, _ = points.shape
     theta = (np.arange(n_theta) + 0.5) * np.pi / n_theta
     phi = -np.pi + (np.arange(n_phi) + 0.5) * 2.0 * np.pi / n_phi
     u = directions_at(np.cos(theta)[:, None], phi)
     across = np.eye(3) - u[..., :, None] * u[..., None, :]
-    # Least squares of the distances of the center from the lines through the points along u.
+    # Least squares: distances of the center from the lines through the points along u.
     origin = points.mean(axis=(0, 1))
     moments = np.einsum("tpij,tpj->i", across, points - origin)
     center = origin + np.linalg.solve(across.sum(axis=(0, 1)), moments)
     arrows = points - center
     off = np.linalg.norm(np.einsum("tpij,tpj->tpi", across, arrows), axis=2)
-    # A grid of one ring more or less differs by about pi / n_theta; printed digits are far below 1 % of that.
+    # A grid with one ring more or less differs by about pi / n_theta; rounding of printed digits is far below
+    # 1 % of that.
     if not (off / np.linalg.norm(arrows, axis=2)).max() <= 0.01 * np.pi / n_theta:
         raise FileError(
             f"{source}: the {n_theta} rings of {n_phi} points are not at the angles of a cell-centered grid "

@@ -21,26 +21,26 @@ from isoembed.smooth.two_metric import TwoMetric, area_density, orthonormal_fram
 from isoembed.smooth.uncertain import EXACT, Uncertainty
 from isoembed.surface.estimate import Estimate
 
-FINER = 8  # ratio of the places where extremes are sought to the nodes
+FINER = 8  # refinement factor of the nodes in searches for extrema
 
 
 @short_repr
 @dataclass(frozen=True)
 class Circumferences:
-    """Lengths of closed curves on a surface, in its unit.
+    """Lengths of closed curves on a surface, in its unit of length.
 
     Attributes
     ----------
     equatorial : Estimate
-        Of the circle of latitude zeta = 0, which halves the area.
+        Length of the circle of latitude zeta = 0, which bisects the area.
     longest : Estimate
-        Of the longest circle of latitude.
+        Length of the longest circle of latitude.
     polar : Estimate
-        Of two meridians, from pole to pole and back: lines along the gradient of zeta.  Without symmetry they
-        differ, and this is a mean.
+        Twice the length of a meridian, a line along the gradient of zeta from pole to pole; the mean over
+        meridians if there is no symmetry.
     polar_bounds : tuple of float
-        Between these, moved apart by their error, is twice the length of every meridian; both are `polar`
-        where there is a symmetry.
+        Lower and upper bound of twice the length of all meridians, including their error; both equal `polar`
+        for an axisymmetric surface.
     """
 
     equatorial: Estimate
@@ -59,7 +59,8 @@ class Circumferences:
         metric : TwoMetric
         zeta : InvariantCoordinate
         relative_error : Uncertainty
-            Of lengths.  Meridians in the mean average it over the surface, circles of latitude one way only.
+            Relative error of lengths.  The mean meridian averages it over the surface, a circle of latitude
+            over one dimension only.
         """
         atlas = _Atlas.of(metric, zeta)
         most = 512 if zeta.axisymmetric else MOST_NODES
@@ -68,13 +69,13 @@ class Circumferences:
             speed, _ = atlas.circles(np.zeros(1), np.array([0.5 * np.pi]), atlas.around(n))
             values = np.array([2.0 * np.pi * speed.mean(), atlas.meridian(n)])
             change = np.abs(values - before)
-            if np.all(change <= 1e-13 * values) or GROWTH * n > most:  # change with more nodes
+            if np.all(change <= 1e-13 * values) or GROWTH * n > most:  # converged in the number of nodes
                 break
             n, before = int(GROWTH * n), values
         mean = relative_error.mean
-        # A circle averages over one dimension: the root of the errors at points and in the mean.
+        # A circle averages over one dimension: geometric mean of the pointwise error and that of the mean.
         circle = max(mean, 2.0 * float(np.sqrt(relative_error.pointwise * mean)))
-        # 1e-14: rounding in sums over nodes.
+        # 1e-14: rounding errors of sums over nodes.
         errors = change + (1e-14 + zeta.error + np.array([circle, mean])) * values
         equatorial, polar = (Estimate(*pair) for pair in zip(values, errors, strict=True))
         longest = atlas.longest(n)
@@ -100,14 +101,15 @@ class Circumferences:
 
 @dataclass(frozen=True)
 class _Atlas:
-    """Angles about the poles of zeta: w on a sphere where these are opposite is moved to u by a boost.
+    """Polar coordinates about the poles of zeta, on a sphere mapped to the directions u by a boost.
 
     Attributes
     ----------
     frame : ndarray, shape (3, 3)
-        The direction of the pole of greatest zeta among the w, that of the boost, and one across both.
+        Orthonormal rows: north pole (greatest zeta) of the unboosted sphere, direction of the boost, and
+        their cross product.
     boost : float
-        Its velocity: the cosine of half the angle between the poles.
+        Velocity of the boost: the cosine of half the angle between the poles.
     """
 
     metric: TwoMetric
@@ -133,9 +135,9 @@ class _Atlas:
         return 4 if self.zeta.axisymmetric else 2 * n  # circles are orbits of the symmetry
 
     def meridian(self, n: int) -> float:
-        """Twice the mean length of meridians: ``2 int dzeta`` of the means of ``1 / |grad zeta|`` on circles.
+        """Twice the mean length of meridians: ``2 int <1 / |grad zeta|> dzeta``, with means over circles.
 
-        Each counts by the area between it and the next, whose Legendre series in zeta is that of moments.
+        Each meridian is weighted by the area next to it; the area per zeta comes from Legendre moments.
         """
         x, weights = legendre.leggauss(n)
         psi = 2.0 * np.pi / self.around(n) * np.arange(self.around(n))
@@ -151,12 +153,12 @@ class _Atlas:
         return float(2.0 * half * np.sum(dA / (slope * (P @ ((l + 0.5) * (dA @ P))))))
 
     def meridian_bounds(self, n: int) -> Floats:
-        """Bounds (2,) of twice the length of meridians, from the extremes of their slopes at n heights."""
+        """Bounds (2,) of twice the length of meridians, from the extrema of ``|grad zeta|`` on n circles."""
         x, weights = legendre.leggauss(n)
         theta = 0.5 * np.pi * (1.0 + x)
         levels, fall = self._on_meridian(theta)
         _, slope = self.circles(levels, theta, self.around(n))
-        # A Fourier series between the nodes, and a parabola between its values.
+        # Fourier interpolation between the nodes, then parabolic interpolation.
         slope = np.fft.irfft(np.fft.rfft(slope, axis=1), FINER * slope.shape[1], axis=1) * FINER
         heights, greatest = np.arange(n), list[Floats]()
         for signed in (slope, -slope):
@@ -167,12 +169,12 @@ class _Atlas:
         return np.array([2.0 * np.sum(0.5 * np.pi * weights * fall / np.abs(most)) for most in greatest])
 
     def longest(self, n: int) -> Estimate:
-        """The length of the longest circle of latitude, of n nodes."""
+        """Length of the longest circle of latitude, from n nodes."""
         m = FEWEST_NODES
         x, weights = legendre.leggauss(m)
         theta = 0.5 * np.pi * (1.0 + x)
         speed, _ = self.circles(self._on_meridian(theta)[0], theta, self.around(m))
-        # Their lengths as a polynomial in x tell the place of the longest.
+        # The longest circle is located with a polynomial in x through their lengths.
         l = np.arange(m)
         series = (l + 0.5) * (legendre.legvander(x, m - 1).T @ (weights * speed.mean(axis=1)))
         fine = np.linspace(-1.0, 1.0, FINER * m)
@@ -180,33 +182,33 @@ class _Atlas:
         place = minimize_scalar(
             lambda y: -legendre.legval(y, series), bounds=(fine[k - 1], fine[k + 1]), method="bounded"
         ).x
-        # The longest circle is at the vertex of a parabola through three, 1e-3 apart.
+        # Vertex of the parabola through the lengths of three circles 1e-3 apart.
         start = 0.5 * np.pi * (1.0 + place) + 1e-3 * np.arange(-1.0, 2.0)
         speed, _ = self.circles(self._on_meridian(start)[0], start, self.around(n))
         below, there, above = 2.0 * np.pi * speed.mean(axis=1)
         bend = below - 2.0 * there + above
-        if bend >= 0.0:  # by rounding, where circles are equally long
+        if bend >= 0.0:  # by rounding, if the lengths of circles are equal
             return Estimate(max(below, there, above), abs(above - below) + bend)
         shift = (above - below) ** 2 / (8.0 * bend)
         return Estimate(there - shift, abs(shift))
 
     def _on_meridian(self, theta: Floats) -> tuple[Floats, Floats]:
-        """Zeta (n,) at angles from the pole on psi = 0, and how fast it falls with them."""
+        """Zeta (n,) at polar angles on the meridian psi = 0, and the absolute value of its derivative."""
         u, along, _ = self._placed(theta, np.zeros(len(theta)))
         value, gradient = self.zeta.derivatives(u)
         return value, np.abs(np.einsum("ni,ni->n", gradient, along))
 
     def _measured(self, u: Floats, gradient: Floats) -> tuple[Floats, Floats]:
-        """The length (n,) that the metric gives to a gradient, and its area over that of the sphere."""
+        """Length (n,) of a gradient in the metric, and the area density relative to the unit sphere."""
         q = self.metric.tensor(u)
         along = np.einsum("nai,ni->na", orthonormal_frame(u, q), gradient)
         return np.linalg.norm(along, axis=1), area_density(q)
 
     def circles(self, levels: Floats, start: Floats, around: int) -> tuple[Floats, Floats]:
-        """Circles of latitude at even angles psi about the poles.
+        """Speed in psi and ``|grad zeta|`` on m circles of latitude, each (m, around).
 
-        The lengths of their velocities in psi, and that of the gradient of zeta, each (m, around).  Newton's
-        method starts from the angles theta (m,).
+        The nodes are equidistant in the angle psi about the poles.  Newton's method starts from the polar
+        angles theta (m,).
         """
         psi = np.tile(2.0 * np.pi / around * np.arange(around), len(levels))
         wanted, theta = np.repeat(levels, around), np.repeat(start, around)
@@ -225,7 +227,7 @@ class _Atlas:
         return speed.reshape(-1, around), slope.reshape(-1, around)
 
     def _placed(self, theta: Floats, psi: Floats) -> tuple[Floats, Floats, Floats]:
-        """The directions u (n, 3) at angles about the poles, and their derivatives in theta and psi."""
+        """Directions u (n, 3) at angles about the poles, and their derivatives in theta and psi."""
         axis, b, c = self.frame
         v, s = self.boost, np.sqrt((1.0 - self.boost) * (1.0 + self.boost))
         cos, sin = np.cos(theta)[:, None], np.sin(theta)[:, None]

@@ -1,14 +1,14 @@
 """Multipole moments (l, m) of horizons without symmetry, in conformal coordinates.
 
-A metric on the sphere is conformal to round ones of unit radius, and one of them, up to rotations, has no
-area dipole, ``int n dA = 0`` with n its unit vectors [1]_.  With its harmonics the multipoles are
-``I_lm = 1/2 int K Y_lm dA`` and ``L_lm = - int Im Psi_2 Y_lm dA``, which by parts is an integral of K(., n).
-About an axis of symmetry they are not the multipoles of `isoembed.relativity.Multipoles`, whose harmonics are
-those of the area coordinate zeta; for Kerr both are compared in [2]_.
+A metric on the sphere is conformal to round metrics of unit radius.  One of them, unique up to rotations, has
+no area dipole: ``int n dA = 0``, where n are its unit vectors [1]_.  In its harmonics the multipoles are
+``I_lm = 1/2 int K Y_lm dA`` and ``L_lm = - int Im Psi_2 Y_lm dA``, by parts an integral of K(., n).  For an
+axisymmetric horizon they differ from those of `isoembed.relativity.Multipoles`, whose harmonics are functions
+of the area coordinate zeta; [2]_ compares both for Kerr.
 
-With ``dA = exp(2 phi) dA_0``, dA_0 the area of a round metric, ``K + Laplacian phi = exp(-2 phi)``: Newton's
-method for phi, in harmonics, with three conditions that leave one of the round metrics.  The unit vectors are
-the eigenfunctions of the eigenvalue 2 of its Laplacian, and a boost makes the area dipole vanish.
+With ``dA = exp(2 phi) dA_0``, dA_0 the area of a round metric, ``K + Laplacian phi = exp(-2 phi)``.  Newton's
+method solves this for phi in harmonics, with three conditions that select one of the round metrics.  The unit
+vectors are the eigenfunctions of its Laplacian with eigenvalue 2, and a boost removes the area dipole.
 
 References
 ----------
@@ -51,15 +51,15 @@ from isoembed.surface.estimate import Estimate
 Complexes = NDArray[np.complex128]
 
 ORDERS = 20
-"""Highest degree l that can be asked for."""
+"""Largest degree l of multipoles."""
 DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32), (16, 24, 32, 48, 64, 96, 128)
-"""Degrees of the harmonics of phi, one after the other."""
+"""Degrees of the harmonics of phi, in order of refinement."""
 AROUND = 16
-"""Angles of nodes where the metric is symmetric about z: harmonics of the order 1 are needed."""
+"""Number of angles phi if the metric is symmetric about z; the unit vectors have order 1."""
 SETTLED, ROUNDING = 1e-12, 1e-13
-"""Changes of the multipoles with more harmonics that count as converged, and as rounding."""
+"""Change of the multipoles between degrees that counts as converged, and their rounding error."""
 STEPS, SHORTEST = 50, 2.0**-20
-"""Newton's steps at most, and the shortest part of one that is tried."""
+"""Maximum number of Newton steps, and the least damping factor."""
 
 
 @short_repr
@@ -67,18 +67,18 @@ STEPS, SHORTEST = 50, 2.0**-20
 class ConformalMultipoles:
     """Multipoles (l, m) of a horizon, l = 0, ..., n, in the harmonics of its balanced conformal sphere.
 
-    The sphere is turned so that its unit vectors are as near as they can be to the points in the coordinates
-    of the slice, or to the directions u where these are not known.  The powers do not depend on that.
+    The sphere is rotated so that its unit vectors best fit the points in slice coordinates, or the directions
+    u if these are not known.  The powers do not depend on the rotation.
 
     Attributes
     ----------
     shape : ndarray of complex, shape (n + 1, n + 1)
-        I_lm at [l, m], for m = 0, ..., l; zero for m > l.  ``I_l,-m = (-1)^m conj(I_lm)``, the phases of Y_lm
-        being those of Condon and Shortley.  I_00 = sqrt(pi).
+        I_lm at [l, m], for m = 0, ..., l; zero for m > l.  ``I_l,-m = (-1)^m conj(I_lm)``, with the
+        Condon-Shortley phase of Y_lm.  I_00 = sqrt(pi).
     rotation : ndarray of complex, shape (n + 1, n + 1), or None
-        L_lm; None where K(., n) is not known, as it may vanish.
+        L_lm; None if K(., n) is not known.
     shape_errors, rotation_errors : ndarray, shape (n + 1,)
-        Of the multipoles of each l.
+        Errors of the multipoles of each degree l.
     """
 
     shape: Complexes
@@ -98,7 +98,7 @@ class ConformalMultipoles:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Plain numbers, for JSON: rows l of real and imaginary parts, m = 0, ..., l, errors and powers."""
+        """Plain numbers, for JSON: real and imaginary parts for m = 0, ..., l in row l, errors and powers."""
 
         def rows(table: Complexes | None) -> list[list[list[float]]] | None:
             if table is None:
@@ -119,7 +119,7 @@ class ConformalMultipoles:
 
 
 def multipole_lines(report: dict[str, Any]) -> Iterator[str]:
-    """The lines of a text on the report of `ConformalMultipoles`: the powers, which no frame enters."""
+    """Lines of text for a report of `ConformalMultipoles`: the powers, which are independent of the frame."""
     for name in ("I", "L"):
         if report[name] is not None:
             powers = zip(report[f"{name}_power"], report["errors"][f"{name}_power"], strict=True)
@@ -128,7 +128,7 @@ def multipole_lines(report: dict[str, Any]) -> Iterator[str]:
 
 
 def checked_order(n: SupportsIndex) -> int:
-    """The highest degree of multipoles; `InvalidParameter` if it is not valid."""
+    """Checked degree of the highest multipoles.  Raises `InvalidParameter`: it is out of range."""
     return checked_count("the highest degree of multipoles", n, 1, ORDERS)
 
 
@@ -138,21 +138,21 @@ def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMu
     Parameters
     ----------
     data : SurfaceData
-        Of which the metric, ``normal_momentum`` and ``shape`` are used.
+        Surface; only its metric, ``normal_momentum`` and ``shape`` are used.
     n : int
-        The highest l, at most 20.
+        Largest degree l, at most 20.
 
     Raises
     ------
     InvalidParameter
-        n is not a degree.
+        n is not an integer from 1 to 20.
     InvalidMetric
-        The metric is not positive definite, or so far from round that its conformal sphere was not found.
+        The metric is not positive definite, or too far from round for its conformal sphere to be found.
 
     Notes
     -----
-    The errors hold the change from a lower degree of phi, what uncertain lengths make, and what a
-    displacement from the horizon makes where the surface may be a little off it.
+    The errors include the change from a lower degree of phi, the effect of uncertain lengths, and that of a
+    possible displacement of the surface from the horizon.
 
     Examples
     --------
@@ -182,12 +182,12 @@ def conformal_multipoles(data: SurfaceData, n: SupportsIndex = 8) -> ConformalMu
 
 @dataclass(frozen=True, eq=False)
 class _Sphere:
-    """A round metric that is conformal to a given one, at nodes of the directions u.
+    """Round metric conformal to a given metric, at nodes u on the sphere of directions.
 
     Attributes
     ----------
     n : ndarray, shape (N, 3)
-        Its unit vectors.
+        Unit vectors of the round metric.
     slope : ndarray, shape (N, 3, 3)
         ``slope[:, i]`` is the gradient of n_i on the unit sphere of directions.
     """
@@ -196,7 +196,7 @@ class _Sphere:
     slope: Floats
 
     def boosted(self, b: Floats) -> _Sphere:
-        """Another one: the conformal map of the ball that takes b, |b| < 1, to the center."""
+        """Image under the conformal map of the ball that maps b, |b| < 1, to the center."""
         d = self.n - b
         rho = np.einsum("ni,ni->n", d, d)[:, None]
         scale = 1.0 - float(b @ b)
@@ -204,11 +204,11 @@ class _Sphere:
         return _Sphere(scale * d / rho - b, scale * rate @ self.slope)
 
     def turned(self, R: Floats) -> _Sphere:
-        """The map in the frame of a rotation R (3, 3)."""
+        """Image under a rotation R (3, 3)."""
         return _Sphere(self.n @ R.T, R @ self.slope)
 
     def balanced(self, dA: Floats) -> _Sphere:
-        """The one without an area dipole, dA (N,) being the areas at the nodes, which sum to 4 pi."""
+        """Round metric without area dipole, for the areas dA (N,) at the nodes, which sum to 4 pi."""
         sphere = self
         for _ in range(STEPS):
             dipole: Floats = dA @ sphere.n / (4.0 * np.pi)
@@ -220,21 +220,21 @@ class _Sphere:
         return sphere
 
     def nearest(self, x: Floats, dA: Floats) -> _Sphere:
-        """The one that is turned to vectors x (N, 3) as near as a rotation brings it."""
+        """Image under the rotation that best aligns it with vectors x (N, 3)."""
         return self.turned(Rotation.align_vectors(x, self.n, dA)[0].as_matrix())
 
 
 def _moments(
     data: SurfaceData, curvature: Callable[[Floats], Floats], degree: int, order: int, symmetric: bool
 ) -> Complexes:
-    """I_lm and L_lm (2, order + 1, order + 1), with phi in harmonics of one degree."""
+    """I_lm and L_lm (2, order + 1, order + 1), with phi in harmonics of a given degree."""
     heights = 3 * degree // 2 + 2
     u, weights = gauss_rule(heights, max(AROUND, 2 * order + 2) if symmetric else 2 * heights)
     q = data.metric.tensor(u)
     density = area_density(q)
     unit = float(weights @ density) / (4.0 * np.pi)
     dA, K = weights * density / unit, curvature(u) * unit
-    K += 1.0 - dA @ K / (4.0 * np.pi)  # Gauss and Bonnet know the mean exactly
+    K += 1.0 - dA @ K / (4.0 * np.pi)  # exact mean by the Gauss-Bonnet theorem
     harmonics = Harmonics(degree, 1 if symmetric else degree)
     Y, first = harmonics.along(u, orthonormal_frame(u, q / unit))
     start = harmonics.values(u).T @ (weights * 0.5 * np.log(density / unit))
@@ -255,7 +255,7 @@ def _moments(
 def _conformal(
     harmonics: Harmonics, u: Floats, dA: Floats, K: Floats, Y: Floats, first: Floats, start: Floats
 ) -> _Sphere:
-    """A round metric that is conformal to the one with these areas and curvatures at the nodes u."""
+    """Round metric conformal to the metric with areas dA and Gaussian curvatures K at the nodes u."""
     flat = first.reshape(-1, Y.shape[1])
     S = flat.T @ (np.repeat(dA, 2)[:, None] * flat)
     sources, phi = Y.T @ (dA * K), start
@@ -269,7 +269,7 @@ def _conformal(
         before, size = size, float(np.linalg.norm(residual))
         if size <= 1e-13 or (size <= 1e-8 and size > 0.5 * before):
             break  # the rest is rounding
-        # Bordered by three conditions, that the round metric is balanced in u; the multipliers are rounding.
+        # Bordered by three conditions: the round metric is balanced in u.  The multipliers are rounding.
         border = 2.0 * Y.T @ (w[:, None] * u)
         matrix = np.block([[2.0 * Y.T @ (w[:, None] * Y) - S, border], [border.T, np.zeros((3, 3))]])
         step, part = -np.linalg.solve(matrix, residual)[:-3], 1.0
@@ -283,13 +283,13 @@ def _conformal(
     found *= np.sqrt(4.0 * np.pi / 3.0)
     n, slope, _ = harmonics.derivatives(u, found)
     along = slope @ np.stack(angle_frame(u), axis=2)
-    # The same orientation as that of u.
+    # Orientation as for u.
     sign = np.sign(np.sum(w * np.einsum("ni,ni->n", n, np.cross(along[:, :, 0], along[:, :, 1]))))
     return _Sphere(sign * n, sign * slope)
 
 
 def _complex(real: Floats, order: int) -> Complexes:
-    """The table [l, m], m >= 0, of complex harmonics from the moments of real ones."""
+    """Moments with complex harmonics at [l, m], m >= 0, from those with real harmonics."""
     table = np.zeros((order + 1, order + 1), dtype=np.complex128)
     for value, l, m in zip(real, *Harmonics(order, order).labels, strict=True):
         phase = 1.0 if m == 0 else (-1.0) ** m / np.sqrt(2.0)
@@ -308,7 +308,7 @@ def _powers(table: Complexes, errors: Floats) -> tuple[Estimate, ...]:
 
 
 def _momentum_is_axisymmetric(data: SurfaceData) -> bool:
-    """Whether the components of K(., n) do not change with phi."""
+    """Whether the components of K(., n) are independent of phi."""
     momentum = data.normal_momentum
     if momentum is None:
         return True

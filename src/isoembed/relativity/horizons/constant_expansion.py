@@ -1,4 +1,4 @@
-"""Surface of constant expansion with a given mean radius: leaf of a foliation."""
+"""Surface of constant expansion with a given mean radius, a leaf of a foliation."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ FIRST_DEGREE = 8
 HIGHEST_DEGREES = (48, 512)  # without and with symmetry about the z-axis
 DEGREE_GROWTH = 1.5
 TRUNCATION = 1e-4
-"""Size of the coefficients of high degree, in mean radii, that asks for a higher degree."""
+"""Largest coefficient of high degree, in mean radii, above which the degree is raised."""
 RESIDUAL, PRECISE_RESIDUAL = 1e-6, 1e-12
-"""Residuals, in mean radii, of surfaces on the way and of those near a minimum or a horizon."""
+"""Residuals, in mean radii, of intermediate leaves and of leaves near a minimum or a horizon."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,18 +29,18 @@ class ConstantExpansionSurface:
     ----------
     surface : StarSurface
     expansion : float
-        Its constant part c.
+        Constant part c of the expansion.
     least, greatest : float
-        The extreme values of the expansion at the nodes, further apart by the slice's error.
+        Least and greatest expansion at the nodes, minus and plus the error of the slice.
     error : float
-        The change of c by the slice's error, at constant mean radius.
+        Error of c from the error of the slice, at constant mean radius.
     areal_radius : float
     rate : float
-        The derivative of the expansion in the coefficient of degree zero.
+        Derivative of the expansion with respect to the coefficient of degree zero.
     tangent : ndarray
-        That of all coefficients.
+        Derivatives of all coefficients with respect to that of degree zero.
     speed : float
-        The displacement of the fastest point over that of the mean radius.
+        Largest displacement of a point relative to that of the mean radius.
     noise : float
         See `isoembed.relativity.horizons.newton.Solution`.
     """
@@ -62,11 +62,11 @@ class ConstantExpansionSurface:
         return 0.5 * self.expansion * self.areal_radius
 
     def displaced(self, distance: float) -> StarSurface:
-        """Prediction of the leaf whose fastest point is this number of mean radii further out."""
+        """Predicted leaf with a largest outward displacement of a given number of mean radii."""
         return self.of_mean(self.surface.coefficients[0] * (1.0 + distance / self.speed))
 
     def of_mean(self, mean: float) -> StarSurface:
-        """Prediction of the leaf whose coefficient of degree zero is given."""
+        """Predicted leaf with a given coefficient of degree zero."""
         f = self.surface.coefficients
         return StarSurface(self.surface.center, self.surface.harmonics, f + (mean - f[0]) * self.tangent)
 
@@ -74,7 +74,7 @@ class ConstantExpansionSurface:
 def constant_expansion_surface(
     geometry: ThreeGeometry, guess: StarSurface, *, symmetric: bool, enough: float = RESIDUAL
 ) -> ConstantExpansionSurface:
-    """The surface of constant expansion with the mean radius of a guess.
+    """Find the surface of constant expansion with the mean radius of an initial guess.
 
     Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
     `isoembed.relativity.horizons.newton.solve`.
@@ -84,9 +84,9 @@ def constant_expansion_surface(
     geometry : ThreeGeometry
     guess : StarSurface
     symmetric : bool
-        About z: slice and surface.
+        Whether slice and surface are symmetric about the z-axis.
     enough : float
-        Residual, as a displacement over the radius, at which to stop.
+        Residual at which to stop, as a displacement relative to the radius.
     """
     highest = HIGHEST_DEGREES[int(symmetric)]
     while True:
@@ -100,8 +100,8 @@ def constant_expansion_surface(
         spread = 0.5 * R * float(np.ptp(theta))
         smooth = tail <= max(TRUNCATION, solution.noise)
         fall = 0.5 * R * abs(solution.expansion)
-        least = max(1e-5, R * float(errors.max()))  # about a horizon the sign is not that of all points
-        # A variation of more than 2 % asks for a higher degree.
+        least = max(1e-5, R * float(errors.max()))  # near a horizon the sign varies over the surface
+        # A variation of more than 2 % requires a higher degree.
         constant = spread <= max(min(0.02, 0.5 * fall), least)
         surface = StarSurface(guess.center, harmonics, f)
         seen = harmonics.degree * clearance(geometry, surface) >= surface.mean_radius
@@ -126,7 +126,7 @@ def constant_expansion_surface(
 
 
 def hole_heights(geometry: ThreeGeometry, surface: StarSurface) -> Floats:
-    """Signed distances (n,) of the black holes of a slice from a surface, along rays, positive outside."""
+    """Signed radial distances (n,) of the black holes of a slice from a surface, positive outside."""
     at = np.array([position for _, position in geometry.black_holes]).reshape(-1, 3)
     away = at - np.array(surface.center)
     distance = np.linalg.norm(away, axis=1)
@@ -136,12 +136,12 @@ def hole_heights(geometry: ThreeGeometry, surface: StarSurface) -> Floats:
 
 
 def clearance(geometry: ThreeGeometry, surface: StarSurface) -> float:
-    """The distance of a surface from the nearest black hole: the length over which it may change."""
+    """Radial distance of a surface from the nearest black hole: the length scale of its features."""
     return float(np.abs(hole_heights(geometry, surface)).min(initial=np.inf))
 
 
 def _tangent(solution: Solution) -> tuple[float, Floats]:
-    """The derivatives of the expansion and of the coefficients in that of degree zero."""
+    """Derivatives of the expansion and of the coefficients with respect to the coefficient of degree zero."""
     equations = solution.equations
     one = np.zeros(len(solution.iterate.f))
     one[0] = 1.0

@@ -1,6 +1,6 @@
-"""Coordinate shape of a horizon: points in slice coordinates, and the surface through them.
+"""Coordinate shape of a horizon: points in slice coordinates and the surface through them.
 
-Lengths in these coordinates are not lengths on the horizon: for those the 3-metric is needed.
+Coordinate lengths are not lengths on the horizon, which require the 3-metric.
 """
 
 from __future__ import annotations
@@ -17,36 +17,36 @@ from isoembed.mesh.joining import join
 from isoembed.mesh.merging import representatives
 from isoembed.reprs import short_repr
 
-SAME_DIRECTION = 1e-6  # radians, between copies of one point
+SAME_DIRECTION = 1e-6  # largest angle between copies of a point, in radians
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class CoordinateShape:
-    """A closed surface of genus 0 in the coordinates of a slice of spacetime.
+    """Closed surface of genus 0 in the coordinates of a slice of spacetime.
 
     Attributes
     ----------
     points : ndarray, shape (V, 3)
-        Distinct points on it, in the coordinates of the file.
+        Distinct points on the surface, in the coordinates of the file.
     faces : ndarray of int, shape (F, 3)
-        Triangles between them, counterclockwise from outside.
+        Triangles, counterclockwise as seen from outside.
     center : ndarray, shape (3,)
-        A point inside.  Unless the file has triangles, all of the surface can be seen from it.
+        Point inside.  The surface is star-shaped about it unless the file has triangles.
     time : float or None
-        The time of the slice, where the file says it.
+        Time of the slice, if in the file.
     name : str
-        Of the horizon.
+        Name of the horizon.
     source : str
-        The file.
+        Name of the file.
     fields : mapping of str to ndarray, shape (V,)
-        What else the file knows at the points.
+        Other quantities of the file at the points.
     iteration : int or None
-        Of the simulation, where the file says it.
+        Iteration of the simulation, if known from the file.
     is_hull : bool
         Whether the triangles are the convex hull of the directions from the center.
     notes : tuple of str
-        What was assumed in reading the file, in sentences.
+        Assumptions made in reading the file, as sentences.
     """
 
     points: Floats
@@ -70,17 +70,17 @@ class CoordinateShape:
         fields: Mapping[str, Floats] | None = None,
         time: float | None = None,
     ) -> CoordinateShape:
-        """Shape of points all of which can be seen from its center; see `triangulate_star_shaped`.
+        """Star-shaped surface through points; see `triangulate_star_shaped`.
 
         Parameters
         ----------
         points : ndarray, shape (n, 3)
         source : str
-            The file, for messages.
+            Name of the file, for messages.
         center : ndarray, shape (3,), optional
-            By default that of the sphere that fits the points best.
+            By default the center of the best-fit sphere.
         polygons : iterable of sequences of int
-            Polygons of the file, closed or not.
+            Polygons of the file, with or without repetition of the first vertex.
         fields : mapping of str to ndarray, shape (n,) or (n, k)
             Values at the points.
         time : float, optional
@@ -88,7 +88,7 @@ class CoordinateShape:
         Raises
         ------
         FileError
-            The points are not a surface around the center; the message names the file.
+            The points do not form a surface around the center; the message names the file.
         """
         check_solid(points, source)
         center = middle(points) if center is None else center
@@ -102,7 +102,7 @@ class CoordinateShape:
 
     @property
     def contents(self) -> str:
-        """Sentence that says what the file has, and what it does not have."""
+        """Sentence on the quantities that the file contains and lacks."""
         here = f"the coordinates of {len(self.points)} points of a horizon"
         if self.fields:
             names = ", ".join(list(self.fields)[:4]) + (", ..." if len(self.fields) > 4 else "")
@@ -120,30 +120,30 @@ def triangulate_star_shaped(
     polygons: Iterable[Sequence[int]] = (),
     same: float = SAME_DIRECTION,
 ) -> tuple[Indices, Indices]:
-    """Closed surface of scattered points all of which can be seen from its center.
+    """Triangulate a closed surface through scattered points that is star-shaped about a center.
 
-    Raises `FileError`: the points are fewer than four or lie in a plane, one is not finite or is the center,
-    two are in one direction, a polygon is turned around, or some directions have no points; the message names
-    the first such point or the direction.
+    Raises `FileError`: there are fewer than four points, they are coplanar, one is not finite or coincides
+    with the center, two different points have the same direction, a polygon is inverted, or a range of
+    directions has no points; the message names the first such point or the direction.
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
-        In any order; points on seams may be there several times.
+        Points in any order; points on seams may be repeated.
     center : ndarray, shape (3,)
     source : str
-        The file, for messages.
+        Name of the file, for messages.
     polygons : iterable of sequences of int
-        Polygons of the file, closed or not: they tell whether the surface folds over.
+        Polygons of the file, with or without repetition of the first vertex, to detect folds.
     same : float
-        Directions nearer to one another than this, in radians, are of one point.
+        Largest angle between copies of a point, in radians.
 
     Returns
     -------
     kept : ndarray of int, shape (V,)
-        The distinct points.
+        Indices of the distinct points.
     faces : ndarray of int, shape (F, 3)
-        Triangles between these, outward: the convex hull of the directions.
+        Outward triangles, as indices into ``kept``: the convex hull of the directions.
     """
     check_solid(points, source)
     arrow = points - center
@@ -157,7 +157,7 @@ def triangulate_star_shaped(
         )
     u = arrow / r[:, None]
     first = representatives(u, same)
-    # Copies of a point have the same radius, up to the digits of the file.
+    # Copies of a point have the same radius, up to the rounding of printed digits.
     differs = np.abs(r - r[first]) > 1e-4 * r
     if differs.any():
         i = int(np.argmax(differs))
@@ -168,14 +168,14 @@ def triangulate_star_shaped(
     _check_turns(u, polygons, points, center, source)
     kept = np.unique(first)
     v = u[kept]
-    if _dimension(v) < 3:  # also where the points are on a cone
+    if _dimension(v) < 3:  # points on a cone, too
         raise FileError(
             f"{source}: the directions of the points from the center {_triple(center)} lie in a plane: "
             "the surface is not complete"
         )
     hull = ConvexHull(v)
     hole = int(np.argmax(hull.equations[:, 3]))
-    # A cap of 60 degrees without points is a hole.
+    # A cap of angular radius 60 degrees without points is a hole.
     if hull.equations[hole, 3] > -np.cos(np.pi / 3):
         raise FileError(
             f"{source}: there are no points around the direction {_triple(hull.equations[hole, :3])} "
@@ -193,9 +193,10 @@ def triangulate_star_shaped(
 
 
 def check_solid(points: Floats, source: str) -> None:
-    """Refuse points (n, 3) through which there is no closed surface around anything.
+    """Check that points (n, 3) can lie on a closed surface.
 
-    Raises `FileError`: they are fewer than four, not finite, or in a plane; the message names the file.
+    Raises `FileError`: there are fewer than four, one is not finite, or they are coplanar; the message names
+    the file.
     """
     bad = ~np.isfinite(points).all(axis=1)
     if bad.any():
@@ -209,7 +210,7 @@ def check_solid(points: Floats, source: str) -> None:
 
 
 def middle(points: Floats) -> Floats:
-    """Center (3,) of the sphere that fits points (n, 3) best: sampling hardly matters to it."""
+    """Center (3,) of the best-fit sphere of points (n, 3), nearly independent of their density."""
     mean = points.mean(axis=0)
     arrow = points - mean
     scale = np.max(np.abs(arrow)) or 1.0
@@ -221,10 +222,10 @@ def middle(points: Floats) -> Floats:
 
 
 def _dimension(points: Floats) -> int:
-    """Dimension of the least plane, line or point that finite points (n, 3) are in."""
+    """Dimension of the affine hull of finite points (n, 3)."""
     x = points / (np.max(np.abs(points)) or 1.0)
     arrow = x - x[0]
-    # A thinner set of points is flat.
+    # Thinner sets count as flat.
     thin = 1e-9 * np.max(np.abs(arrow)) + 8.0 * np.finfo(np.float64).eps
     return int(np.linalg.matrix_rank(arrow, tol=thin * np.sqrt(len(points))))
 
@@ -232,14 +233,14 @@ def _dimension(points: Floats) -> int:
 def _check_turns(
     u: Floats, polygons: Iterable[Sequence[int]], points: Floats, center: Floats, source: str
 ) -> None:
-    """All triangles into which the polygons fan out must turn the same way as seen from the center."""
+    """Check that all triangles of the polygons have the same orientation as seen from the center."""
     fans = [(p[0], p[k], p[k + 1]) for p in polygons for k in range(1, len(p) - 1)]
     if not fans:
         return
     corners = np.array(fans)
     a, b, c = u[corners.T]
     turn = np.einsum("fi,fi->f", a, np.cross(b, c))
-    # A thin polygon may turn by rounding alone.
+    # A thin polygon may be inverted by rounding alone.
     size = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     wrong = -turn * np.sign(np.sum(turn)) > 1e-3 * size
     if wrong.any():

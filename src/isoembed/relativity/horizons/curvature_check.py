@@ -1,6 +1,6 @@
 """Check of the Gaussian curvature in a horizon file against its metric.
 
-A file's own Gaussian curvature and that of the metric which a geometry induces on its points agree only if
+The Gaussian curvature in a file and that of the metric induced by a geometry on its points agree only if
 mass, spin, time and units are those of the file.
 """
 
@@ -21,7 +21,7 @@ from isoembed.smooth.scattered_fit import fitted
 from isoembed.smooth.spectral_curvature import spectral_curvature
 
 CURVATURES = {"gaussian_curvature": 1.0, "RicciScalar": 0.5}
-"""Fields that are a multiple of the Gaussian curvature, and the factors that make it of them."""
+"""Fields proportional to the Gaussian curvature, and the factors that convert them to it."""
 PSI_2 = "repsi2"
 SPIN_COEFFICIENTS = ("nprho", "npmu", "npsigma", "nplambda")
 
@@ -34,15 +34,15 @@ class CurvatureCheck:
     Attributes
     ----------
     field : str
-        What the file has: ``gaussian_curvature``, ``RicciScalar``, which is twice that, or ``repsi2``, which
-        with the spin coefficients makes ``K = 2 Re(-Psi_2 + rho mu - sigma lambda)`` in vacuum.
+        Field of the file: ``gaussian_curvature``, ``RicciScalar`` (twice that), or ``repsi2``, which gives
+        ``K = 2 Re(-Psi_2 + rho mu - sigma lambda)`` in vacuum with the spin coefficients.
     largest, rms : float
-        The largest difference at the points of the file and its root mean square, in 1/length^2.
+        Maximum and root mean square of the difference at the points of the file, in 1/length^2.
     size : float
-        The root mean square of K of the metric in use: never zero, by Gauss and Bonnet.
+        Root mean square of K of the metric in use; positive by the Gauss-Bonnet theorem.
     expected : float
-        The difference that errors explain: that of K by uncertain lengths, and the noise of the field, which
-        is what a fit of smooth functions leaves.
+        Expected difference: the error of K from uncertain lengths plus the noise of the field, which is the
+        residual of a fit of smooth functions.
     """
 
     field: str
@@ -55,21 +55,21 @@ class CurvatureCheck:
     def of(
         cls, data: SurfaceData, found: CoordinateShape | None = None, directions: Floats | None = None
     ) -> CurvatureCheck | None:
-        """The check of a surface from a file.
+        """Check of a surface from a file.
 
         Parameters
         ----------
         data : SurfaceData
-            The surface in its slice, with a ``gaussian_curvature`` if there is nothing more.
+            Surface in its slice; its ``gaussian_curvature`` is used without ``found``.
         found : CoordinateShape, optional
-            The points that it was made of, and fields there.
+            Points of the file, with its fields.
         directions : ndarray, shape (V, 3), optional
-            Those of the points; by default as seen from the center.
+            Directions of the points; by default those from the center.
 
         Returns
         -------
         CurvatureCheck or None
-            None if there is no curvature in the file.
+            None if the file has no curvature.
         """
         if found is None:
             brought = data.gaussian_curvature
@@ -100,23 +100,23 @@ class CurvatureCheck:
 
     @property
     def agrees(self) -> bool:
-        """Whether errors explain the difference, and it is small."""
-        # Five times the error that is expected, and never more than 5 % of K itself.
+        """Whether the difference is small and explained by errors."""
+        # At most five times the expected error, and at most 5 % of K itself.
         return self.rms <= min(5.0 * self.expected, 0.05 * self.size)
 
     @property
     def relative(self) -> float:
-        """The largest difference over the size of K."""
+        """Largest difference relative to the size of K."""
         return self.largest / self.size
 
     @property
     def report(self) -> dict[str, Any]:
-        """Plain numbers, for JSON, with the ``message`` that the text has."""
+        """Plain numbers, for JSON, with the text as ``message``."""
         return {**asdict(self), "relative": self.relative, "agrees": self.agrees, "message": str(self)}
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """A sentence, if errors do not explain the difference."""
+        """Sentence on a difference that errors do not explain, if there is one."""
         if self.agrees:
             return ()
         return (
@@ -133,14 +133,14 @@ class CurvatureCheck:
 
 
 def brought_curvature(fields: Mapping[str, Any]) -> tuple[str, Floats | None]:
-    """The field of a file that tells the Gaussian curvature, and that curvature, or None.
+    """Name of the field of a file that determines the Gaussian curvature, and that curvature or None.
 
     Notes
     -----
     QuasiLocalMeasures has ``rho = -m^a mbar^b D_b l_a``, ``sigma = -m^a m^b D_b l_a``, ``mu = mbar^a m^b D_b
     n_a`` and ``lambda = mbar^a mbar^b D_b n_a`` in the signature -+++ with l . n = -1: the expansions are
     -2 Re rho and 2 Re mu, and in Schwarzschild's spacetime rho mu = (1 - 2 M / r) / 2 r^2, Psi_2 = -M / r^3.
-    So Gauss's equation is that of Newman and Penrose, J. Math. Phys. 3 (1962) 566.
+    The Gauss equation is that of Newman and Penrose, J. Math. Phys. 3 (1962) 566.
     """
     for name, factor in CURVATURES.items():
         if name in fields:

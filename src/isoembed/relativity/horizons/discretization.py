@@ -17,33 +17,33 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.sphere_transform import SphereTransform
 
-DEALIASING = 1.5  # circles of nodes over the degree: products are not aliased
+DEALIASING = 1.5  # ratio of the number of latitude circles to the degree, which avoids aliasing of products
 
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """One surface of a family: the coefficients (size,) of f, and its local geometry at the nodes."""
+    """Surface of a family: the coefficients (size,) of f and the local geometry at the nodes."""
 
     f: Floats
     local: LocalGeometry
 
     @property
     def radius(self) -> float:
-        """The mean distance from the mean point, root-mean-square over the nodes."""
+        """Root-mean-square distance of the nodes from their mean."""
         x = self.local.jet.x
         return float(np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1))))
 
 
 @dataclass(frozen=True, eq=False)
 class Discretization:
-    """Surfaces of a family in harmonics of one degree, in a slice.
+    """Surfaces of a family in a slice, in harmonics of a fixed degree.
 
     Attributes
     ----------
     geometry : ThreeGeometry
     transform : SphereTransform
     family : SurfaceFamily
-        At the nodes of the transform.
+        Family, evaluated at the nodes of the transform.
     """
 
     geometry: ThreeGeometry
@@ -51,18 +51,18 @@ class Discretization:
     family: SurfaceFamily
 
     def iterate(self, f: Floats) -> Iterate:
-        """The surface with the coefficients f (size,).
+        """Surface with coefficients f (size,).
 
-        Raises `InvalidMetric` or `InvalidParameter`: it leaves the points where the slice is known.
+        Raises `InvalidMetric` or `InvalidParameter`: the surface leaves the domain of the slice.
         """
         c, T = f[:, None], self.transform
         surface = self.family.at(T.values(c)[:, 0], T.gradients(c)[:, :, 0], T.hessians(c)[:, :, 0])
         local = LocalGeometry.of(self.geometry, surface)
-        _ = local.expansion  # refuses points where the slice is not known
+        _ = local.expansion  # raises at points outside the domain of the slice
         return Iterate(f, local)
 
     def expansion_errors(self, at: Iterate) -> Floats:
-        """Errors (n,) of the expansion, as the slice tells them."""
+        """Errors (n,) of the expansion, as estimated by the slice."""
 
         def expansion(geometry: ThreeGeometry) -> Floats:
             return LocalGeometry.of(geometry, at.local.jet).expansion[None]
@@ -70,19 +70,19 @@ class Discretization:
         return self.geometry.error(expansion)[0]
 
     def areal_radius(self, at: Iterate) -> float:
-        """The root of the area over 4 pi."""
+        """Areal radius, ``sqrt(area / 4 pi)``."""
         return float(np.sqrt(self.transform.weights @ at.local.density / (4.0 * np.pi)))
 
     def equations(self, at: Iterate) -> Equations:
-        """Equations for changes of f that change the expansion as asked for."""
+        """Linear equations for the change of f that produces a given change of the expansion."""
         return Equations(self.transform, LowDegrees.of(self.transform), linearized(self.family, at.local))
 
 
 @dataclass(frozen=True, eq=False)
 class LowDegrees:
-    """Harmonics of low degrees at the nodes, with their derivatives: (N, s), (N, 2, s) and (N, 3, s).
+    """Harmonics of low degree and their derivatives at the nodes: (N, s), (N, 2, s) and (N, 3, s).
 
-    ``place`` (s,) says which they are among all.
+    ``place`` (s,) has their indices among all harmonics.
     """
 
     values: Floats
@@ -93,11 +93,11 @@ class LowDegrees:
     @staticmethod
     @lru_cache(maxsize=1)
     def of(transform: SphereTransform) -> LowDegrees:
-        """All harmonics of a transform if they are few, and otherwise those of low degree."""
+        """All harmonics of a transform if they are few, otherwise those of low degree."""
         T, harmonics = transform, transform.harmonics
-        # Up to so many harmonics, with symmetry about the z-axis more, equations are solved directly.
+        # Largest numbers of harmonics for a direct solution, without and with symmetry about the z-axis.
         if harmonics.size > (300, 1100)[int(harmonics.order == 0)]:
-            degree = 8  # of the harmonics whose equations are the preconditioner
+            degree = 8  # degree of the preconditioner's harmonics
             T = SphereTransform(Harmonics(degree, min(degree, harmonics.order)), T.n, T.around)
         places = {label: i for i, label in enumerate(zip(*harmonics.labels, strict=True))}
         place = np.array([places[label] for label in zip(*T.harmonics.labels, strict=True)])
@@ -107,7 +107,7 @@ class LowDegrees:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """Linear equations: that the change of the expansion has a given projection on the harmonics.
+    """Linear equations for the projection of the change of the expansion onto the harmonics.
 
     Attributes
     ----------
@@ -115,9 +115,9 @@ class Equations:
     low : LowDegrees
     linear : LinearizedExpansion
     shift : float
-        What is subtracted from the stability operator; see `isoembed.relativity.horizons.stability`.
+        Shift of the stability operator; see `isoembed.relativity.horizons.stability`.
     free : bool
-        The mean of f is held, and the expansion may change by a constant instead, which takes its place.
+        Whether the mean of f is fixed; the first unknown is then a constant change of the expansion.
     """
 
     transform: SphereTransform
@@ -127,12 +127,12 @@ class Equations:
     free: bool = False
 
     def projected(self, theta: Floats) -> Floats:
-        """The projection (size, c) of changes of the expansion (N, c)."""
+        """Projection (size, c) of changes of the expansion (N, c)."""
         weights = self.transform.weights * self.linear.scale
         return self.transform.adjoint_values(weights[:, None] * theta)
 
     def applied(self, f: Floats) -> Floats:
-        """The projection (size,) for unknowns f (size,)."""
+        """Projection (size,) for unknowns f (size,)."""
         T = self.transform
         c = f[:, None].copy()
         if self.free:
@@ -143,15 +143,15 @@ class Equations:
         return self.projected(theta)[:, 0]
 
     def solved(self, right: Floats) -> Floats:
-        """The unknowns (size,) whose projection is given, as well as it goes."""
+        """Solution (size,) of the equations, direct or by preconditioned GMRES without restart."""
         if len(self.low.place) == self.transform.harmonics.size:
             return np.asarray(lu_solve(self._factors, right))
         size = len(right)
         found, _ = gmres(
             LinearOperator((size, size), self.applied),
             right,
-            rtol=1e-8,  # enough for Newton's method
-            restart=100,  # iterations without a restart
+            rtol=1e-8,  # sufficient for Newton's method
+            restart=100,  # largest number of iterations, as there is no restart
             maxiter=1,
             M=LinearOperator((size, size), self._preconditioned),
         )
@@ -178,7 +178,7 @@ class Equations:
 
     @cached_property
     def _diagonal(self) -> Floats:
-        """Diagonal of the equations, as if the surface were a round sphere."""
+        """Approximate diagonal of the equations, exact for a round sphere."""
         degrees = self.transform.harmonics.labels[0]
         mean = self.transform.weights @ (self.linear.scale * self.linear.zeroth) / (4.0 * np.pi)
         laplacian = degrees * (degrees + 1.0)

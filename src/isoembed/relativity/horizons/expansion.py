@@ -1,4 +1,4 @@
-"""Classification of surfaces as horizons, by the expansion of outgoing light rays."""
+"""Classification of surfaces as horizons by the expansion of outgoing light rays."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import area_density
 from isoembed.surface.estimate import percent
 
-ROUNDING = 1e-12  # relative to the largest k, in the expansion
-CLOSE = 0.01  # largest displacement, over the radius: a tenth of the Kijowski-Liu-Yau energy
+ROUNDING = 1e-12  # rounding error of the expansion, relative to the largest k
+CLOSE = 0.01  # largest relative displacement: a tenth of the Kijowski-Liu-Yau energy
 
 
 @short_repr
 @dataclass(frozen=True)
 class ExpansionTest:
-    """Test of a surface as a horizon, by the expansion of outgoing light rays.
+    """Test whether a surface is a horizon, by the expansion of outgoing light rays.
 
     Attributes
     ----------
     largest_expansion : float
-        ``theta_+ = k - p`` in absolute value; 0 on a horizon.
+        Maximum of ``|theta_+| = |k - p|``; 0 on a horizon.
     expansion_error : float
     displacement : float
-        Displacement of the horizon from the surface, over its radius: the part of
-        ``(k^2 - p^2) A / 16 pi`` in harmonics of degree 0, 1 and 2.  In Schwarzschild, in any slice, that is
-        1 - 2 M / R for a sphere of areal radius R.
+        Estimated displacement of the horizon from the surface, relative to its radius: the part of
+        ``(k^2 - p^2) A / 16 pi`` in harmonics of degree 0, 1 and 2.  In any slice of Schwarzschild spacetime
+        this is 1 - 2 M / R for a sphere of areal radius R.
     displacement_error : float
     inward : bool
         Whether k + p nearly vanishes and k - p does not: K_ij may have the opposite sign.
@@ -47,7 +47,7 @@ class ExpansionTest:
 
     @property
     def is_zero(self) -> bool:
-        """Whether the expansion vanishes within its error, and that is not large."""
+        """Whether the expansion vanishes within its error, and the error is small."""
         return (
             not self.inward
             and self.largest_expansion <= 2.0 * self.expansion_error
@@ -56,7 +56,7 @@ class ExpansionTest:
 
     @property
     def is_small(self) -> bool:
-        """Whether the horizon is near, or may be, so that the surface is taken for it."""
+        """Whether the horizon is near enough, within errors, to treat the surface as a horizon."""
         return not self.inward and self.displacement <= max(CLOSE, self.displacement_error)
 
     @property
@@ -71,12 +71,12 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     Parameters
     ----------
     data : SurfaceData
-        With its mean curvature.
+        Surface with its mean curvature.
 
     Raises
     ------
     InvalidParameter
-        There is no mean curvature, or what a function returns has another shape.
+        There is no mean curvature, or a function returns an array of wrong shape.
     """
     if data.mean_curvature is None:
         raise InvalidParameter("whether a surface is a horizon cannot be told without its mean curvature")
@@ -84,11 +84,11 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
     k = values_of(data.mean_curvature, u, "the mean curvature")
     p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")
     if isinstance(data.metric, GridMetric):
-        p = np.abs(p)  # files do not say which sign they mean
+        p = np.abs(p)  # the sign convention of a file is unknown
     dA = weights * area_density(data.metric.tensor(u))
     mean = float(dA.sum()) / (4.0 * np.pi)
     smooth = (
-        # The harmonics of degree 2 of k^2 - p^2 displace the surface.
+        # Displacement from harmonics of k^2 - p^2 up to degree 2.
         Harmonics(2, 2).values(u) * (dA / np.sqrt(4.0 * np.pi))[:, None]
     )
     errors = error_of(data.mean_curvature), error_of(data.momentum)
@@ -105,24 +105,24 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
         expansion_error=pointwise,
         displacement=displaced,
         displacement_error=ROUNDING
-        # Errors of k and p partly cancel in the displacement (measured: 0.27).
+        # Errors of k and p partly cancel in the displacement (measured factor: 0.27).
         + 0.4 * 0.25 * mean * max(sum(sizes), average) * average,
-        inward=bool(np.abs(k + p).max() < 0.1 * np.abs(k - p).max()),  # k + p vanishes instead
+        inward=bool(np.abs(k + p).max() < 0.1 * np.abs(k - p).max()),  # k + p vanishes instead of k - p
     )
 
 
 def classify_horizon(
     data: SurfaceData, marginal: bool | None, test: ExpansionTest | None = None
 ) -> SurfaceData:
-    """Classification of a surface as a horizon or not: its data with errors and notes accordingly.
+    """Classify a surface as a horizon or not, and return its data with matching errors and notes.
 
     Parameters
     ----------
     data : SurfaceData
     marginal : bool, optional
-        Whether it is one; by default `expansion_test` decides.  Without a mean curvature it is not one.
+        Whether it is a horizon; by default `expansion_test` decides, and it is not without a mean curvature.
     test : ExpansionTest, optional
-        That of the data, if it is at hand.
+        Result of `expansion_test` for the data, if already computed.
     """
     if data.mean_curvature is None:
         if marginal is not None:
@@ -145,7 +145,7 @@ def classify_horizon(
         if marginal is None:
             data = _noted(data, f"not a horizon: {expansion}, and {away}; k and p are used as given")
         return replace(data, marginal=False)
-    # Spin makes the displacement larger.
+    # Factor 2: spin increases the displacement.
     data = replace(data, marginal=True, displacement=2.0 * test.displacement)
     if test.is_zero:
         return data
@@ -163,7 +163,7 @@ def classify_horizon(
 
 
 def classify_surface(data: SurfaceData) -> SurfaceData:
-    """Classification of a surface as no horizon: its data with a note if it may be one."""
+    """Data of a surface that is not treated as a horizon, with a note if it may be one."""
     if data.mean_curvature is None:
         return data
     test = expansion_test(data)

@@ -1,8 +1,8 @@
 """Expansion of outgoing light rays on a surface, linearized in displacements of the surface.
 
 At each point the expansion is a function of the point and of the first and second derivatives of the surface,
-linear in the second.  So its linearization is a differential operator of second order whose coefficients are
-derivatives of that function: by the complex step, and by differences of the slice along the displacement.
+linear in the second.  Its linearization is a second-order differential operator.  The coefficients are
+derivatives of that function: by the complex step, and by finite differences of the slice along displacements.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from isoembed.relativity.spacetimes.jet import SurfaceFamily
 from isoembed.relativity.spacetimes.local_geometry import ComplexFields, LocalGeometry, SliceFields
 from isoembed.relativity.spacetimes.three_geometry import COMPLEX_STEP, Numbers
 
-STEP = 1.0 / 256.0  # of differences of sixth order along the displacement, over the mean radius
+STEP = 1.0 / 256.0  # step of sixth-order differences along the displacement, in mean radii
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,11 +26,11 @@ class LinearizedExpansion:
     Attributes
     ----------
     second : ndarray, shape (n, 3)
-        For theta theta, theta phi (counted once) and phi phi.
+        Coefficients of the theta theta, theta phi (counted once) and phi phi derivatives.
     first : ndarray, shape (n, 2)
     zeroth : ndarray, shape (n,)
     tilt : ndarray, shape (n,)
-        ``n_i D^i``: the surface moves outward by that times df.
+        ``n_i D^i``, the normal displacement of the surface per unit of df.
     """
 
     second: Floats
@@ -40,11 +40,11 @@ class LinearizedExpansion:
 
     @property
     def scale(self) -> Floats:
-        """Factors (n,) that make of the second derivatives a Laplacian of the unit sphere, in the mean."""
+        """Factors (n,) that scale the principal part to minus the Laplacian of the unit sphere on average."""
         return -2.0 / (self.second[:, 0] + self.second[:, 2])
 
     def applied(self, values: Floats, slopes: Floats, hessians: Floats) -> Floats:
-        """The change (n, c) for functions with these derivatives, (n, c), (n, 2, c) and (n, 3, c)."""
+        """Change (n, c) for functions with values (n, c), gradients (n, 2, c) and Hessians (n, 3, c)."""
         change = self.zeroth[:, None] * values
         for a in range(2):
             change += self.first[:, a, None] * slopes[:, a]
@@ -54,7 +54,7 @@ class LinearizedExpansion:
 
 
 def linearized(family: SurfaceFamily, local: LocalGeometry) -> LinearizedExpansion:
-    """The linearized expansion of a surface in a slice, for displacements in a family."""
+    """Linearized expansion of a surface in a slice, for displacements in a family."""
     D, surface, fields = family.direction, local.jet, local.fields
     assert isinstance(fields, SliceFields)
     tilt = np.einsum("ni,ni->n", local.normal[0], D.x)
@@ -75,7 +75,7 @@ def linearized(family: SurfaceFamily, local: LocalGeometry) -> LinearizedExpansi
 
 
 def _displaced(fields: SliceFields, D: Floats) -> ComplexFields:
-    """The slice at the points ``x + i eps D``."""
+    """Fields of the slice at the complex points ``x + i eps D``."""
     x = fields.x
     size = np.sqrt(np.mean(np.sum((x - x.mean(axis=0)) ** 2, axis=1)))
     h = STEP * float(size)

@@ -1,4 +1,4 @@
-"""Horizon finder: marginally outer trapped surfaces, and the evidence that no other one encloses them."""
+"""Horizon finder: marginally outer trapped surfaces, and the evidence that they are outermost."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry
 
-# First spheres, over the guess: small ones for grids and among holes, large ones around fast holes.
+# Radii of initial spheres relative to the guess: small for grids and between holes, large for fast holes.
 RADII = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 2.0, 4.0, 8.0, 16.0, 32.0)
 
 
@@ -31,35 +31,33 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
     Parameters
     ----------
     geometry : ThreeGeometry
-        Any slice.
+        Slice.
     guess : StarSurface or MappedSurface, optional
-        A surface near the one that is looked for, such as a sphere; if Newton's method does not lead from one
-        that is star-shaped to a horizon, a foliation by surfaces of constant expansion does.  By default the
-        foliation begins at a large sphere around all black holes of a closed form, or at the largest one in a
-        grid.
+        Initial guess, such as a sphere.  If Newton's method does not converge from a star-shaped guess, a
+        foliation by surfaces of constant expansion starts there.  By default it starts from a large sphere
+        around all black holes of a closed-form slice, or from the largest one in a grid.
 
     Returns
     -------
     FoundHorizon
-        If there are several that no other one encloses, as far as was searched, the one of the largest area;
-        a note says so.
+        The horizon of largest area if the search finds several outermost ones, with a note.
 
     Raises
     ------
     NoHorizon
-        None was found; the message says whether one exists, and what ended the search.
+        None was found; the message says whether one exists, and why the search ended.
     InvalidParameter
-        The guess leaves the slice, there is none and the slice does not say where to look, or the slice has
-        no horizon in its coordinates: a `ThreeGeometry.hindrance`.
+        The guess leaves the slice, there is no guess and the slice does not name its black holes or box, or
+        the slice has no horizon in its coordinates; see `ThreeGeometry.hindrance`.
 
     Notes
     -----
-    Newton's method for the radius in spherical harmonics, with the exact linearization of the expansion; the
-    degree grows until the expansion is zero to rounding, or to the error of the slice.  From a mapped surface
-    the displacement along its normals is sought instead, in coordinates that are made to fit.
+    Newton's method solves for the radius in spherical harmonics, with the exact linearization of the
+    expansion.  The degree is raised until the expansion is zero to rounding, or to the error of the slice.
+    For a mapped surface, the unknown is the displacement along its normals, in adapted coordinates.
 
-    Leaves of the foliation are barriers, see `isoembed.relativity.horizons.foliation`: where the expansion
-    changes sign there is a horizon.  `FoundHorizon.outermost` says what was searched for larger ones.
+    Leaves of the foliation are barriers (see `isoembed.relativity.horizons.foliation`): there is a horizon
+    between leaves of opposite sign.  `FoundHorizon.outermost` describes the search for larger horizons.
 
     Examples
     --------
@@ -82,7 +80,7 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         return replace(first, notes=(*first.notes, note))
     _check_guess(guess)
     _check_slice(geometry)
-    guess.expansion(geometry, gauss_rule(*NODES)[0])  # refuses a guess that leaves the slice
+    guess.expansion(geometry, gauss_rule(*NODES)[0])  # raises if the guess leaves the slice
     try:
         return horizon_near(geometry, guess)
     except FAILURES as error:
@@ -96,9 +94,9 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
 
 
 def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:
-    """All horizons around the black holes of a slice that no other one encloses, the largest area first.
+    """Find all outermost horizons around the black holes of a slice, in order of decreasing area.
 
-    Where no common horizon of all holes is found, those of fewer holes are looked for, group by group.
+    If no common horizon of all holes is found, smaller groups of holes are searched one by one.
 
     Parameters
     ----------
@@ -113,19 +111,19 @@ def find_horizons(geometry: ThreeGeometry) -> tuple[FoundHorizon, ...]:
 
 
 def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface) -> FoundHorizon:
-    """Surface of constant expansion, k - p = c, near a given one.
+    """Find a surface of constant expansion, k - p = c, near a given surface.
 
     Parameters
     ----------
     geometry : ThreeGeometry
     expansion : float
-        c, in 1/length.
+        Expansion c, in 1/length.
     guess : StarSurface or MappedSurface
 
     Raises
     ------
     NoHorizon
-        Newton's method does not lead to one.
+        Newton's method does not converge.
     InvalidParameter
         The guess leaves the slice.
 
@@ -147,29 +145,29 @@ def constant_expansion(geometry: ThreeGeometry, expansion: float, guess: Surface
 
 
 def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
-    """Marginally outer trapped surface inside of another one that belongs to it.
+    """Find the unstable inner horizon that belongs to an outer one.
 
-    Between both the surfaces of constant expansion are trapped.  They approach each other, and vanish where
-    the stability of both is zero, as two holes with a common horizon are moved apart.
+    The surfaces of constant expansion between the two are trapped.  As two holes with a common horizon are
+    moved apart, the two horizons approach each other and annihilate where the stability of both is zero.
 
     Parameters
     ----------
     outer : FoundHorizon
-        A stable one.
+        Stable horizon.
 
     Raises
     ------
     NoHorizon
-        None was found; the message says what ended the search.
+        None was found; the message says why the search ended.
     """
     geometry, surface = outer.geometry, outer.surface
     try:
-        # First degree of surfaces inside a horizon.
+        # Initial degree of surfaces inside a horizon.
         start = HarmonicMap.projected(surface, 24, symmetric=is_symmetric(geometry, surface))
         inner = refined_horizon(geometry, foliated_inwards(geometry, start.reparametrized()))
     except FAILURES as error:
         raise NoHorizon(f"no inner horizon was found where it was looked for: {error}") from None
-    if inner.outer:  # Newton's method may lead back to the one outside
+    if inner.outer:  # Newton's method may converge to the outer horizon
         raise NoHorizon(
             "no inner horizon was found where it was looked for: the one that was found there, of area "
             f"{inner.area:.6g}, is stable, with the eigenvalue {inner.stability:.3g} / R^2"
@@ -184,10 +182,10 @@ class _Search:
     Attributes
     ----------
     horizons : tuple of FoundHorizon
-        The largest area first.
+        Horizons, in order of decreasing area.
     separate : bool
-        Whether all groups of holes were tried, and each search for a common horizon ended at a least
-        expansion above its error.
+        Whether all groups of holes were tried, and each search for a common horizon ended with a least
+        expansion larger than its error.
     """
 
     horizons: tuple[FoundHorizon, ...]
@@ -212,7 +210,7 @@ def _check_slice(geometry: ThreeGeometry) -> None:
 
 
 def _search(geometry: ThreeGeometry) -> _Search:
-    """The horizons around groups of holes, the largest groups first."""
+    """Horizons around groups of holes, searched from the largest group to the smallest."""
     _check_slice(geometry)
     found: list[tuple[frozenset[int], FoundHorizon]] = []  # with the holes inside
     failures: list[tuple[HoleGroup, NoHorizon]] = []
@@ -227,7 +225,7 @@ def _search(geometry: ThreeGeometry) -> _Search:
                 raise
             failures.append((group, failure))
             continue
-        # A search that begins around some holes may end at the horizon that they have in common with others.
+        # A search around some holes may find their common horizon with others.
         holes = group.holes | holes_inside(geometry, horizon.surface)
         found = [(others, other) for others, other in found if not others <= holes] + [(holes, horizon)]
     if not found:
@@ -247,7 +245,7 @@ def _search(geometry: ThreeGeometry) -> _Search:
 
 
 def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:
-    """A horizon with the evidence that no larger one encloses it, from searches that found none."""
+    """Horizon with the evidence from unsuccessful searches that no larger one encloses it."""
     if not around:
         return horizon
     unknown = [failure for failure in around if failure.least_error is None]
@@ -263,7 +261,7 @@ def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:
 
 
 def _inside_sphere(geometry: ThreeGeometry, group: HoleGroup) -> FoundHorizon:
-    """The horizon inside a large sphere around the holes of a group."""
+    """Horizon inside a large sphere around the holes of a group."""
     why = "none of the spheres encloses all holes"
     at = [position for _, position in geometry.black_holes]
     extent = max((math.dist(at[i], group.center) for i in group.holes), default=0.0)

@@ -17,16 +17,16 @@ from isoembed.relativity.spacetimes.star_surface import StarSurface
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
-NODES = (16, 32)  # heights and angles at which surfaces are tried
+NODES = (16, 32)  # latitudes and longitudes of the nodes at which surfaces are checked
 FAILURES = (NoConvergence, InvalidMetric, InvalidParameter)
 """Exceptions that end a search."""
 
 
 def foliated_horizon(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizon:
-    """The horizon to which a foliation leads, in a frame where it needs the fewest harmonics.
+    """Find a horizon by a foliation, in the frame that requires the fewest harmonics.
 
     Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is no surface of constant expansion
-    near the first one; `NoHorizon`: there is no change of sign, or the horizon beside it is not resolved.
+    near the start; `NoHorizon`: the expansion does not change sign, or the horizon there is not resolved.
     """
     if is_symmetric(geometry, start):
         return _from_foliation(geometry, start, True)
@@ -39,7 +39,7 @@ def foliated_horizon(geometry: ThreeGeometry, start: StarSurface) -> FoundHorizo
 
 
 def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> FoundHorizon:
-    """The horizon to which a foliation leads, in the given frame; see `foliated_horizon`."""
+    """Find a horizon by a foliation in the given frame; see `foliated_horizon`."""
     foliation = foliate(geometry, start, symmetric=symmetric)
     if foliation.barriers is not None:
         return _between(geometry, foliation, symmetric)
@@ -51,9 +51,9 @@ def _from_foliation(geometry: ThreeGeometry, start: StarSurface, symmetric: bool
 
 
 def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon:
-    """The stable horizon between barriers, which exists.
+    """Stable horizon between barriers.
 
-    Raises `NoHorizon`: it was not resolved; the message names the barriers.
+    Raises `NoHorizon`: it was not resolved; the message describes the barriers.
     """
     assert foliation.barriers is not None
     outer, inner = foliation.barriers
@@ -89,7 +89,7 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
 
 
 def _is_between(horizon: FoundHorizon, foliation: Foliation) -> bool:
-    """Whether a horizon lies inside the leaves of positive expansion, and around the trapped ones."""
+    """Whether a horizon lies inside the leaves of positive expansion and outside the trapped leaves."""
     surface = horizon.surface
     assert isinstance(surface, StarSurface)
     return all(
@@ -99,7 +99,7 @@ def _is_between(horizon: FoundHorizon, foliation: Foliation) -> bool:
 
 
 def _outermost(foliation: Foliation) -> Evidence:
-    """The evidence that no horizon in the first leaf reaches outside of the one that was found."""
+    """Evidence that no horizon inside the first leaf extends beyond the one found."""
     above = [leaf for leaf in foliation.leaves if leaf.expansion > 0.0]
     if foliation.leaves[0].expansion <= 0.0:
         return Evidence("searched", "surfaces of constant expansion from a trapped one outward")
@@ -112,7 +112,7 @@ def _outermost(foliation: Foliation) -> Evidence:
 
 
 def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> FoundHorizon | None:
-    """The surface of least expansion, where that is zero to rounding: a horizon of stability zero."""
+    """Surface of least expansion as a horizon of zero stability, if the expansion is zero to rounding."""
     assert foliation.minimum is not None
     try:
         horizon = horizon_near(geometry, foliation.minimum.surface, symmetric=symmetric)
@@ -124,7 +124,7 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
 
 
 def coarse_grid(geometry: ThreeGeometry, surface: Surface) -> str:
-    """A sentence on the grid of a slice, where a surface is small for it."""
+    """Sentence on the resolution of a grid, if a surface is too small for it; otherwise empty."""
     least = geometry.least_diameter(surface.points(gauss_rule(*NODES)[0]))
     if (diameter := 2.0 * surface.mean_radius) >= least:
         return ""
@@ -135,12 +135,12 @@ def coarse_grid(geometry: ThreeGeometry, surface: Surface) -> str:
 
 
 def _below(sentence: str) -> str:
-    """A sentence on a line of its own, below another one, if there is one."""
+    """Sentence on a separate line below another one; empty for an empty sentence."""
     return f".\n{sentence[0].upper()}{sentence[1:]}" if sentence else ""
 
 
 def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
-    """The error for a foliation without a change of sign."""
+    """Exception for a foliation without a change of sign."""
     least = foliation.least
     center = ", ".join(f"{x:.4g}" for x in least.surface.center)
     error = 0.5 * foliation.minimum_error * least.areal_radius if foliation.excludes else None
@@ -151,7 +151,7 @@ def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
         f"{foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
     )
     at = f"at R = {least.areal_radius:.6g} around ({center})"
-    # It is 1 in flat space: there is a hole.
+    # c R / 2 is 1 in flat space; a value below 0.5 indicates a hole.
     coarse = coarse_grid(geometry, least.surface) if least.normalized_expansion < 0.5 else ""
     return NoHorizon(
         "no horizon was found: among surfaces of constant expansion c and areal radius R, the least c R / 2 "

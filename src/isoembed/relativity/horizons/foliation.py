@@ -1,14 +1,14 @@
-"""Foliation by surfaces of constant expansion, inward to the outermost horizon or to none.
+"""Foliation by surfaces of constant expansion, inward to the outermost horizon if there is one.
 
-The leaves are parametrized by their mean radius; the expansion c is found with each of them.  It is 2 / r on
-large spheres and 0 at a horizon; ``c R / 2``, R the areal radius, falls from 1 to 0 in Schwarzschild.  Leaves
-that miss a horizon, or are not ended by one, pass a minimum of the expansion.
+The leaves are parametrized by their mean radius; their expansion c is an unknown.  It is 2 / r on large
+spheres and 0 at a horizon; ``c R / 2``, R the areal radius, decreases from 1 to 0 in Schwarzschild.  Leaves
+that do not reach a horizon pass a minimum of the expansion.
 
-Leaves are barriers (Andersson, Eichmair and Metzger, Contemp. Math. 554 (2011) 13).  A surface of negative
-expansion inside one of positive expansion: there is an outermost horizon between them.  A continuous family
-of leaves of positive expansion, one inside the other: by the maximum principle every outer trapped surface
-inside the first leaf lies inside the last one.  The leaves that are computed are discrete: that the expansion
-is positive on them suggests that it is positive between them, and does not prove it.
+Leaves are barriers (Andersson, Eichmair and Metzger, Contemp. Math. 554 (2011) 13).  Between a surface of
+negative expansion and one of positive expansion around it there is an outermost horizon.  For a continuous
+nested family of leaves of positive expansion, the maximum principle implies that every outer trapped surface
+inside the first leaf lies inside the last one.  The computed leaves are discrete: positive expansion on them
+suggests, but does not prove, positive expansion between them.
 """
 
 from __future__ import annotations
@@ -40,31 +40,31 @@ from isoembed.relativity.spacetimes.transformed import ScaledCurvature
 from isoembed.smooth.transforms import resized
 from isoembed.surface.estimate import percent
 
-SHORTEST_STEP = 1e-4  # over the mean radius
-MISSED = 0.3  # largest difference of a leaf from its prediction, over the displacement
+SHORTEST_STEP = 1e-4  # in mean radii
+MISSED = 0.3  # largest difference of a leaf from its prediction, relative to the displacement
 SMALLEST = 1e-3
-"""Mean radius over that of the first leaf at which the foliation ends."""
+"""Mean radius relative to the first leaf at which the foliation ends."""
 RELATIVE_RISE, ABSOLUTE_RISE = 1.05, 0.25
-"""Rise of c R / 2 that ends the foliation: relative after a minimum of c, absolute after a minimum of c R / 2
-alone, which there is around fast holes, too."""
+"""Increase of c R / 2 that ends the foliation: relative after a minimum of c, absolute after a minimum of
+c R / 2 only, which fast holes may have, too."""
 
 
 @dataclass(frozen=True, eq=False)
 class Foliation:
-    """The leaves from a first surface on, as far as they reach.
+    """Sequence of leaves of constant expansion.
 
     Attributes
     ----------
     leaves : tuple of ConstantExpansionSurface
-        One inside the other, or one outside the other where the first one is trapped.
+        Nested leaves, from the outside inward, or outward if the first leaf is trapped.
     barriers : tuple of two ConstantExpansionSurface, or None
-        The one of positive expansion and the one of negative expansion between which it changes sign.
+        Leaves of positive and of negative expansion with a change of sign between them.
     minimum : ConstantExpansionSurface or None
-        The leaf of least expansion, or of the least ``c R / 2``, if that has a minimum on the way.
+        Leaf of least expansion, or of least ``c R / 2``, if there is a minimum along the foliation.
     minimum_error : float
-        Its error, by the slice and by the degree.
+        Error of the least expansion, from the slice and from the degree.
     end : str
-        The reason why there are no more.
+        Reason for the end of the foliation.
     """
 
     leaves: tuple[ConstantExpansionSurface, ...]
@@ -75,13 +75,13 @@ class Foliation:
 
     @property
     def least(self) -> ConstantExpansionSurface:
-        """The leaf of the least ``c R / 2``."""
+        """Leaf of least ``|c R / 2|``."""
         leaves = self.leaves if self.minimum is None else (*self.leaves, self.minimum)
         return min(leaves, key=lambda leaf: abs(leaf.normalized_expansion))
 
     @property
     def excludes(self) -> bool:
-        """Whether the least expansion is a minimum, and above zero by more than its error."""
+        """Whether the least expansion is a minimum that exceeds its error."""
         return self.minimum is not None and self.minimum.expansion > self.minimum_error
 
     @property
@@ -93,19 +93,19 @@ class Foliation:
 def foliate(
     geometry: ThreeGeometry, start: StarSurface, *, symmetric: bool, longest_step: float = 0.15
 ) -> Foliation:
-    """Leaves from a surface inwards to a horizon, or outwards from a trapped one.
+    """Compute leaves inward from a surface to a horizon, or outward from a trapped surface.
 
     Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is no surface of constant expansion
-    near the first one.
+    near the start.
 
     Parameters
     ----------
     geometry : ThreeGeometry
     start : StarSurface
     symmetric : bool
-        About z: slice and surface.
+        Whether slice and surface are symmetric about the z-axis.
     longest_step : float
-        Longest displacement of a leaf from the one before, over the mean radius.
+        Largest displacement between successive leaves, in mean radii.
     """
     leaves = [_first(geometry, start, symmetric)]
     outward = leaves[0].expansion <= 0.0
@@ -178,7 +178,7 @@ def crossing(
     symmetric: bool,
     closeness: float,
 ) -> tuple[ConstantExpansionSurface, ConstantExpansionSurface, StarSurface]:
-    """Barriers closer to the horizon between two of them, and a prediction of the horizon.
+    """Narrow the barriers of a horizon, and predict the horizon between them.
 
     Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
     `isoembed.relativity.horizons.newton.solve`.
@@ -187,11 +187,11 @@ def crossing(
     ----------
     geometry : ThreeGeometry
     outer, inner : ConstantExpansionSurface
-        Of positive and of negative expansion.
+        Leaves of positive and of negative expansion.
     symmetric : bool
-        About z: slice and surface.
+        Whether slice and surface are symmetric about the z-axis.
     closeness : float
-        The distance of the horizon from one of them, in mean radii, as the rate of the expansion predicts it.
+        Tolerance of the predicted horizon, in mean radii.
     """
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
     xtol = closeness * largest / max(outer.speed, inner.speed)
@@ -210,7 +210,7 @@ def least_expansion(
     symmetric: bool,
     settled: float,
 ) -> tuple[ConstantExpansionSurface, float]:
-    """The leaf of least expansion between two others, and the error of its expansion.
+    """Leaf of least expansion between two others, and the error of its expansion.
 
     Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
     `isoembed.relativity.horizons.newton.solve`.
@@ -219,11 +219,11 @@ def least_expansion(
     ----------
     geometry : ThreeGeometry
     outer, inner : ConstantExpansionSurface
-        Where the expansion falls inwards, and where it grows inwards.
+        Leaves with inward decreasing and with inward increasing expansion.
     symmetric : bool
-        About z: slice and surface.
+        Whether slice and surface are symmetric about the z-axis.
     settled : float
-        Relative change of the least expansion with the degree that counts as zero.
+        Relative change of the least expansion between degrees that counts as converged.
     """
     highest = HIGHEST_DEGREES[int(symmetric)]
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
@@ -244,7 +244,7 @@ def least_expansion(
 
 
 def inside(inner: Surface, outer: StarSurface) -> bool:
-    """Whether a surface lies inside another one, at the nodes of a Gauss rule, as right as leaves are."""
+    """Whether a surface lies inside another one at the nodes of a Gauss rule, to the accuracy of leaves."""
     n = max(inner.harmonics.degree, outer.harmonics.degree) + 2
     u, _ = gauss_rule(n, 1 if max(inner.harmonics.order, outer.harmonics.order) == 0 else 2 * n)
     away = inner.points(u) - np.array(outer.center)
@@ -256,20 +256,20 @@ def inside(inner: Surface, outer: StarSurface) -> bool:
 def _minimum_error(
     before: ConstantExpansionSurface, lowest: ConstantExpansionSurface, after: ConstantExpansionSurface
 ) -> float:
-    """Error of the expansion of a leaf whose c R / 2 is less than that of its neighbors.
+    """Error of the expansion of a leaf with smaller c R / 2 than its neighbors.
 
-    The variation of the expansion over the leaf, and as much as c R / 2 differs from that of a neighbor: a
-    convex function is at most so much lower between them.
+    The sum of the variation of the expansion over the leaf and the difference of c R / 2 from a neighbor, a
+    bound on how much lower a convex function is between them.
     """
     differences = (leaf.normalized_expansion - lowest.normalized_expansion for leaf in (before, after))
     return lowest.greatest - lowest.least + 2.0 * max(differences) / lowest.areal_radius
 
 
 def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> ConstantExpansionSurface:
-    """The leaf near a first surface, about its own centroid.
+    """Leaf near the initial surface, about its own centroid.
 
-    Around a hole in motion leaves are displaced by a part of their radius that grows with the speed, too far
-    for Newton's method from a sphere: K_ij is turned on in steps.
+    Leaves around a moving hole are displaced by a fraction of their radius that increases with the speed, too
+    far for Newton's method from a sphere; K_ij is therefore scaled up in steps.
     """
     surface = in_degree(start, max(FIRST_DEGREE, start.harmonics.degree), symmetric)
     for factor in (1.0,) if geometry.time_symmetric else (0.0, 0.25, 0.5, 0.75, 1.0):
@@ -282,7 +282,7 @@ def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> Cons
 
 @dataclass(frozen=True, eq=False)
 class _Family:
-    """Leaves about one center, by the coefficient of degree zero, each found from the nearest one."""
+    """Leaves about one center by their coefficient of degree zero, each computed from the nearest one."""
 
     geometry: ThreeGeometry
     symmetric: bool
@@ -302,7 +302,7 @@ class _Family:
 def _family(
     geometry: ThreeGeometry, outer: ConstantExpansionSurface, inner: ConstantExpansionSurface, symmetric: bool
 ) -> tuple[_Family, float, float]:
-    """The leaves between two others, and the coefficients of degree zero of these, the outer one first."""
+    """Family of leaves between two others, and the coefficients of degree zero of the outer and inner one."""
     if inner.surface.center != outer.surface.center:
         inner = constant_expansion_surface(
             geometry, about(inner.surface, outer.surface.center), symmetric=symmetric
@@ -312,10 +312,9 @@ def _family(
 
 
 def _root(f: Callable[[float], float], a: float, b: float, xtol: float) -> float:
-    """The root between a and b by Brent's method.
+    """Root between a and b by Brent's method.
 
-    Raises `NoConvergence`: the signs at the ends are the same: leaves found anew are not those that they
-    were.
+    Raises `NoConvergence`: both ends have the same sign, because recomputed leaves differ from the former.
     """
     if f(a) * f(b) > 0.0:
         raise NoConvergence("no change of sign is left between two surfaces of constant expansion")
@@ -325,7 +324,7 @@ def _root(f: Callable[[float], float], a: float, b: float, xtol: float) -> float
 def _stationary(
     geometry: ThreeGeometry, leaf: ConstantExpansionSurface, symmetric: bool
 ) -> ConstantExpansionSurface:
-    """The leaf near a given one where the rate of the expansion is zero, in one degree."""
+    """Leaf of stationary expansion near a given leaf, in the same degree."""
     family = _Family(geometry, symmetric, [leaf])
     mean = float(leaf.surface.coefficients[0])
     found = root_scalar(
@@ -342,7 +341,7 @@ def _stationary(
 
 
 def _enclosed(geometry: ThreeGeometry, surface: StarSurface) -> list[bool]:
-    """Whether each black hole is inside of a surface."""
+    """Whether each black hole is inside a surface."""
     return (hole_heights(geometry, surface) < 0.0).tolist()
 
 
@@ -353,9 +352,9 @@ def _prediction_error(
     leaf: ConstantExpansionSurface,
     step: float,
 ) -> float:
-    """The difference of a leaf from its prediction, over the displacement from the leaf before.
+    """Difference of a leaf from its prediction, relative to the displacement from the previous leaf.
 
-    Raises `NoConvergence`: the leaves cross each other, or pass over a black hole.
+    Raises `NoConvergence`: the leaves intersect, or there is a black hole between them.
     """
     old = resized(guess.coefficients[:, None], guess.harmonics, leaf.surface.harmonics)[:, 0]
     u, _ = gauss_rule(leaf.surface.harmonics.degree + 2, 2 * leaf.surface.harmonics.order + 1)

@@ -26,29 +26,29 @@ from isoembed.surface.estimate import percent
 @short_repr
 @dataclass(frozen=True, eq=False)
 class FoundHorizon:
-    """A surface of constant expansion in a slice; a marginally outer trapped surface where that is 0.
+    """Surface of constant expansion in a slice; a marginally outer trapped surface if the expansion is 0.
 
     Attributes
     ----------
     surface : StarSurface or MappedSurface
-        With what it may be off, for the errors of its data.
+        Surface with its estimated error, which enters the errors of its data.
     geometry : ThreeGeometry
-        The slice.
+        Slice.
     expansion : float
-        What was asked for: 0 for a horizon.
+        Prescribed expansion: 0 for a horizon.
     residual : float
-        The largest difference of the expansion from that, times the areal radius, at points that were not
-        used to find it.
+        Largest deviation from the prescribed expansion, times the areal radius, at points other than the
+        collocation nodes.
     stability : float
-        The least eigenvalue of the stability operator, times the squared areal radius: 1 for a horizon of
+        Principal eigenvalue of the stability operator, times the squared areal radius: 1 for the horizon of
         Schwarzschild.
     area : float
     iterations : int
-        Newton's steps, in all degrees.
+        Total number of Newton steps in all degrees.
     notes : tuple of str
-        What one should know.
+        Remarks on the result.
     outermost : Evidence or None
-        What was searched for other horizons that enclose it, and where; nothing of one near a guess.
+        Evidence on enclosing horizons; None for a horizon found near a guess.
 
     References
     ----------
@@ -67,21 +67,21 @@ class FoundHorizon:
 
     @property
     def degree(self) -> int:
-        """The degree of the surface's harmonics."""
+        """Degree of the harmonics of the surface."""
         return self.surface.harmonics.degree
 
     @property
     def outer(self) -> bool:
-        """Whether it is stable, as outermost horizons are; an inner horizon is not."""
-        return self.stability >= -1e-9  # a stability of zero is not negative
+        """Whether the horizon is stable, as outermost horizons are, in contrast to inner horizons."""
+        return self.stability >= -1e-9  # rounding of zero
 
     @property
     def irreducible_mass(self) -> float:
-        """The root of the area over 16 pi."""
+        """Irreducible mass, ``sqrt(area / 16 pi)``."""
         return float(np.sqrt(self.area / (16.0 * np.pi)))
 
     def data(self, axis: Sequence[float] | None = None, name: str = "") -> SurfaceData:
-        """Data of which quasi-local energies are computed: see `Surface.data`."""
+        """Data for quasi-local energies; see `Surface.data`."""
         data = self.surface.data(self.geometry, axis, self.expansion == 0.0, name)
         return replace(data, notes=(*data.notes, *self.notes))
 
@@ -89,18 +89,18 @@ class FoundHorizon:
 def horizon_near(
     geometry: ThreeGeometry, guess: Surface, expansion: float = 0.0, *, symmetric: bool | None = None
 ) -> FoundHorizon:
-    """The surface of constant expansion near a guess, by Newton's method alone, with its errors.
+    """Find a surface of constant expansion near a guess by Newton's method alone, with its errors.
 
-    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is none, or it is known too badly.
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: there is none, or its error is too large.
 
     Parameters
     ----------
     geometry : ThreeGeometry
     guess : StarSurface or another Surface
-        A star-shaped one is displaced along the radius, others are along their normals.
+        Initial surface; a star-shaped one is displaced along the radius, others along their normals.
     expansion : float
     symmetric : bool, optional
-        Whether slice and guess are symmetric about the z-axis, where that is known.
+        Whether slice and guess are symmetric about the z-axis; by default this is tested.
     """
     known = is_symmetric(geometry, guess) if symmetric is None else symmetric
     kind = RadialImage if isinstance(guess, StarSurface) else NormalImage
@@ -108,7 +108,7 @@ def horizon_near(
 
 
 def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.0) -> FoundHorizon:
-    """Horizon from an image of the sphere; see `horizon_near`."""
+    """Find a horizon from an image of the sphere; see `horizon_near`."""
     found = refined(geometry, start, expansion)
     at, discretization = found.solution.iterate, found.discretization
     surface = found.image.surface(_shifts(found, geometry, expansion))
@@ -117,9 +117,9 @@ def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.
         f"in degree {found.image.degree} the expansion is still {found.residual:.2g} / R, R the areal radius"
     )
     off = surface.misfit / surface.mean_radius
-    if off > 0.01:  # farther away it is another surface
+    if off > 0.01:  # too inaccurate to identify the surface
         raise NoConvergence(f"{left}, and the slice may displace the surface by {percent(off)}")
-    if found.residual > 0.01 and found.end is not End.RESOLVED:  # not the expansion that was asked for
+    if found.residual > 0.01 and found.end is not End.RESOLVED:  # not the prescribed expansion
         raise NoConvergence(f"{left}, and no higher degree was tried")
     stability = principal_eigenvalue(discretization.equations(at), R) * R * R
     notes = [f"{left}: no higher degree was tried"] if found.end is End.EXHAUSTED else []
@@ -141,7 +141,7 @@ def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.
 
 
 def _shifts(found: Refined, geometry: ThreeGeometry, expansion: float) -> Floats:
-    """Changes of f (2, size) that the slice's error, and what is left of the expansion, make."""
+    """Changes of f (2, size) from the error of the slice and from the residual of the expansion."""
     at, discretization = found.solution.iterate, found.discretization
     equations = discretization.equations(at)
     by_slice = equations.projected(discretization.expansion_errors(at)[:, None])[:, 0]

@@ -1,7 +1,7 @@
 """Reader for apparent horizons written by GRChombo, coords_AH<number>_<file number>.dat.
 
-They hold the radius of the horizon on a grid in theta and phi about an origin, which is in another file,
-stats_AH<number>.dat, with the time; no metric.  Layout: ``Source/ApparentHorizonFinder`` of GRChombo [1]_.
+A file holds the radius of the horizon on a grid in theta and phi about an origin, but no metric.  Origin and
+time are in another file, stats_AH<number>.dat.  Layout: ``Source/ApparentHorizonFinder`` of GRChombo [1]_.
 
 References
 ----------
@@ -24,19 +24,19 @@ from isoembed.meshing.sphere import directions_at
 from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.relativity.horizons.horizon_format import HorizonFormat
 
-HEADER = re.compile(r"#\s*(theta|z/r|u)\s+(phi|v)\s+(r|F)\b")  # u, v, F: its variables for theta, phi, r
+HEADER = re.compile(r"#\s*(theta|z/r|u)\s+(phi|v)\s+(r|F)\b")  # u, v, F: GRChombo's names of theta, phi, r
 NAME = re.compile(r"coords_(\w+)_(\d+)\.dat(?:\.gz)?")
 
 
 @dataclass(frozen=True)
 class FinderOutput:
-    """A row of the table stats_AH<number>.dat: what the finder says of one coordinate file.
+    """Row of the table stats_AH<number>.dat, which describes one coordinate file.
 
     Attributes
     ----------
     time : float
     origin : tuple of three floats
-        The point that the angles and radii are about.
+        Origin of the angles and radii.
     """
 
     time: float
@@ -46,21 +46,21 @@ class FinderOutput:
 def read_grchombo(path: str | os.PathLike[str]) -> CoordinateShape:
     """Read the shape of a horizon from a coordinate file of GRChombo.
 
-    The columns are theta, or cos(theta) where the header says ``z/r``, phi, and the radius; any others are
-    skipped.  Origin and time are in the table ``stats_AH<number>.dat``, in the same folder or the one above.
-    Where there is no such table, the origin is assumed to be (0, 0, 0), and a note says so.  Each pole is in
-    the file once for every phi: its radius is the mean of these.  Raises `FileError`: the file cannot be
-    read, is cut short or malformed, or the table has no row for it.
+    The columns are theta (cos(theta) if the header has ``z/r``), phi and the radius; further columns are
+    ignored.  Origin and time are read from the table ``stats_AH<number>.dat`` in the same or the parent
+    directory.  Without such a table, the origin is assumed to be (0, 0, 0), and a note says so.  The file has
+    each pole once for every phi; their radii are averaged.  Raises `FileError`: the file cannot be read, is
+    truncated or malformed, or the table has no row for it.
 
     Parameters
     ----------
     path : path
-        ``coords_AH<number>_<file number>.dat``, which may be compressed (``.gz``).
+        ``coords_AH<number>_<file number>.dat``, optionally compressed (``.gz``).
 
     Returns
     -------
     CoordinateShape
-        Its iteration is None: the number in the file name counts outputs of the finder.
+        Its iteration is None, because the number in the file name counts outputs of the finder.
     """
     with opened(path) as file:
         header, name = HEADER.match(file.head), NAME.fullmatch(file.path.name)
@@ -80,7 +80,7 @@ def read_grchombo(path: str | os.PathLike[str]) -> CoordinateShape:
 
 
 def finder_output(path: str | os.PathLike[str]) -> FinderOutput | None:
-    """Time and origin of a coordinate file; None where there is no table that could have them.
+    """Time and origin of a coordinate file; None if there is no table.
 
     Raises `FileError`: the table is malformed, or has no row for this file.
     """
@@ -93,7 +93,7 @@ def finder_output(path: str | os.PathLike[str]) -> FinderOutput | None:
 
 
 def stats_path(path: str | os.PathLike[str]) -> Path | None:
-    """The table for a coordinate file, in its folder or the one above; None if there is none."""
+    """Path of the table for a coordinate file, in its directory or the parent; None if there is none."""
     if (name := NAME.fullmatch(Path(path).name)) is None:
         return None
     folder = Path(path).absolute().parent
@@ -102,14 +102,14 @@ def stats_path(path: str | os.PathLike[str]) -> Path | None:
 
 
 def finder_outputs(path: Path) -> dict[int, FinderOutput]:
-    """The rows of a table stats_AH<number>.dat by the numbers of their coordinate files, of several the last.
+    """Rows of a table stats_AH<number>.dat by the numbers of their coordinate files; the last of duplicates.
 
-    Raises `FileError`: it cannot be read or is malformed.
+    Raises `FileError`: the table cannot be read or is malformed.
     """
     with opened(path) as file:
         table = read_text_table(file)
     names = next((words for words in map(str.split, table.comments) if "origin_z" in words), [])
-    # Some names are of two words, but none from the origin on.
+    # Some column names consist of two words, but none from the origin on.
     first = table.numbers.shape[1] - len(names[names.index("origin_z") :]) - 2 if names else 0
     if names[:2] != ["time", "file"] or first < 2:
         raise FileError(f"{path} has no columns 'time file ... origin_z': it is not a table of GRChombo")
@@ -121,7 +121,7 @@ def finder_outputs(path: Path) -> dict[int, FinderOutput]:
 
 
 def _grid(table: TextTable, of_cosine: bool, source: str) -> tuple[Floats, Floats]:
-    """The directions (n, 3) and radii (n,) of a table."""
+    """Directions (n, 3) and radii (n,) of a table."""
     numbers, lines = table.numbers[:, :3], table.lines
     if numbers.shape[1] < 3:
         raise FileError(f"{source}, line {lines[0]}: there are {numbers.shape[1]} columns, fewer than 3")
@@ -134,7 +134,7 @@ def _grid(table: TextTable, of_cosine: bool, source: str) -> tuple[Floats, Float
     angles, j = np.unique(phi, return_inverse=True)
     low, high = (-1.0, 1.0) if of_cosine else (0.0, np.pi)
     margins = heights[0] - low, high - heights[-1]
-    # The printed digits are far below 1 % of a step.
+    # Rounding of printed digits is far below 1 % of a step.
     step = 1.01 * (heights[-1] - heights[0]) / max(len(heights) - 1, 1)
     turn = np.diff(angles, append=angles[0] + 2.0 * np.pi)
     if (
@@ -147,7 +147,7 @@ def _grid(table: TextTable, of_cosine: bool, source: str) -> tuple[Floats, Float
             "theta and phi: the file is cut short, or of a part of the sphere"
         )
     z = np.clip(u, -1.0, 1.0) if of_cosine else np.cos(u)
-    for pole in (z > 1.0 - 1e-12, z < -1.0 + 1e-12):  # within 1e-6 radians, of angles of seven decimals
+    for pole in (z > 1.0 - 1e-12, z < -1.0 + 1e-12):  # within 1e-6 radians, for angles with seven decimals
         if pole.any():
             r[pole] = r[pole].mean()
     return directions_at(z, phi), r

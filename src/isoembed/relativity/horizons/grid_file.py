@@ -33,7 +33,7 @@ def read_metric_grid(path: str | os.PathLike[str]) -> GridMetric:
     Parameters
     ----------
     path : path
-        As of `read_grid_data`; k, p and j are not looked at.
+        As in `read_grid_data`; k, p and j are ignored.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def read_metric_grid(path: str | os.PathLike[str]) -> GridMetric:
     FileError
         The file cannot be read, or arrays are missing; the message names them.
     InvalidMetric
-        What it holds is not a metric on such a grid.
+        The contents are not a metric on such a grid.
     """
     check_ending(path, GRID_ENDINGS)
     with opened(path) as file:
@@ -52,30 +52,29 @@ def read_metric_grid(path: str | os.PathLike[str]) -> GridMetric:
 
 
 def read_grid_data(path: str | os.PathLike[str]) -> SurfaceData:
-    """Read a metric on a grid in theta and phi, and how its surface lies in a slice, as far as it is there.
+    """Read a metric on a grid in theta and phi, with the extrinsic quantities that the file has.
 
     Parameters
     ----------
     path : path
-        ``.npz``, or ``.h5`` or ``.hdf5`` with everything at the top or in one group.  It holds ``theta``
-        (n,), ``phi`` (m,), and ``q_tt``, ``q_tp``, ``q_pp`` (n, m) as `GridMetric` takes them, or with one
-        angle phi (n,); ``q_tp`` may be left out where it is 0.  Or a table in ``.csv``, ``.txt`` or ``.dat``,
-        one row for each node, with these names above its columns; without phi the metric is symmetric about
-        z.  Besides, ``k``, ``p`` (n, m), and ``j_t``
-        and ``j_p``, the components of K(., n) for theta and phi: see `SurfaceData`; and a Gaussian curvature
-        to compare with that of the metric, as `CurvatureCheck` knows it.
+        Either ``.npz``, ``.h5`` or ``.hdf5``, with all arrays at the top level or in one group: ``theta``
+        (n,), ``phi`` (m,), and ``q_tt``, ``q_tp``, ``q_pp`` (n, m) as in `GridMetric`, or (n,) for a single
+        phi; ``q_tp`` defaults to 0.  Or a table in ``.csv``, ``.txt`` or ``.dat`` with one row per node and
+        these names above its columns; without phi the metric is symmetric about z.  Optional: ``k``, ``p``
+        (n, m), the components ``j_t`` and ``j_p`` of K(., n) along theta and phi (see `SurfaceData`), and a
+        Gaussian curvature to compare with that of the metric (see `CurvatureCheck`).
 
     Returns
     -------
     SurfaceData
-        With the name of the file.
+        Its name is that of the file.
 
     Raises
     ------
     FileError
         The file cannot be read, or arrays are missing; the message names them.
     InvalidMetric
-        What it holds is not a metric on such a grid, or the grid is too coarse for the rest.
+        The contents are not a metric on such a grid, or the grid is too coarse for the other arrays.
     """
     check_ending(path, GRID_ENDINGS)
     with opened(path) as file:
@@ -98,20 +97,20 @@ def read_grid_data(path: str | os.PathLike[str]) -> SurfaceData:
 def read_metric_or_grid(
     path: str | os.PathLike[str], *, merge: float | None = None, length_errors: ArrayLike | None = None
 ) -> PolyhedralMetric | SurfaceData:
-    """Read a metric on triangles or on a grid, whichever a file holds: see `read_metric`, `read_grid_data`.
+    """Read a metric on triangles or on a grid, as the file has it; see `read_metric` and `read_grid_data`.
 
     Parameters
     ----------
     path : path
     merge, length_errors : optional
-        Of a metric on triangles, as of `read_metric`.
+        Options of `read_metric`, for a metric on triangles.
 
     Raises
     ------
     FileError
-        The file cannot be read, or its ending is not known.
+        The file cannot be read, or its ending is unknown.
     InvalidMetric
-        What it holds is not a metric.
+        The contents are not a metric.
     """
     if input_ending(path) not in GRID_ENDINGS:
         return read_metric(path, merge=merge, length_errors=length_errors)
@@ -126,7 +125,7 @@ def read_metric_or_grid(
 
 
 def holds_metric_grid(file: InputFile) -> bool:
-    """Whether some of the arrays or columns of a file are components of a metric on a grid."""
+    """Whether arrays or columns of a file are components of a metric on a grid."""
     if file.ending in TEXT_ENDINGS:
         return _is_metric(dict.fromkeys(_columns(file)))
     return file.ending in ARRAY_ENDINGS and any(map(_is_metric, file.arrays.values()))
@@ -137,7 +136,7 @@ def _is_metric(tables: Tables) -> bool:
 
 
 def _tables(file: InputFile) -> Tables:
-    """The arrays of the one metric of a file; those along theta alone as of one angle phi."""
+    """Arrays of the single metric in a file; for a single phi, arrays along theta get a second axis."""
     tables = _table_on_grid(file) if file.ending in TEXT_ENDINGS else _arrays(file)
     missing = [name for name in NEEDED if name not in tables]
     if missing:
@@ -163,7 +162,7 @@ def _arrays(file: InputFile) -> Tables:
 
 
 def _columns(file: InputFile) -> list[str]:
-    """The names above the columns of a table: the last comment before them, or a line of its own."""
+    """Column names of a table, from the last comment or line of names before the numbers."""
     names = list[str]()
     for line in file.text.splitlines():
         words = NUMBERED.sub("", line.strip("# \t\ufeff").replace(",", " ")).split()
@@ -175,7 +174,7 @@ def _columns(file: InputFile) -> list[str]:
 
 
 def _table_on_grid(file: InputFile) -> Tables:
-    """The columns of a table with a row for each node, as arrays (n, m)."""
+    """Columns of a table with one row per node, as arrays (n, m)."""
     names = _columns(file)
     if not _is_metric(dict.fromkeys(names)):
         there = f", but {', '.join(names[:8])}" if names else ""

@@ -1,4 +1,4 @@
-"""Groups of black holes in a slice, and the initial spheres of searches for common horizons around them."""
+"""Groups of black holes in a slice, and initial spheres for the search for their common horizons."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 @dataclass(frozen=True)
 class HoleGroup:
-    """A group of black holes, in a sphere.
+    """Group of black holes inside a sphere.
 
     Attributes
     ----------
     center : three floats
     radius : float
     holes : frozenset of int
-        Their indices; empty for a sphere in a grid.
+        Indices of the black holes; empty for a sphere in a grid.
     """
 
     center: tuple[float, float, float]
@@ -32,17 +32,17 @@ class HoleGroup:
 
 
 def hole_groups(geometry: ThreeGeometry) -> Iterator[HoleGroup]:
-    """Spheres around all that there is in a slice, and around groups of its holes, the largest first.
+    """Spheres around all black holes of a slice, or in its grid, then around groups of holes, largest first.
 
-    Groups whose sphere reaches another hole are left out, as are those of holes further apart than twice
-    their mass: in Brill-Lindquist's slices a common horizon ends at .77 of it.  Raises `InvalidParameter`:
-    the slice does not say where its holes are.
+    Groups whose sphere would reach another hole are omitted, as are groups of holes farther apart than twice
+    their mass: in Brill-Lindquist slices a common horizon exists up to 0.77 times the mass.  Raises
+    `InvalidParameter`: the slice does not name its black holes or box.
     """
     holes, box = geometry.black_holes, geometry.box
     if not holes and box is not None:
         low, high = np.asarray(box, dtype=np.float64)
         x, y, z = (0.5 * (low + high)).tolist()
-        yield HoleGroup((x, y, z), 0.9 * 0.5 * float((high - low).min()))  # room to the edge of the grid
+        yield HoleGroup((x, y, z), 0.9 * 0.5 * float((high - low).min()))  # margin to the edge of the grid
         return
     if not holes:
         raise InvalidParameter(
@@ -51,7 +51,7 @@ def hole_groups(geometry: ThreeGeometry) -> Iterator[HoleGroup]:
             "black_holes or box"
         )
     everything = frozenset(range(len(holes)))
-    # More holes have too many groups to try all of them.
+    # More than eight holes have too many groups to try them all.
     sizes = range(len(holes) - 1, 0, -1) if len(holes) <= 8 else (1,)
     groups = [everything]
     groups += [frozenset(group) for size in sizes for group in combinations(sorted(everything), size)]
@@ -62,7 +62,7 @@ def hole_groups(geometry: ThreeGeometry) -> Iterator[HoleGroup]:
 
 
 def _around(holes: Sequence[tuple[float, Sequence[float]]], group: frozenset[int]) -> HoleGroup | None:
-    """A sphere around some holes, as far from the others as it can be."""
+    """Sphere around some holes that stays clear of the others; None if there is none."""
     masses = np.array([holes[i][0] for i in sorted(group)])
     at = np.array([holes[i][1] for i in sorted(group)], dtype=float)
     center = masses @ at / masses.sum()
@@ -80,7 +80,7 @@ def _around(holes: Sequence[tuple[float, Sequence[float]]], group: frozenset[int
 
 def _linked(masses: np.ndarray, at: np.ndarray) -> bool:
     """Whether the holes are connected by distances of at most twice their total mass."""
-    # Holes that are farther apart than twice their mass have no common horizon.
+    # Holes farther apart than twice their mass have no common horizon.
     near = np.linalg.norm(at[:, None] - at[None], axis=2) <= 2.0 * masses.sum()
     reached = near[0]
     for _ in at:
@@ -89,8 +89,8 @@ def _linked(masses: np.ndarray, at: np.ndarray) -> bool:
 
 
 def holes_inside(geometry: ThreeGeometry, surface: Surface) -> frozenset[int]:
-    """The black holes inside a surface, by their place in the slice's list: its solid angle there is 4 pi."""
-    more = 16  # nodes than the harmonics need
+    """Indices of the black holes inside a surface, where its solid angle is 4 pi."""
+    more = 16  # additional nodes beyond those for the harmonics
     u, weights = gauss_rule(surface.harmonics.degree + more, 2 * (surface.harmonics.order + more))
     jet = surface.jet(u)
     normals = np.cross(jet.first[:, 0], jet.first[:, 1])

@@ -1,4 +1,4 @@
-"""Horizon of a slice: smooth surface, data of its energies, origin and notes."""
+"""Horizon of a slice: smooth surface, data for its energies, origin and notes."""
 
 from __future__ import annotations
 
@@ -24,29 +24,29 @@ from isoembed.reprs import short_repr
 from isoembed.surface.estimate import percent
 
 GivenHorizon = CoordinateShape | SurfaceData | Surface | FoundHorizon
-"""Representations of a horizon that `horizon_data` takes."""
+"""Representations of a horizon accepted by `horizon_data`."""
 OWN_METRIC = "has a metric of its own: leave out the geometry"
 
 
 @short_repr
 @dataclass(frozen=True)
 class HorizonFacts:
-    """Facts about a surface as a horizon, from its file, from the finder and from its expansion.
+    """Properties of a surface as a horizon, from its file, the finder and its expansion.
 
     Attributes
     ----------
     marginal : bool
         Whether the surface is treated as a horizon.
     test : ExpansionTest or None
-        None of a metric without k.
+        None for a metric without k.
     surface : Surface or None
-        None of a metric on a grid.
+        None for a metric on a grid.
     points : CoordinateShape or None
         Contents of the file.
     found : FoundHorizon or None
         Result of the finder.
     curvature_check : CurvatureCheck or None
-        Difference of the curvature in the file from that of the metric in use, where the file has it.
+        Difference between the curvature in the file, if any, and that of the metric in use.
     """
 
     marginal: bool
@@ -58,7 +58,7 @@ class HorizonFacts:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Plain numbers, for JSON; empty of a metric without k."""
+        """Plain numbers, for JSON; empty for a metric without k."""
         facts: dict[str, Any] = {}
         if (file := self.points) is not None:
             facts = {"time": file.time, "iteration": file.iteration, "points": len(file.points)}
@@ -82,18 +82,17 @@ def horizon_data(
     marginal: bool | None = None,
     name: str = "",
 ) -> tuple[SurfaceData, HorizonFacts]:
-    """Data of a surface from a file, or of one that was found, in its slice.
+    """Data of a surface in its slice, from a file or from the finder.
 
     Parameters
     ----------
     found : CoordinateShape, SurfaceData, StarSurface, MappedSurface or FoundHorizon
-        From `isoembed.relativity.read_horizon` or `isoembed.relativity.find_horizon`, for one.
+        Surface, for example from `isoembed.relativity.read_horizon` or `isoembed.relativity.find_horizon`.
     geometry : ThreeGeometry, optional
-        The slice.  Coordinates and surfaces need one, a surface with a metric of its own takes none; what
-        was found has its own, and in another one counts by its surface.
+        Slice.  Required for coordinates and surfaces, not allowed for a surface with its own metric.  A found
+        horizon has its own; with another geometry only its surface is used.
     axis : sequence of 3 floats, optional
-        Axis of the angular momentum that is reported besides the one that is found, in the coordinates of a
-        slice.
+        Additional axis for the angular momentum, in slice coordinates.
     marginal : bool, optional
         Whether it is a horizon; by default `expansion_test` decides, and a metric without k is not one.
     name : str
@@ -101,8 +100,8 @@ def horizon_data(
     Raises
     ------
     InvalidParameter
-        The geometry is missing, or there is a metric without one; there is an axis without coordinates; or
-        the points are not star-shaped and there are no triangles.
+        The geometry is missing, or given for a surface with its own metric; an axis is given without
+        coordinates; or the points are not star-shaped and there are no triangles.
     """
     if isinstance(found, FoundHorizon):
         if geometry is None or geometry is found.geometry:
@@ -137,10 +136,9 @@ def horizon_data(
 def coordinate_surface(found: CoordinateShape) -> StarSurface | MappedSurface:
     """Smooth surface through the points of a file, with its notes.
 
-    Triangles of the file are used where the center does not see all of them from inside, and where a surface
-    in mapped coordinates fits their corners much better.  Raises `InvalidParameter`: the points are not
-    star-shaped about the center, and there are no triangles; or the triangles are too few for a smooth
-    surface.
+    Triangles of the file are used if they are not star-shaped about the center, or if a mapped surface fits
+    their vertices much better.  Raises `InvalidParameter`: the points are not star-shaped about the center
+    and there are no triangles, or the triangles are too few for a smooth surface.
     """
     surface = _fitted(found)
     return replace(surface, notes=(*found.notes, *surface.notes)) if found.notes else surface
@@ -149,7 +147,7 @@ def coordinate_surface(found: CoordinateShape) -> StarSurface | MappedSurface:
 def _fitted(found: CoordinateShape) -> StarSurface | MappedSurface:
     if found.is_hull:
         star = StarSurface.from_points(found.points, found.center.tolist(), found.faces)
-        # Points with a larger misfit are not star-shaped.
+        # A larger misfit means that the points are not star-shaped.
         if star.misfit > 0.1 * star.mean_radius:
             relative = star.misfit / star.mean_radius
             raise InvalidParameter(
@@ -161,7 +159,7 @@ def _fitted(found: CoordinateShape) -> StarSurface | MappedSurface:
     if not _is_seen(found):
         return MappedSurface.from_mesh(found.points, found.faces)
     star = StarSurface.from_points(found.points, found.center.tolist())
-    # Such a fit needs no comparison with a mapped surface.
+    # Accurate enough without comparison to a mapped surface.
     if star.misfit <= 1e-4 * star.mean_radius:
         return star
     try:
@@ -172,7 +170,7 @@ def _fitted(found: CoordinateShape) -> StarSurface | MappedSurface:
 
 
 def _is_seen(found: CoordinateShape) -> bool:
-    """Whether the center sees all triangles from inside."""
+    """Whether the triangles are star-shaped about the center."""
     arrows = found.points - found.center
     a, b, c = (arrows / np.abs(arrows).max())[found.faces].transpose(1, 0, 2)
     return bool((np.einsum("fi,fi->f", a, np.cross(b, c)) > 0.0).all())

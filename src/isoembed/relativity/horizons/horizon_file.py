@@ -29,7 +29,7 @@ from isoembed.surface.measures import volume
 
 POINTS = ("points", "vertices")
 CENTERS = ("center", "origin")
-# Files that have no surface, by the names in them, and what is said of them.
+# Patterns of names in files without a surface, and explanations for the error message.
 UNREAD = (
     (
         r"\bAh[A-Z]\.dir/",
@@ -55,25 +55,25 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
     Parameters
     ----------
     path : path
-        By its content and ending: a shape file of AHFinderDirect or BHaHAHA; coordinates of GRChombo;
-        surface data or harmonic coefficients of SpECTRE (see `read_spectre`); a metric on a grid, in arrays
-        or a table (see `read_grid_data`); ``.npz``, ``.h5`` or ``.hdf5`` with ``points`` (V, 3) or ``x``,
-        ``y``, ``z``, and maybe ``faces`` (F, 3), ``center`` (3,) and ``time``; polygons in a legacy VTK file
-        as QuasiLocalMeasures writes them; or a closed mesh, whose equal vertices are merged; or a
-        `HorizonFormat` of another package.  It may be compressed (``.gz``).
+        File, optionally compressed (``.gz``), in a format recognized by content and ending: a shape file of
+        AHFinderDirect or BHaHAHA; coordinates of GRChombo; surface data or harmonic coefficients of SpECTRE
+        (see `read_spectre`); a metric on a grid, in arrays or a table (see `read_grid_data`); ``.npz``,
+        ``.h5`` or ``.hdf5`` with ``points`` (V, 3) or ``x``, ``y``, ``z``, and optionally ``faces`` (F, 3),
+        ``center`` (3,) and ``time``; polygons in a legacy VTK file of QuasiLocalMeasures; a closed mesh with
+        coincident vertices merged; or a `HorizonFormat` of another package.
 
     Returns
     -------
     CoordinateShape or SurfaceData
-        The metric, with k, p and K(., n) if they are there, where the file has it; else the coordinate
-        shape, which is all that most files have: its `CoordinateShape.contents` says so.
+        The metric, with k, p and K(., n) if available, or the coordinate shape if the file has no metric, as
+        is usual; see `CoordinateShape.contents`.
 
     Raises
     ------
     FileError
         The file cannot be read, or holds no closed surface.
     InvalidMetric
-        The metric, or the triangles of a closed surface, that it holds are invalid.
+        The metric or the triangulation in the file is invalid.
     """
     with opened(path) as file:
         added = (loaded(point, HorizonFormat) for point in entry_points(group="isoembed.horizon_formats"))
@@ -117,7 +117,7 @@ def _read_points(file: InputFile) -> CoordinateShape:
 
 
 def _groups_of_points(file: InputFile) -> dict[str, Tables]:
-    """The arrays that hold points, by their groups."""
+    """Arrays of the groups that hold points."""
     groups = file.arrays if file.ending in ARRAY_ENDINGS else {}
     return {
         name: tables
@@ -127,7 +127,7 @@ def _groups_of_points(file: InputFile) -> dict[str, Tables]:
 
 
 def _shape_of(tables: Tables, source: str) -> CoordinateShape:
-    """Surface of named arrays, with its own triangles where it has them."""
+    """Surface from named arrays, with their triangles if there are any."""
     named = next((name for name in POINTS if name in tables), None)
     coordinates = [tables[name] for name in ([named] if named else "xyz")]
     if any(np.asarray(array).dtype.kind not in "iuf" for array in coordinates):
@@ -174,7 +174,7 @@ def _outward(faces: Any, points: Floats, source: str) -> Indices:
 
 
 FORMATS = (
-    BHAHAHA,  # before AHFinderDirect, whose ending it has
+    BHAHAHA,  # before AHFinderDirect, which has the same ending
     AHFINDERDIRECT,
     HorizonFormat("VTK polydata", lambda file: is_polydata(file.head), _read_polydata),
     SPECTRE,
@@ -183,4 +183,4 @@ FORMATS = (
     HorizonFormat("points", lambda file: bool(_groups_of_points(file)), _read_points),
     HorizonFormat("mesh", lambda file: file.ending in MESH_ENDINGS, _read_mesh),
 )
-"""The formats of isoembed, in the order in which they are asked."""
+"""Built-in formats, in order of recognition."""

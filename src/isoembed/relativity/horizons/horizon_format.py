@@ -10,19 +10,19 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 
 @dataclass(frozen=True)
 class HorizonFormat:
-    """A format of horizon files.
+    """Format of horizon files.
 
-    A package adds one by an entry point of the group ``isoembed.horizon_formats`` that refers to it.  It is
-    asked after those of isoembed, for files that none of them recognizes.
+    A package can register a format by an entry point in the group ``isoembed.horizon_formats``.  It is tried
+    after the built-in formats.
 
     Attributes
     ----------
     name : str
     recognizes : callable
-        Takes an `isoembed.io.InputFile` and says whether the file is of this format, by its ``ending``, its
+        Takes an `isoembed.io.InputFile` and returns whether it has this format, by its ``ending``, its
         ``head``, or the names of its ``arrays``.
     read : callable
-        Takes such a file and returns a `CoordinateShape`, or `SurfaceData` where the file has the metric.
+        Takes such a file and returns a `CoordinateShape`, or `SurfaceData` if the file has the metric.
     """
 
     name: str

@@ -18,20 +18,20 @@ from isoembed.smooth.transforms import resized
 from isoembed.smooth.uncertain import Uncertainty
 from isoembed.surface.estimate import Estimate
 
-DEGREES = (8, 12, 16)  # of rotations where there is no spin, one after the other
+DEGREES = (8, 12, 16)  # degrees of rotations in order of refinement, if there is no spin
 
 
 @short_repr
 @dataclass(frozen=True)
 class HorizonShape:
-    """Circumferences and multipoles of a horizon, about the axis of its symmetry.
+    """Circumferences and multipoles of a horizon about its (approximate) symmetry axis.
 
     Attributes
     ----------
     circumferences : Circumferences
     multipoles : Multipoles
     axis : three floats
-        The unit vector, in the directions of the metric, along which zeta rises in the mean.
+        Unit vector of the mean gradient of zeta, on the sphere of directions of the metric.
     """
 
     circumferences: Circumferences
@@ -40,15 +40,15 @@ class HorizonShape:
 
     @classmethod
     def of(cls, data: SurfaceData, spin: Spin | None = None) -> HorizonShape:
-        """The shape of a horizon.
+        """Shape of a horizon.
 
         Parameters
         ----------
         data : SurfaceData
-            Of which the metric and ``normal_momentum`` are used, and J and Q where they are given.
+            Surface; its metric, ``normal_momentum``, and J and Q if given, are used.
         spin : Spin, optional
-            Of the surface, from `find_spin`; without it, poles are those of the rotation that shears the
-            metric least.
+            Spin of the surface, from `find_spin`; without it, the poles are those of the rotation of least
+            shear.
 
         Raises
         ------
@@ -71,13 +71,13 @@ class HorizonShape:
 
 
 def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
-    """Invariant coordinate of the symmetry about the spin or z, or of the rotation nearest to a symmetry."""
+    """Invariant coordinate of the symmetry about the spin or z, or of the most nearly Killing rotation."""
     metric, error = data.metric, data.relative_error
     turning = None if spin is None else spin.zeta
     upright = InvariantCoordinate.about(metric, relative_error=error)
     if turning is None:
         return upright or _least_sheared(data)
-    # The axis of the spin is the z-axis, but for errors.
+    # The axis of the spin is the z-axis within errors.
     if upright is not None and abs(turning.axis[2]) > 0.9:
         return upright
     return InvariantCoordinate.about(metric, turning.axis.tolist(), error) or turning
@@ -91,7 +91,7 @@ def _least_sheared(data: SurfaceData) -> InvariantCoordinate:
         before, potential = (three.coefficients @ three.least_sheared for three in (few, more))
         before = resized(before[:, None], few.harmonics, more.harmonics)[:, 0]
         change = min(float(np.linalg.norm(potential - sign * before)) for sign in (1.0, -1.0))
-        if change <= 1e-6:  # relative change of the potential with more harmonics
+        if change <= 1e-6:  # relative change of the potential between degrees
             break
         few = more
     zeta = InvariantCoordinate.of_potential(potential, more.harmonics, change + data.relative_error)
@@ -99,7 +99,7 @@ def _least_sheared(data: SurfaceData) -> InvariantCoordinate:
 
 
 def shape_lines(report: dict[str, Any]) -> list[str]:
-    """The lines of a text on a report with a horizon's shape; none if it has none."""
+    """Lines of text for a report with the shape of a horizon; none if it has no shape."""
     if "circumferences" not in report:
         return []
     found, multipoles = report["circumferences"], report["multipoles"]

@@ -10,28 +10,28 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.relativity.horizons.discretization import Discretization, Equations, Iterate
 
-ROUNDING = 1e-7  # residual over the radius below which it may cease to fall: 2e-9 in degree 512
+ROUNDING = 1e-7  # residual over the radius below which stagnation counts as convergence: 2e-9 in degree 512
 PATIENCE = 10
-"""Steps in which the residual must fall tenfold: damped steps of 1/4 do, a search in vain does not."""
+"""Steps in which the residual must decrease tenfold, as it does even with damped steps of 1/4."""
 
 
 class NoConvergence(ArithmeticError):  # noqa: N818 - as the package's others
-    """Newton's method failed; the message says where."""
+    """Newton's method did not converge; the message says where."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A surface whose expansion is constant, but for what the harmonics do not resolve.
+    """Surface of constant expansion, up to the truncation of the harmonics.
 
     Attributes
     ----------
     iterate : Iterate
     expansion : float
     equations : Equations
-        At a surface nearby.
+        Equations linearized at a nearby surface.
     steps : int
     noise : float
-        Displacement by the slice's error, over the radius, root-mean-square, where it is smooth.
+        Root-mean-square displacement from the error of the slice, relative to the radius, for smooth errors.
     """
 
     iterate: Iterate
@@ -44,20 +44,20 @@ class Solution:
 def solve(
     discretization: Discretization, f: Floats, expansion: float | None, enough: float = 0.0
 ) -> Solution:
-    """Surface of constant expansion near a given one.
+    """Find a surface of constant expansion near a given one.
 
-    Raises `NoConvergence`: the residual does not fall, or less than tenfold in ten steps; `InvalidMetric` or
-    `InvalidParameter`: the slice is not known on the first surface.
+    Raises `NoConvergence`: the residual does not decrease, or less than tenfold in ten steps; `InvalidMetric`
+    or `InvalidParameter`: the initial surface leaves the domain of the slice.
 
     Parameters
     ----------
     discretization : Discretization
     f : ndarray, shape (size,)
-        Coefficients of the first surface.
+        Coefficients of the initial surface.
     expansion : float, optional
-        Without it the mean of f is held, and the expansion found.
+        Prescribed expansion; by default it is an unknown, and the mean of f is fixed.
     enough : float
-        Residual, as a displacement over the radius, at which to stop.
+        Residual at which to stop, as a displacement relative to the radius.
     """
     free = expansion is None
     at = discretization.iterate(f)
@@ -88,7 +88,7 @@ def solve(
                 return Solution(at, expansion, equations, step, noise)
             raise
         expansion -= part * rate
-        if left > 0.1 * size:  # a step that gains a digit keeps the linearization
+        if left > 0.1 * size:  # otherwise the linearization is accurate enough to keep
             equations = _linearized(discretization, at, free)
 
 
@@ -107,11 +107,11 @@ def _moved(
     rate: float,
     equations: Equations,
 ) -> tuple[float, Iterate, float]:
-    """Part of a step that makes the residual smaller, the surface there and its residual over the radius."""
+    """Damping factor of a step that reduces the residual, the new surface, and its relative residual."""
     radius = at.radius
     size = float(np.linalg.norm(_residual(equations, at, expansion))) / radius
     longest = float(np.abs(discretization.transform.values(change[:, None])).max())
-    part = min(1.0, 0.3 * radius / longest) if longest > 0.0 else 1.0  # longest displacement, over the radius
+    part = min(1.0, 0.3 * radius / longest) if longest > 0.0 else 1.0  # displacement of at most 0.3 radii
     why = f"Newton's method stalls at the residual {size:.2g}"
     while part >= 1.0 / 16.0:
         try:
@@ -127,5 +127,5 @@ def _moved(
 
 
 def _residual(equations: Equations, at: Iterate, expansion: float) -> Floats:
-    """The projection (size,) of what the expansion is more than the given one."""
+    """Projection (size,) of the excess of the expansion over the given one."""
     return equations.projected((at.local.expansion - expansion)[:, None])[:, 0]

@@ -1,4 +1,4 @@
-"""Images of the sphere of any shape, parameterized by displacement along the normals of a surface."""
+"""Surfaces of arbitrary shape, parametrized by the displacement along the normals of a reference surface."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import resized
 
 HIGHEST_DEGREES = (96, 256)  # without and with symmetry about the z-axis
-LONGEST_STEP = 0.02  # mean step of a foliation inwards, over the radius
+LONGEST_STEP = 0.02  # largest mean step of an inward foliation, in radii
 
 
 @dataclass(frozen=True, eq=False)
 class NormalImage(Image):
-    """A surface of any shape and a direction, f being the displacement along it.
+    """Surface of arbitrary shape with a direction field, f being the displacement along it.
 
     Attributes
     ----------
     map : HarmonicMap
     direction : HarmonicMap, optional
-        The normals along which it was displaced last; None before that.
+        Normals of the last displacement; None initially.
     """
 
     rounding: ClassVar[float] = 1e-11
@@ -49,10 +49,10 @@ class NormalImage(Image):
 
     @classmethod
     def of(cls, guess: Surface, *, symmetric: bool) -> NormalImage:
-        """The image of a first guess."""
+        """Image of an initial guess."""
         degree = guess.harmonics.degree
         map = HarmonicMap.projected(guess, degree, symmetric=symmetric)
-        return cls(map.in_degree(max(degree, 24), symmetric=symmetric))  # first degree
+        return cls(map.in_degree(max(degree, 24), symmetric=symmetric))  # initial degree
 
     @property
     def degree(self) -> int:
@@ -71,10 +71,10 @@ class NormalImage(Image):
     def solved(
         self, geometry: ThreeGeometry, expansion: float
     ) -> tuple[NormalImage, Discretization, Solution, int]:
-        """See `Image`: displaced along normals that are made anew until the surface stays."""
+        """See `Image`; the normals are recomputed until the surface is stationary."""
         map, steps = self.map, 0
-        for count in range(4):  # most times that normals are recomputed
-            if count < 2:  # times that coordinates are recomputed
+        for count in range(4):  # largest number of updates of the normals
+            if count < 2:  # largest number of reparametrizations
                 map = map.reparametrized()
             image = NormalImage(map, map.normals())
             discretization = image.discretized(geometry)
@@ -82,14 +82,14 @@ class NormalImage(Image):
             f = solution.iterate.f
             map = image.displaced(f)
             steps += solution.steps
-            # The surface moved too little to compute the normals anew.
+            # The displacement is too small to require new normals.
             if np.linalg.norm(f) <= 1e-10 * map.radius:
                 break
         return replace(image, map=map), discretization, solution, steps
 
     def apart(self, geometry: ThreeGeometry) -> tuple[Discretization, Iterate]:
         """See `Image`."""
-        other = self.discretized(geometry, self.degree + 7)  # no nodes of the equations
+        other = self.discretized(geometry, self.degree + 7)  # nodes different from those of the equations
         return other, other.iterate(np.zeros(self.displacements.size))
 
     def surface(self, shifts: Floats) -> MappedSurface:
@@ -102,11 +102,11 @@ class NormalImage(Image):
 
     @property
     def displacements(self) -> Harmonics:
-        """The harmonics of f."""
+        """Harmonics of f."""
         return Harmonics(self.degree, 0 if self.map.symmetric else self.degree)
 
     def discretized(self, geometry: ThreeGeometry, n: int | None = None) -> Discretization:
-        """The surfaces around it at the nodes of n circles, by default as many as the equations need."""
+        """Family of nearby surfaces at nodes on n circles, by default as many as the equations require."""
         n = int(DEALIASING * self.degree) + 2 if n is None else n
         assert self.direction is not None
         transform = SphereTransform(self.displacements, n, 1 if self.map.symmetric else 2 * n)
@@ -114,16 +114,16 @@ class NormalImage(Image):
         return Discretization(geometry, transform, family)
 
     def displaced(self, f: Floats) -> HarmonicMap:
-        """The map ``X + f D``."""
+        """Map ``X + f D``."""
         assert self.direction is not None
         return self.map.displaced(self.direction, f, self.displacements)
 
 
 def foliated_inwards(geometry: ThreeGeometry, start: HarmonicMap) -> NormalImage:
-    """Foliation by constant expansion from a horizon inwards, through trapped surfaces, to where these end.
+    """Last trapped surface of a foliation by constant expansion from a horizon inward.
 
-    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: the surfaces just inside of it are not
-    trapped, or they do not end.
+    Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: the surfaces just inside the horizon are
+    not trapped, or the trapped surfaces do not end.
     """
     highest = HIGHEST_DEGREES[int(start.symmetric)]
     map, step, trapped = start, LONGEST_STEP, False
@@ -136,7 +136,7 @@ def foliated_inwards(geometry: ThreeGeometry, start: HarmonicMap) -> NormalImage
             return NormalImage(inner)
         if expansion >= 0.0:
             step *= 0.5
-            # The first step may be shorter than later ones.
+            # The first step may be shorter than the others.
             if step >= (2e-4 if trapped else 1e-5):
                 continue
             if trapped:
@@ -146,17 +146,17 @@ def foliated_inwards(geometry: ThreeGeometry, start: HarmonicMap) -> NormalImage
         step = min(LONGEST_STEP, 1.5 * step)
         high = map.harmonics.labels[0] > 0.875 * map.degree
         tail = float(np.abs(map.coefficients[high]).max()) / map.radius
-        # Coefficients of high degree, over the radius, that ask for a higher one.
+        # Large coefficients of high degree require a higher degree.
         if tail > 1e-6 and map.degree < highest:
             map = map.in_degree(min(highest, map.degree * 4 // 3))
     raise NoConvergence("the trapped surfaces inside of it do not end")
 
 
 def _inside(geometry: ThreeGeometry, map: HarmonicMap, distance: float) -> tuple[HarmonicMap, float]:
-    """The surface of constant expansion that is so far inside, in the mean, and its expansion."""
+    """Surface of constant expansion at a mean distance inside a given one, and its expansion."""
     image = NormalImage(map, map.normals())
     f = np.zeros(image.displacements.size)
     f[0] = -distance * np.sqrt(4.0 * np.pi)
-    enough = 1e-5 * distance / map.radius  # leaves on the way need few digits
+    enough = 1e-5 * distance / map.radius  # intermediate leaves need few digits
     solution = solve(image.discretized(geometry), f, None, enough)
     return image.displaced(solution.iterate.f), solution.expansion

@@ -25,7 +25,7 @@ from isoembed.smooth.transforms import resized
 from isoembed.smooth.two_metric import is_symmetric_about_z
 
 HIGHEST_DEGREES = (128, 2048)
-"""Degrees without and with symmetry about the z-axis; the mass ratio 1 : 100 needs the last one."""
+"""Largest degrees without and with symmetry about the z-axis; a mass ratio of 1 : 100 needs the latter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +36,9 @@ class RadialImage(Image):
     ----------
     star : StarSurface
     symmetric : bool
-        About z: slice and surface.
+        Whether slice and surface are symmetric about the z-axis.
     moves : int
-        How often the center may still be moved.
+        Remaining number of changes of the center.
     """
 
     rounding: ClassVar[float] = 1e-12
@@ -53,8 +53,8 @@ class RadialImage(Image):
 
     @classmethod
     def of(cls, star: StarSurface, *, symmetric: bool) -> RadialImage:
-        """The image of a first guess."""
-        degree = max(8, min(star.harmonics.degree, HIGHEST_DEGREES[int(symmetric)]))  # first degree
+        """Image of an initial guess."""
+        degree = max(8, min(star.harmonics.degree, HIGHEST_DEGREES[int(symmetric)]))  # at least 8
         return cls(in_degree(star, degree, symmetric), symmetric)
 
     @property
@@ -91,7 +91,7 @@ class RadialImage(Image):
 
     def apart(self, geometry: ThreeGeometry) -> tuple[Discretization, Iterate]:
         """See `Image`."""
-        n = self.degree + 5  # a rule that shares no nodes with that of `discretized`
+        n = self.degree + 5  # a rule without common nodes with that of `discretized`
         n += n == int(DEALIASING * self.degree) + 2
         other = _discretized(geometry, self.star, n, 2 * n + 1 if self.star.harmonics.order else 1)
         return other, other.iterate(self.star.coefficients)
@@ -112,21 +112,21 @@ def root_mean_square(f: Floats) -> float:
 
 
 def discretized(geometry: ThreeGeometry, surface: StarSurface) -> Discretization:
-    """The star-shaped surfaces about the same center and in the same harmonics."""
+    """Discretization of the star-shaped surfaces with the same center and harmonics."""
     harmonics = surface.harmonics
     n = int(DEALIASING * harmonics.degree) + 2
     return _discretized(geometry, surface, n, 2 * n if harmonics.order else 1)
 
 
 def in_degree(surface: StarSurface, degree: int, symmetric: bool) -> StarSurface:
-    """The surface with its radius cut off, or filled up with zeros."""
+    """Surface with its radius truncated or zero-padded to another degree."""
     harmonics = Harmonics(degree, 0 if symmetric else degree)
     c = resized(surface.coefficients[:, None], surface.harmonics, harmonics)
     return StarSurface(surface.center, harmonics, c[:, 0])
 
 
 def is_symmetric(geometry: ThreeGeometry, surface: Surface) -> bool:
-    """Whether surface and slice are symmetric about the z-axis, as far as the expansion tells."""
+    """Whether surface and slice are symmetric about the z-axis, judged by the expansion."""
     center, R = surface.center, surface.mean_radius
     if isinstance(surface, StarSurface):
         upright = surface.harmonics.order == 0 and not any(center[:2])
@@ -137,21 +137,21 @@ def is_symmetric(geometry: ThreeGeometry, surface: Surface) -> bool:
     spheroid = np.zeros(Harmonics(2, 0).size)
     spheroid[[0, 2]] = R * np.sqrt(4.0 * np.pi) * np.array([1.0, 0.1])
     on_axis = (0.0, 0.0, center[2])
-    # Not the surface itself, which may be a horizon: there is rounding only.
+    # Not the surface itself: on a horizon the expansion is only rounding.
     others = [StarSurface.sphere(on_axis, 1.1 * R), StarSurface(on_axis, Harmonics(2, 0), spheroid)]
     return all(is_symmetric_about_z(partial(other.expansion, geometry)) for other in others)
 
 
 def _is_upright(surface: Surface) -> bool:
-    """Whether the angle phi of a point of a mapped surface is that of its direction."""
-    u = fibonacci_directions(200)  # where a twist is looked for
+    """Whether the points of a mapped surface have the same angles phi as their directions."""
+    u = fibonacci_directions(200)  # sample points
     x = surface.points(u)
     twist = x[:, 0] * u[:, 1] - x[:, 1] * u[:, 0]
     return bool(np.abs(twist).max() <= 1e-12 * surface.mean_radius)  # rounding
 
 
 def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
-    """Surface about its centroid, as accurate as its harmonics, if the center is off it."""
+    """Surface about its centroid, to the accuracy of its harmonics, unless the center is already close."""
     degree = surface.harmonics.degree
     n = 2 * degree + 4
     u, weights = gauss_rule(n, 2 * n if surface.harmonics.order else 1)
@@ -166,10 +166,10 @@ def recentered(surface: StarSurface, symmetric: bool) -> StarSurface:
 
 
 def about(surface: StarSurface, center: Sequence[float]) -> StarSurface:
-    """Surface about another center, as accurate as its harmonics."""
+    """Surface about another center, to the accuracy of its harmonics."""
     off = np.subtract(center, surface.center)
     degree = surface.harmonics.degree
-    # From the new center: the ray off + t u meets the surface.
+    # Intersection of the ray off + t u from the new center with the surface.
     transform = _transform(surface.harmonics, degree + 1, 2 * degree + 2 if surface.harmonics.order else 1)
     u = transform.u
     t = surface.radius(u)
@@ -180,7 +180,7 @@ def about(surface: StarSurface, center: Sequence[float]) -> StarSurface:
         r, slope, _ = surface.harmonics.derivatives(v, surface.coefficients)
         along = np.einsum("ni,ni->n", v, u)
         rate = along - np.einsum("ni,ni->n", slope, u) / size
-        change = (size - r) / np.maximum(rate, 0.1)  # rays that graze the surface take short steps
+        change = (size - r) / np.maximum(rate, 0.1)  # limited for rays that graze the surface
         t = t - change
         if np.abs(change).max() <= 1e-14 * size.max():  # rounding
             break
@@ -195,5 +195,5 @@ def _discretized(geometry: ThreeGeometry, surface: StarSurface, n: int, around: 
 
 @lru_cache(maxsize=4)
 def _transform(harmonics: Harmonics, n: int, around: int) -> SphereTransform:
-    """A transform with its tables, which one surface after the other needs."""
+    """Cached transform with its tables, shared by successive surfaces."""
     return SphereTransform(harmonics, n, around)

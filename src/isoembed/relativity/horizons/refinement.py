@@ -1,4 +1,4 @@
-"""Refinement in degree of a surface of constant expansion, to rounding."""
+"""Refinement in degree of a surface of constant expansion, up to rounding."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ class End(Enum):
 
 
 class Image(ABC):
-    """An image of the sphere in harmonics of one degree, with a family of surfaces around it.
+    """Image of the sphere in harmonics of a fixed degree, with a family of nearby surfaces.
 
     Attributes
     ----------
     rounding : float
-        Residual that is rounding.
+        Residual attributed to rounding.
     resolved : float
-        Residual from which on a higher degree must reduce it.
+        Residual below which a higher degree must reduce it.
     patience : int
-        Degrees in a row that may fail to halve the residual.
+        Number of successive degrees without a halved residual that end the refinement.
     retries : int
-        Degrees without a solution before the search ends.
+        Number of degrees without a solution before the search ends.
     failures : tuple of exceptions
-        Those that a higher degree may cure.
+        Exceptions after which a higher degree is tried.
     """
 
     rounding: ClassVar[float]
@@ -56,17 +56,17 @@ class Image(ABC):
     @property
     @abstractmethod
     def highest(self) -> int:
-        """The highest degree that is tried."""
+        """Largest degree."""
 
     @abstractmethod
     def finer(self) -> Image:
-        """The image in the next degree, or the highest."""
+        """Image in the next degree, or the largest."""
 
     @abstractmethod
     def solved(
         self, geometry: ThreeGeometry, expansion: float
     ) -> tuple[Image, Discretization, Solution, int]:
-        """The surface of constant expansion nearby in this degree, and the number of Newton's steps.
+        """Nearby surface of constant expansion in this degree, and the number of Newton steps.
 
         Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
         `isoembed.relativity.horizons.newton.solve`.
@@ -74,16 +74,16 @@ class Image(ABC):
 
     @abstractmethod
     def apart(self, geometry: ThreeGeometry) -> tuple[Discretization, Iterate]:
-        """The surface at nodes that the equations do not have."""
+        """Surface at nodes other than those of the equations."""
 
     @abstractmethod
     def surface(self, shifts: Floats) -> StarSurface | MappedSurface:
-        """The surface with its errors: changes of f (N, size), drawn at random."""
+        """Surface with its errors, given as changes of f (N, size)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """A surface of constant expansion in the degree of the least residual.
+    """Surface of constant expansion in the degree of least residual.
 
     Attributes
     ----------
@@ -91,10 +91,10 @@ class Refined:
     discretization : Discretization
     solution : Solution
     residual : float
-        The largest difference from the expansion that was asked for, times the areal radius, at nodes that
-        were not used.
+        Largest deviation from the prescribed expansion, times the areal radius, at nodes other than those of
+        the equations.
     steps : int
-        Of Newton's method, in all degrees.
+        Total number of Newton steps in all degrees.
     end : End
     """
 
@@ -107,7 +107,7 @@ class Refined:
 
 
 def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
-    """Surface of constant expansion near a given one, in the degree that it needs.
+    """Find a surface of constant expansion near a given one, with adaptive degree.
 
     Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: see
     `isoembed.relativity.horizons.newton.solve`.
@@ -134,7 +134,7 @@ def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
         if best is None or residual < best.residual:
             best = Refined(image, discretization, solution, residual)
         known = R * float(np.abs(apart.expansion_errors(there)).max())
-        if residual <= max(image.rounding, 0.1 * known):  # no more digits than the slice has
+        if residual <= max(image.rounding, 0.1 * known):  # well below the error of the slice
             return replace(best, steps=steps, end=End.RESOLVED)
         if stalled >= image.patience:
             return replace(best, steps=steps, end=End.STALLED)

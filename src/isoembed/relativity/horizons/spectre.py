@@ -1,7 +1,7 @@
 """Reader for SpECTRE's surface data and harmonic coefficients of horizons.
 
-Surface data are in HDF5 groups ``<surface>.vol``.  Coefficients are in HDF5 datasets ``<surface>_Ylm.dat``,
-or in text files of such a name.
+Surface data are in HDF5 groups ``<surface>.vol``, coefficients in HDF5 datasets ``<surface>_Ylm.dat`` or in
+text files with such names.
 """
 
 import contextlib
@@ -34,30 +34,30 @@ SPECTRE_ENDINGS = (*HDF5_ENDINGS, TEXT)
 
 @dataclass(frozen=True)
 class SurfaceGroup:
-    """A surface in a group ``<surface>.vol``, which has a group ``ObservationId<number>`` for each time.
+    """Surface in a group ``<surface>.vol``, with a subgroup ``ObservationId<number>`` for each time.
 
     Attributes
     ----------
     group : h5py.Group
     path : str
-        The file, for messages.
+        Name of the file, for messages.
     """
 
     group: Any
     path: str
 
     def observations(self) -> list[tuple[float, str]]:
-        """The times, in order, and the names of their groups."""
+        """Times in increasing order, and the names of their groups."""
         timed = ((self.time(name), name) for name in _inside(self.group))
         return sorted(((time, name) for time, name in timed if time is not None), key=lambda pair: pair[0])
 
     def time(self, name: str) -> float | None:
-        """The time of an observation; None if there is none of that name."""
+        """Time of an observation; None if there is none of that name."""
         time = self.group[name].attrs.get("observation_value") if name in self.group else None
         return None if time is None else float(time)
 
     def tables(self, name: str) -> dict[str, NDArray[Any]]:
-        """The arrays of an observation."""
+        """Arrays of an observation."""
         return numbers_in(self.group[name], self.path)
 
 
@@ -69,29 +69,28 @@ def read_spectre(
     Parameters
     ----------
     path : path
-        An HDF5 file with groups ``<surface>.vol/ObservationId<number>``, each with the inertial coordinates
-        of the collocation points (Gauss-Legendre in theta, equiangular in phi) and scalars there; or with
-        datasets ``<surface>_Ylm.dat``, whose rows are the harmonic coefficients of a surface in the inertial
-        frame, one for each time; or such a table as text, with ``# [k] <name>`` for each column.  Of a
-        surface that a file has in both ways the points are read.
+        HDF5 file with groups ``<surface>.vol/ObservationId<number>``, which hold the inertial coordinates of
+        the collocation points (Gauss-Legendre in theta, equiangular in phi) and scalars; or with datasets
+        ``<surface>_Ylm.dat``, whose rows are the harmonic coefficients of a surface in the inertial frame at
+        one time each; or such a table as text, with ``# [k] <name>`` for each column.  Points take precedence
+        if a file has a surface in both forms.
     surface : str, optional
-        Its name, with or without ``.vol`` or ``_Ylm.dat``; may be left out if there is one only.
+        Name of the surface, with or without ``.vol`` or ``_Ylm.dat``; optional if there is only one.
     observation : int, float or str, optional
-        An int counts observations in the order of time, from 0, or from the end if it is negative; a float
-        is the time itself; a str is the name of the group, or the number of the row.  May be left out if
-        there is one only.
+        Index of the observation in order of time, negative from the end (int); its time (float); or the name
+        of its group or number of its row (str).  Optional if there is only one.
 
     Returns
     -------
     CoordinateShape
-        With the scalars as its fields, ``RicciScalar`` (twice the Gauss curvature) for one.  Harmonic
-        coefficients are evaluated at twice as many points each way as determine them.
+        Its fields are the scalars, such as ``RicciScalar`` (twice the Gaussian curvature).  Harmonic
+        coefficients are evaluated with twofold oversampling in each direction.
 
     Raises
     ------
     FileError
-        The file cannot be read, or there is no such surface or observation, or several and none is chosen;
-        the message lists those that are there.
+        The file cannot be read, there is no such surface or observation, or there are several and none is
+        chosen; the message lists the choices.
     """
     tables, name, time = spectre_tables(path, surface, observation)
     source = f"{path} ({name} at t = {time:g})"
@@ -102,9 +101,9 @@ def read_spectre(
 def spectre_tables(
     path: str | os.PathLike[str], surface: str | None = None, observation: float | str | None = None
 ) -> tuple[dict[str, NDArray[Any]], str, float]:
-    """All numbers that a file has of one surface at one time, the name of the surface, and the time.
+    """Arrays of one surface at one time, the name of the surface, and the time.
 
-    Parameters and errors are those of `read_spectre`.
+    Parameters and exceptions are those of `read_spectre`.
     """
     with _surfaces(path) as surfaces:
         found, name = _chosen_surface(surfaces, surface, str(path))
@@ -113,16 +112,16 @@ def spectre_tables(
 
 
 def spectre_times(path: str | os.PathLike[str]) -> dict[str, list[tuple[float, str]]]:
-    """Times of the surfaces of a file, in order, and the names of their observations, by surface.
+    """Times in increasing order and names of the observations in a file, by surface.
 
-    There are none in a file of another kind.  Raises `FileError`: it cannot be read.
+    The result is empty for files of other formats.  Raises `FileError`: the file cannot be read.
     """
     with _surfaces(path) as surfaces:
         return {name: found.observations() for name, found in surfaces.items()}
 
 
 def surface_name(name: str) -> str:
-    """Name of a surface without the ending that says how it is stored."""
+    """Name of a surface without the ending of its storage format."""
     return name.removesuffix(VOLUME).removesuffix(HARMONICS)
 
 
@@ -137,7 +136,7 @@ def _recognizes(file: InputFile) -> bool:
 
 @contextlib.contextmanager
 def _surfaces(path: str | os.PathLike[str]) -> Iterator[dict[str, SurfaceGroup | HarmonicTable]]:
-    """The surfaces in a file by their names, to be read in this block; none in a file of another kind."""
+    """Surfaces in a file by name, readable inside the context; empty for files of other formats."""
     with opened(path) as given:
         if given.ending == TEXT:
             name = surface_name(given.path.name.removesuffix(".gz"))
@@ -148,10 +147,10 @@ def _surfaces(path: str | os.PathLike[str]) -> Iterator[dict[str, SurfaceGroup |
 
 
 def _surfaces_in(file: Any, path: str) -> dict[str, SurfaceGroup | HarmonicTable]:
-    """The surfaces in an open HDF5 file; those with points hide those of the same name with coefficients."""
+    """Surfaces in an open HDF5 file; points take precedence over coefficients of the same name."""
     groups: dict[str, SurfaceGroup] = {}
     tables: dict[str, HarmonicTable] = {}
-    seen, left = {file}, [file]  # a group may be in itself
+    seen, left = {file}, [file]  # groups may contain themselves
     while left:
         above = left.pop()
         for name in _inside(above):
@@ -171,7 +170,7 @@ def _surfaces_in(file: Any, path: str) -> dict[str, SurfaceGroup | HarmonicTable
 
 
 def _shape_of_points(tables: dict[str, NDArray[Any]], source: str, time: float) -> CoordinateShape:
-    """The surface through the collocation points of an observation."""
+    """Surface through the collocation points of an observation."""
     extents = tables.get("total_extents")
     absent = [axis for axis in COORDINATES if axis not in tables]
     if absent:
@@ -191,7 +190,7 @@ def _shape_of_points(tables: dict[str, NDArray[Any]], source: str, time: float) 
 
 
 def _quads(extents: NDArray[np.integer]) -> Indices:
-    """The quadrilaterals of the grid, theta running fastest: the file's own are not oriented alike."""
+    """Quadrilaterals of the grid, theta the fastest index; those in files are not consistently oriented."""
     i, j = np.meshgrid(np.arange(int(extents[0]) - 1), np.arange(int(extents[1])))
     here, there = i + int(extents[0]) * j, i + int(extents[0]) * ((j + 1) % int(extents[1]))
     return np.stack([here, here + 1, there + 1, there], axis=-1).reshape(-1, 4)
@@ -211,7 +210,7 @@ def _chosen_surface(surfaces: dict[str, Any], surface: str | None, source: str) 
 def _chosen_observation(
     found: SurfaceGroup | HarmonicTable, observation: float | str | None, source: str
 ) -> tuple[str, float]:
-    """The name of an observation, and its time."""
+    """Name of an observation, and its time."""
     if isinstance(observation, str):
         if (time := found.time(observation)) is None:
             raise FileError(f"{source} holds no observation {observation}")
@@ -240,7 +239,7 @@ def _chosen_observation(
 
 
 def _inside(group: Any) -> list[str]:
-    """Names in a group, but for links to somewhere else and the bytes that some are in damaged files."""
+    """Names in a group, without external links and names that are bytes, as in damaged files."""
     return [
         name for name in group if isinstance(name, str) and not hasattr(group.get(name, getlink=True), "path")
     ]

@@ -1,14 +1,13 @@
 """Reader for spherical harmonic coefficients of surfaces in SpECTRE's *_Ylm.dat tables.
 
-Each row is the surface at one time: ``Time``, ``<Frame>ExpansionCenter_x``, ``_y``, ``_z``, ``Lmax`` and
-``coef(l,m)``, the coefficients of its radius about that center in the basis of SPHEREPACK [1]_,
+Each row is a surface at one time: ``Time``, ``<Frame>ExpansionCenter_x``, ``_y``, ``_z``, ``Lmax`` and
+``coef(l,m)``, the coefficients of the radius about that center in the basis of SPHEREPACK [1]_,
 
     r = sum_l a_l0 P_l0 / 2 + sum_l sum_m>0 P_lm (a_lm cos(m phi) - b_lm sin(m phi)),
 
-with a_lm = ``coef(l,m)``, b_lm = ``coef(l,-m)``, and P_lm the associated Legendre functions of cos(theta),
-without the sign (-1)^m, normalized such that the integral of P_lm^2 over cos(theta) is 1.  For the complex
-coefficients F_lm of the usual harmonics Y_lm, which have that sign, a_lm + i b_lm = (-1)^m sqrt(2 / pi) F_lm
-[2]_.
+with a_lm = ``coef(l,m)``, b_lm = ``coef(l,-m)``, and P_lm the associated Legendre functions of cos(theta)
+without the Condon-Shortley phase (-1)^m, normalized to a unit integral of P_lm^2 over cos(theta).  Complex
+coefficients F_lm of the harmonics Y_lm with that phase satisfy a_lm + i b_lm = (-1)^m sqrt(2 / pi) F_lm [2]_.
 
 References
 ----------
@@ -33,20 +32,20 @@ from isoembed.relativity.horizons.coordinate_shape import CoordinateShape
 from isoembed.smooth.harmonics import Harmonics
 
 MONOPOLE = "coef(0,0)"
-COLUMN = re.compile(r"\[\d+\]\s+(\S+)")  # a comment of a text file: "[3] InertialExpansionCenter_z"
+COLUMN = re.compile(r"\[\d+\]\s+(\S+)")  # comment in a text file: "[3] InertialExpansionCenter_z"
 CENTER = re.compile(r"(\w*)ExpansionCenter_[xyz]")
-FRAMES = ("Inertial", "")  # older files do not say
-FEWEST = 16  # heights of points: a fit through them has few degrees of freedom even of a sphere
+FRAMES = ("Inertial", "")  # older files do not name the frame
+FEWEST = 16  # least number of circles of points, for a well-determined fit even of a sphere
 
 
 @dataclass(frozen=True)
 class HarmonicTable:
-    """A surface as harmonic coefficients, one row for each time.
+    """Harmonic coefficients of a surface, one row for each time.
 
     Attributes
     ----------
     legend : sequence of str
-        The names of the columns.
+        Names of the columns.
     rows : ndarray or h5py.Dataset, shape (n_times, n_columns)
     """
 
@@ -55,7 +54,7 @@ class HarmonicTable:
 
     @classmethod
     def in_dataset(cls, item: Any) -> "HarmonicTable | None":
-        """The table of an HDF5 dataset; None if it is another one."""
+        """Table of an HDF5 dataset; None if the dataset has another format."""
         legend = [_decoded(name) for name in np.atleast_1d(item.attrs.get("Legend", ()))]
         if MONOPOLE not in legend or item.ndim != 2 or item.shape[1] != len(legend):
             return None
@@ -63,7 +62,7 @@ class HarmonicTable:
 
     @classmethod
     def in_text(cls, file: InputFile) -> "HarmonicTable":
-        """The table of a text file.  Raises `FileError`: it is malformed; the message names the line."""
+        """Table of a text file.  Raises `FileError`: it is malformed; the message names the line."""
         table = read_text_table(file)
         legend = [match[1] for match in map(COLUMN.match, table.comments) if match]
         if len(legend) != table.numbers.shape[1]:
@@ -71,40 +70,40 @@ class HarmonicTable:
         return cls(legend, table.numbers)
 
     def observations(self) -> list[tuple[float, str]]:
-        """The times, in order, and the numbers of their rows."""
+        """Times in increasing order, and the numbers of their rows."""
         times = np.asarray(self.rows[:, self.legend.index("Time")] if "Time" in self.legend else ())
         return sorted(((float(time), str(k)) for k, time in enumerate(times)), key=lambda pair: pair[0])
 
     def time(self, row: str) -> float | None:
-        """The time of a row; None if there is no such row."""
+        """Time of a row; None if there is no such row."""
         is_row = row.isdecimal() and int(row) < len(self.rows) and "Time" in self.legend
         return float(self.rows[int(row)][self.legend.index("Time")]) if is_row else None
 
     def tables(self, row: str) -> dict[str, NDArray[Any]]:
-        """The numbers of a row by the names of their columns."""
+        """Values of a row by column name."""
         values = np.asarray(self.rows[int(row)], dtype=np.float64)
         return dict(zip(self.legend, values, strict=True))
 
 
 def is_harmonic_text(file: InputFile) -> bool:
-    """Whether a text file names coefficients of harmonics in its comments."""
+    """Whether the comments of a text file name harmonic coefficients."""
     comments = (line.lstrip("# ") for line in file.head.splitlines() if line.startswith("#"))
     return any((match := COLUMN.match(comment)) and match[1] == MONOPOLE for comment in comments)
 
 
 def harmonic_shape(row: dict[str, NDArray[Any]], source: str, time: float) -> CoordinateShape:
-    """Points of the surface that a row of coefficients describes.
+    """Surface of a row of coefficients, as points.
 
-    They are at Gauss-Legendre nodes in theta and even angles phi, twice as many each way as determine the
-    coefficients.  Raises `FileError`: columns are missing, the frame is not the inertial one, a number is not
+    The points are at Gauss-Legendre nodes in theta and equidistant angles phi, with twofold oversampling in
+    each direction.  Raises `FileError`: columns are missing, the frame is not inertial, a number is not
     finite, a coefficient beyond Lmax is not 0, or the radius is not positive everywhere.
 
     Parameters
     ----------
     row : dict of str to array
-        Numbers by the names of their columns.
+        Values by column name.
     source : str
-        For messages.
+        Name of the source, for messages.
     time : float
     """
     centers = [name for name in row if CENTER.fullmatch(name)]

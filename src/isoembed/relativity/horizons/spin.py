@@ -1,12 +1,12 @@
 """Spin of a surface: angular momentum and its axis.
 
-``J = 1 / 8 pi int K(phi, n) dA`` about a rotation phi.  Where the surface has one symmetry, phi is that, and
-J about other axes vanishes.  Where the surface is nearly round, or has its shape from tides, the rotation
-that shears it least has little to do with the spin.  In both cases J is largest about the axis of the spin,
-among the combinations of the three `approximate_killing.rotations`.  So the one with the largest J is taken,
-and its shear tells how good it is.  J is linear in the rotation: the largest is the length of the vector of
-the three J's, and no coordinates enter.  They do where the axis gets a direction: that is a moment of the
-potential, which noise hardly moves, as that of the curl of j in [1]_.
+``J = 1 / 8 pi int K(phi, n) dA`` for a rotation phi.  If the surface is axisymmetric, phi is the Killing
+vector, and J about other axes vanishes.  If it is nearly round or tidally deformed, the rotation of least
+shear is unrelated to the spin.  In both cases J is maximal about the spin axis among the combinations of the
+three `approximate_killing.rotations`.  Therefore the rotation of maximal J is used; its shear measures the
+departure from symmetry.  J is linear in the rotation, so that the maximum is the length of the vector of the
+three J's, independent of coordinates.  Only the direction of the axis depends on coordinates: it is a moment
+of the potential, robust against noise like the moment of the curl of j in [1]_.
 
 References
 ----------
@@ -34,9 +34,9 @@ from isoembed.smooth.two_metric import is_axisymmetric
 from isoembed.smooth.uncertain import UncertainFunction
 from isoembed.surface.estimate import Estimate
 
-DEGREES = (8, 12, 16, 22)  # of the harmonics for rotations, one after the other
-SYMMETRIC_DEGREES = (8, 16, 32, 64)  # where the metric is symmetric about the z-axis
-LENGTHS = 2.0  # error of an axis, or relative error of J, over that of lengths
+DEGREES = (8, 12, 16, 22)  # degrees of the rotations' harmonics, in order of refinement
+SYMMETRIC_DEGREES = (8, 16, 32, 64)  # the same for a metric symmetric about the z-axis
+LENGTHS = 2.0  # error of an axis, or relative error of J, per relative error of lengths
 
 
 @short_repr
@@ -47,22 +47,22 @@ class Spin:
     Attributes
     ----------
     J : Estimate
-        The magnitude, in units of length^2.
+        Magnitude, in units of length^2.
     axis : three floats, or None
-        The unit vector that it is along, in the coordinates of the slice, or in the space of the directions u
-        where these are not known.  None where J is zero within its error.
+        Unit vector of the spin axis in slice coordinates, or in the space of the directions u if these are
+        not known.  None if J is zero within its error.
     axis_error : float or None
-        In radians.
+        Error of the axis, in radians.
     vector : three floats
-        J about the axes x, y and z of these coordinates, the rotations being those of the coordinates: by
-        ``torque`` of the data, or of the directions u.  Zero where K(., n) is not known.
+        J for the coordinate rotations about x, y and z, from ``torque`` of the data, or for rotations of the
+        directions u.  Zero if K(., n) is not known.
     shear : float or None
-        How much the rotation about the axis shears the surface, 0 for a symmetry: see
+        Shear of the rotation about the axis, 0 for a Killing vector; see
         `isoembed.relativity.horizons.approximate_killing.Rotations.shear`.
     method : str
-        How the axis was found, in words.
+        Description of how the axis was found.
     zeta : InvariantCoordinate or None
-        That of the rotation about the axis, or None without an axis.
+        Invariant coordinate of the rotation about the axis; None without an axis.
     """
 
     J: Estimate
@@ -74,7 +74,7 @@ class Spin:
     zeta: InvariantCoordinate | None = field(default=None, repr=False, compare=False)
 
     def misses(self, about: float) -> bool:
-        """Whether J about some axis, of either sign, differs from the magnitude by more than the errors."""
+        """Whether J about an axis, up to sign, differs from the magnitude by more than the errors."""
         tilt = 0.0 if self.axis_error is None else 1.0 - np.cos(self.axis_error)
         return bool(abs(self.J.value - abs(about)) > 2.0 * self.J.error + tilt * self.J.value)
 
@@ -85,18 +85,18 @@ def find_spin(data: SurfaceData) -> Spin | None:
     Parameters
     ----------
     data : SurfaceData
-        Of which the metric and ``normal_momentum`` are used.
+        Surface; only its metric and ``normal_momentum`` are used.
 
     Returns
     -------
     Spin or None
-        None where neither K(., n) nor J is known.
+        None if neither K(., n) nor J is known.
 
     Notes
     -----
-    The errors hold the change by more harmonics; what ``relative_error`` and the error of K(., n) make; and
-    where the surface is not symmetric J times twice the square of the shear, and for the axis the shear.
-    Around a Kerr black hole, surfaces that are deformed at random have less, half of it and a quarter.
+    The errors include the change between degrees and the effects of ``relative_error`` and of the error of
+    K(., n).  For a surface without symmetry they also include twice the squared shear times J, and for the
+    axis the shear; randomly deformed surfaces around a Kerr black hole have half and a quarter of these.
     """
     if data.normal_momentum is None:
         if data.angular_momentum is None:
@@ -110,10 +110,10 @@ def find_spin(data: SurfaceData) -> Spin | None:
     for degree in others:
         before = trial
         trial = _Trial.of(data, data.normal_momentum, rotations(data.metric, degree, axisymmetric))
-        quiet = max(1e-11 * trial.J, trial.noise)  # change of J or its axis with more harmonics
+        quiet = max(1e-11 * trial.J, trial.noise)  # tolerance for changes of J or its axis between degrees
         settled = max(abs(trial.J - before.J), trial.angle(before) * trial.J) <= quiet
         if settled and (
-            # A smaller shear needs no more harmonics, and one that they hardly reduce is real.
+            # A small shear needs no more harmonics; a shear that they hardly reduce is real.
             trial.unexplained(before) <= max(1e-6, data.relative_error) or trial.shear > 0.5 * before.shear
         ):
             break
@@ -121,7 +121,7 @@ def find_spin(data: SurfaceData) -> Spin | None:
 
 
 def spin_report(data: SurfaceData, spin: Spin | None) -> dict[str, Any] | None:
-    """Plain numbers of a surface's spin, for JSON; with J about the axis that was asked for, if one was."""
+    """Plain numbers of the spin of a surface, for JSON, with J about the given axis if there is one."""
     if spin is None:
         return None
     found: dict[str, Any] = {
@@ -143,9 +143,9 @@ def spin_report(data: SurfaceData, spin: Spin | None) -> dict[str, Any] | None:
 
 
 def torques(data: SurfaceData, u: Floats) -> Floats:
-    """K(., n) of the rotations about x, y and z (n, 3): 8 pi times the densities of their angular momenta.
+    """K(., n) for the rotations about x, y and z (n, 3): 8 pi times the angular momentum densities.
 
-    They are rotations of the coordinates of the slice or, where these are not known, of the directions u.
+    These are rotations of the slice coordinates or, if those are not known, of the directions u.
     """
     if data.torque is not None:
         return data.torque(u)
@@ -156,21 +156,21 @@ def torques(data: SurfaceData, u: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class _Trial:
-    """The rotation about which J is largest, in harmonics of one degree.
+    """Rotation of maximal J, in harmonics of a fixed degree.
 
     Attributes
     ----------
     J : float
     noise : float
-        The error of J that comes from those of the data.
+        Error of J from the errors of the data.
     axis : ndarray, shape (3,)
     shear : float
     largest_shear : float
-        The largest of the stationary shears.
+        Largest stationary shear.
     vector : ndarray, shape (3,)
     harmonics : Harmonics
     potential : ndarray, shape (harmonics.size,)
-        Of the rotation, over A / 4 pi.
+        Coefficients of the potential of the rotation, in units of A / 4 pi.
     """
 
     J: float
@@ -194,11 +194,11 @@ class _Trial:
         J = float(np.linalg.norm(each))
         along = each / J if J > 0.0 else np.array([1.0, 0.0, 0.0])
         phi = three.fields @ along
-        noise = 1e-14  # rounding, over A / 4 pi
+        noise = 1e-14  # rounding, in units of A / 4 pi
         if isinstance(data.torque, UncertainFunction):
             noise += 0.5 * data.torque.error.mean
         else:
-            # Relative error of K(., n) over that of lengths.
+            # The relative error of K(., n) is half that of lengths.
             error = 0.5 * data.relative_error + error_of(momentum).mean
             noise += error * float(dA @ np.linalg.norm(phi, axis=1))
             density = dA * np.einsum("ni,ni->n", j, phi)
@@ -217,22 +217,22 @@ class _Trial:
         return float(np.arctan2(np.linalg.norm(np.cross(self.axis, other.axis)), self.axis @ other.axis))
 
     def unexplained(self, before: _Trial) -> float:
-        """The shear that even more harmonics would leave, if they reduce it by the same factor again."""
+        """Extrapolated shear in a higher degree, reduced by the same factor as in the last refinement."""
         return self.shear * min(1.0, self.shear / before.shear if before.shear > 0.0 else 1.0)
 
     def change(self, before: _Trial) -> float:
-        """Change of the potential by even more harmonics: at most the shear that they leave."""
+        """Change of the potential between degrees, at most the shear."""
         difference = (
             self.potential - resized(before.potential[:, None], before.harmonics, self.harmonics)[:, 0]
         )
         return min(float(np.linalg.norm(difference)), self.shear)
 
     def spin(self, before: _Trial, lengths: float) -> Spin:
-        """The spin, with errors from fewer harmonics, the noise, the shear and the error of lengths."""
+        """Spin, with errors from truncation, noise, shear and the error of lengths."""
         J, left = self.J, self.unexplained(before)
         # The error of J is twice the square of the shear: see the notes of `find_spin`.
         error = abs(J - before.J) + self.noise + 2.0 * left**2 * J
-        # A smaller shear, or one within the error of lengths, is that of a symmetry.
+        # A smaller shear counts as that of a symmetry.
         vector, small = _three(self.vector), max(1e-6, LENGTHS * lengths)
         if error >= J:
             how = "J is zero within its error, and has no axis"

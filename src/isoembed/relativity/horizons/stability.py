@@ -1,8 +1,8 @@
 """Stability: principal eigenvalue of the stability operator.
 
-``L psi`` is the change of the expansion when the surface moves outward by psi.  Of its eigenvalues the one
-with the least real part is real, and has a positive eigenfunction: a horizon is stable where it is not
-negative, and a barrier that trapped surfaces nearby do not cross.
+``L psi`` is the change of the expansion for an outward displacement psi of the surface.  The eigenvalue of
+least real part is real, with a positive eigenfunction.  A horizon is stable if it is not negative; it is then
+a barrier for nearby trapped surfaces.
 
 References
 ----------
@@ -19,27 +19,27 @@ from scipy.linalg import eig
 from isoembed.arrays import Floats
 from isoembed.relativity.horizons.discretization import Equations
 
-SETTLED = 1e-11  # change of an eigenvalue, over its size and 1 / R^2, that is rounding of the operator
+SETTLED = 1e-11  # change of an eigenvalue, relative to its size and 1 / R^2, due to rounding of the operator
 
 
 def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
-    """The least eigenvalue of the stability operator of a surface of constant expansion, in 1/length^2.
+    """Principal eigenvalue of the stability operator of a surface of constant expansion, in 1/length^2.
 
     Parameters
     ----------
     equations : Equations
-        Those of the surface; neither shifted nor free.
+        Equations of the surface, neither shifted nor free.
     areal_radius : float
 
     Notes
     -----
-    It is found in low degrees, and then by inverse iteration in all.  A displacement f D moves the surface
-    outward by f times the tilt, so that the eigenvalue problem is a generalized one; the part of D along the
-    surface does nothing where the expansion is constant.
+    The eigenvalue is computed in low degrees, then by inverse iteration in all degrees.  A displacement f D
+    has the normal component f times the tilt, which gives a generalized eigenvalue problem; the tangential
+    part of D has no effect if the expansion is constant.
     """
     low = equations.low
     weights = equations.linear.scale * equations.transform.weights * equations.linear.tilt
-    few = low.place[:300]  # all eigenvalues of more would take longer than the inverse iteration
+    few = low.place[:300]  # larger dense eigenproblems take longer than the inverse iteration
     count = len(few)
     moved = low.values[:, :count].T @ (weights[:, None] * low.values[:, :count])
     values, vectors = eig(equations.matrix()[:count, :count], moved)
@@ -63,6 +63,6 @@ def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
 
 
 def _moved(equations: Equations, f: Floats) -> Floats:
-    """The projection of how far f moves the surface outward."""
+    """Projection of the normal displacement of f."""
     moved = equations.linear.tilt[:, None] * equations.transform.values(f[:, None])
     return equations.projected(moved)[:, 0]

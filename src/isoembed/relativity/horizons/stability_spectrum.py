@@ -1,8 +1,8 @@
 """Spectrum of the stability operator of a marginally outer trapped surface.
 
-The operator is not self-adjoint unless the slice is time-symmetric: its eigenvalues may be complex, and then
-come in pairs.  The one with the least real part, the principal eigenvalue, is real.  Eigenfunctions are
-expanded in spherical harmonics (Galerkin's method); about an axis of symmetry each order is solved by itself.
+The operator is in general not self-adjoint unless the slice is time-symmetric; complex eigenvalues come in
+conjugate pairs.  The principal eigenvalue, that of least real part, is real.  Eigenfunctions are expanded in
+spherical harmonics (Galerkin's method); with axial symmetry each order is solved separately.
 
 References
 ----------
@@ -47,38 +47,37 @@ Complexes = NDArray[np.complex128]
 Matrix = NDArray[Any]
 
 MOST = 200
-"""Eigenvalues that can be asked for."""
+"""Maximum number of eigenvalues."""
 DEGREES, SYMMETRIC_DEGREES = (12, 16, 24, 32, 48), (16, 24, 32, 48, 64, 96, 128, 192, 256)
-"""Degrees of eigenfunctions, one after the other; beyond the last the matrices are too large."""
+"""Degrees of eigenfunctions, in order of refinement, limited by the size of the matrices."""
 SMALL, UNCERTAIN = 0.5, 2.0
-"""Change over the error that the data make at which to stop; allowance for an error that is one of many."""
+"""Change between degrees at which to stop, relative to the error from the data; safety factor of that."""
 MARGIN = 8
-"""Eigenvalues beside twice those asked for in a subspace: it converges as the powers of their ratio."""
+"""Dimension of the subspace beyond twice the number of eigenvalues, for convergence of subspace iteration."""
 ITERATIONS = 60
 PAIRED = 1e-9
-"""Imaginary part, relative, of an eigenvalue that is one of a pair."""
+"""Least relative imaginary part of an eigenvalue of a complex pair."""
 COLUMNS = 128
-"""Harmonics to which the operator is applied at a time, which bounds the memory."""
+"""Number of harmonics per application of the operator, which bounds the memory."""
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class StabilitySpectrum:
-    """The first eigenvalues of the stability operator of a horizon, by increasing real part.
+    """First eigenvalues of the stability operator of a horizon, in order of increasing real part.
 
     Attributes
     ----------
     values : ndarray of complex, shape (n,)
-        The eigenvalues times the squared areal radius, each as often as its multiplicity.  The first is real;
-        it is ``FoundHorizon.stability``.
+        Eigenvalues times the squared areal radius, repeated by multiplicity.  The first is real and equals
+        ``FoundHorizon.stability``.
     errors : ndarray, shape (n,)
-        Of the values: the change from a lower degree, and what the errors of the slice and of the surface
-        make.
+        Errors of the values, from the change between degrees and the errors of slice and surface.
     orders : ndarray of int, shape (n,), or None
-        Where slice and surface are symmetric about the z-axis, the orders m of the eigenfunctions, which are
-        proportional to ``exp(i m phi)``; None elsewhere.
+        Orders m of the eigenfunctions, proportional to ``exp(i m phi)``, if slice and surface are symmetric
+        about the z-axis; otherwise None.
     areal_radius : float
-        R, the root of the area over 4 pi: the eigenvalues are ``values / R**2``, in 1/length^2.
+        Areal radius R: the eigenvalues are ``values / R**2``, in 1/length^2.
     """
 
     values: Complexes
@@ -99,14 +98,14 @@ class StabilitySpectrum:
 
 
 def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> StabilitySpectrum:
-    """The first eigenvalues of the stability operator of a horizon, or of a surface of constant expansion.
+    """First eigenvalues of the stability operator of a horizon, or of a surface of constant expansion.
 
     Parameters
     ----------
     horizon : FoundHorizon
-        From `find_horizon`, `inner_horizon` or `constant_expansion`.
+        Result of `find_horizon`, `inner_horizon` or `constant_expansion`.
     n : int
-        How many eigenvalues, at most 200; one more where the last is the first of a complex pair.
+        Number of eigenvalues, at most 200; one more if the last is the first of a complex pair.
 
     Returns
     -------
@@ -115,7 +114,7 @@ def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> Stabilit
     Raises
     ------
     InvalidParameter
-        The horizon is not a FoundHorizon, or n is not a number of eigenvalues.
+        The horizon is not a FoundHorizon, or n is not an integer from 1 to 200.
 
     Notes
     -----
@@ -148,7 +147,7 @@ def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> Stabilit
 
 
 def spectrum_lines(report: dict[str, Any]) -> Iterator[str]:
-    """The lines of a text on the report of a spectrum."""
+    """Lines of text for the report of a spectrum."""
     R = report["areal_radius"]
     yield f"eigenvalues of the stability operator times R^2, R = {R:.10g}:"
     orders = report["orders"] or [None] * len(report["real"])
@@ -162,13 +161,13 @@ def spectrum_lines(report: dict[str, Any]) -> Iterator[str]:
 
 
 def checked_eigenvalues(n: SupportsIndex) -> int:
-    """The number of eigenvalues that is asked for; `InvalidParameter` if it is not valid."""
+    """Checked number of eigenvalues.  Raises `InvalidParameter`: it is out of range."""
     return checked_count("the number of eigenvalues", n, 1, MOST)
 
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """The first eigenvalues of an operator, n of them and some more, with the orders of eigenfunctions."""
+    """First n eigenvalues of an operator and some more, with the orders of the eigenfunctions."""
 
     n: int
     candidates: Complexes
@@ -176,27 +175,27 @@ class _Found:
 
     @property
     def values(self) -> Complexes:
-        """The n eigenvalues."""
+        """First n eigenvalues."""
         return self.candidates[: self.n]
 
     @property
     def orders(self) -> Indices | None:
-        """Their orders."""
+        """Orders of the first n eigenvalues."""
         return None if self.their_orders is None else self.their_orders[: self.n]
 
     @property
     def size(self) -> Floats:
-        """Their sizes (n,), at least 1."""
+        """Absolute values (n,) of the eigenvalues, at least 1."""
         return np.maximum(np.abs(self.values), 1.0)
 
     def apart(self, other: _Found, more: int = 0) -> Floats:
-        """Distances (n + more,) to eigenvalues of another operator, each to a different one."""
+        """Distances (n + more,) to the eigenvalues of another operator, in the optimal assignment."""
         distances = np.abs(self.candidates[: self.n + more, None] - other.candidates)
         return np.asarray(distances[linear_sum_assignment(distances)])
 
 
 def _family(surface: StarSurface | MappedSurface, heights: int, around: int) -> SurfaceFamily:
-    """Displacements of a surface at the nodes of a rule: along normals, or radial of a star-shaped one."""
+    """Displacements of a surface at the nodes of a rule: radial if star-shaped, otherwise along normals."""
     if isinstance(surface, MappedSurface):
         map = HarmonicMap(surface.harmonics, surface.coefficients)
         return SurfaceFamily(map.jet_at_nodes(heights), map.normals().jet_at_nodes(heights))
@@ -211,29 +210,29 @@ def _linearized(family: SurfaceFamily, geometry: ThreeGeometry) -> LinearizedExp
 
 
 def _coefficients(family: SurfaceFamily, geometry: ThreeGeometry) -> Floats:
-    """The functions (7, N) that make a `LinearizedExpansion`."""
+    """Coefficient functions (7, N) of a `LinearizedExpansion`."""
     L = _linearized(family, geometry)
     return np.vstack([L.second.T, L.first.T, L.zeroth, L.tilt])
 
 
 @dataclass(frozen=True, eq=False)
 class _Operator:
-    """The stability operator of a surface on harmonics of one degree.
+    """Stability operator of a surface in harmonics of a fixed degree.
 
     Attributes
     ----------
     transform : SphereTransform
-        Of the eigenfunctions.
+        Transform of the eigenfunctions.
     weights : ndarray, shape (N,)
-        Of the nodes: those of one meridian where there is symmetry.
+        Weights of the nodes, which are on one meridian if there is axial symmetry.
     family : SurfaceFamily
         Displacements of the surface.
     linear : LinearizedExpansion
-        At the nodes.
+        Linearized expansion at the nodes.
     symmetric : bool
     areal_radius : float
     below : float
-        A number that no eigenvalue is near to or less than, times the squared areal radius.
+        Shift below the real parts of all eigenvalues, times the squared areal radius.
     """
 
     transform: SphereTransform
@@ -246,7 +245,7 @@ class _Operator:
 
     @classmethod
     def of(cls, horizon: FoundHorizon, degree: int, n: int) -> _Operator:
-        """The operator of a horizon, in harmonics that n eigenfunctions may need."""
+        """Operator of a horizon, in harmonics sufficient for n eigenfunctions."""
         surface = horizon.surface
         symmetric = _is_symmetric(surface)
         heights = int(DEALIASING * max(degree, surface.harmonics.degree)) + 2
@@ -255,27 +254,27 @@ class _Operator:
         local = LocalGeometry.of(horizon.geometry, family.base)
         weights = gauss_rule(heights, around)[1]
         R = float(np.sqrt(weights @ local.density / (4.0 * np.pi)))
-        # Of n eigenvalues on a disk with two sides, which is the flattest surface, none has a higher order.
+        # No higher order among n eigenvalues on a two-sided disk, the flattest surface.
         order = min(degree, int(np.sqrt(2.0 * n)) + 4) if symmetric else degree
         transform = SphereTransform(Harmonics(degree, order), heights, max(around, 2 * order + 1))
         linear = linearized(family, local)
         return cls(transform, weights, family, linear, symmetric, R, horizon.stability - 1.0)
 
     def changed(self, change: Floats) -> _Operator:
-        """The operator whose coefficients (7, N) differ by a change."""
+        """Operator with a change (7, N) of its coefficient functions."""
         L = self.linear
         second, first = L.second + change[:3].T, L.first + change[3:5].T
         linear = LinearizedExpansion(second, first, L.zeroth + change[5], L.tilt + change[6])
         return replace(self, linear=linear)
 
     def spectrum(self, n: int) -> _Found:
-        """The first n eigenvalues, one more rather than half of a complex pair."""
+        """First n eigenvalues, one more if that completes a complex pair."""
         if self.symmetric:
             values, orders = self._by_order(n)
         else:
             values = self._first(*self._matrices(), n)
             orders = np.zeros(len(values), dtype=np.int64)
-        digits = 9  # beyond these multiple eigenvalues differ by rounding
+        digits = 9  # multiple eigenvalues agree to these digits
         by = np.lexsort((-values.imag, np.abs(values.imag).round(digits), values.real.round(digits)))
         values, orders = values[by], orders[by]
         if values[n - 1].imag > PAIRED * abs(values[n - 1]):
@@ -284,7 +283,7 @@ class _Operator:
         return _Found(n, values, orders if self.symmetric else None)
 
     def _by_order(self, n: int) -> tuple[Complexes, Indices]:
-        """The first eigenvalues of each order that may have some of the first n, and the orders."""
+        """First eigenvalues of each order that may contribute to the first n, and their orders."""
         values, orders = np.empty(0, dtype=np.complex128), np.empty(0, dtype=np.int64)
         weights = self.weights * self.linear.scale
         for m in range(self.transform.harmonics.order + 1):
@@ -300,7 +299,7 @@ class _Operator:
         return values, orders
 
     def _matrices(self) -> tuple[Floats, Floats]:
-        """The projections (size, size) of the operator, and of how far harmonics move the surface outward."""
+        """Projections (size, size) of the operator and of the normal displacement."""
         T, size = self.transform, self.transform.harmonics.size
         weights = (self.weights * self.linear.scale)[:, None]
         A, B = np.empty((2, size, size))
@@ -314,10 +313,9 @@ class _Operator:
         return A, B
 
     def _first(self, A: Matrix, B: Matrix, n: int) -> Complexes:
-        """The first eigenvalues of a matrix pencil times the squared areal radius, n of them and some more.
+        """First n eigenvalues of a matrix pencil times the squared areal radius, and some more.
 
-        By iteration of a subspace with the inverse of the shifted matrix, in which multiple eigenvalues are
-        found like others.
+        Subspace iteration with the inverse of the shifted matrix, which handles multiple eigenvalues.
         """
         A = A * self.areal_radius**2
         size = len(A)
@@ -343,12 +341,12 @@ class _Operator:
 
 
 def _by_data(operator: _Operator, found: _Found, horizon: FoundHorizon) -> Floats:
-    """Errors of the first eigenvalues by those of the slice, of its differences and of the surface.
+    """Errors of n + 1 eigenvalues from the errors of the slice, of its finite differences and of the surface.
 
-    They are of one eigenvalue more than was found.  In all degrees they are alike: a low one tells them.
+    They hardly depend on the degree, so that a low degree suffices.
     """
     n = found.n
-    # Differences along displacements twice as long, of sixth order, have 64 times the error, or nearly so.
+    # Sixth-order differences with twice the step have about 64 times the error.
     longer = replace(operator.family, direction=operator.family.direction.scaled(2.0))
     coarser = _linearized(longer, horizon.geometry)
     by_differences = found.apart(replace(operator, linear=coarser).spectrum(n), 1) / 32.0
@@ -361,12 +359,12 @@ def _by_data(operator: _Operator, found: _Found, horizon: FoundHorizon) -> Float
 
 
 def _is_symmetric(surface: StarSurface | MappedSurface) -> bool:
-    """Whether surface and slice are symmetric about the z-axis, where the surface was found in that slice."""
+    """Whether surface and slice are symmetric about the z-axis, for a surface found in that slice."""
     return surface.harmonics.order <= 1
 
 
 def _deviating(surface: StarSurface | MappedSurface) -> Iterator[StarSurface | MappedSurface]:
-    """Surfaces that are displaced by what the surface may be off; see `StarSurface.deviations`."""
+    """Surfaces displaced by the estimated errors of a surface; see `StarSurface.deviations`."""
     for deviation in () if surface.deviations is None else surface.deviations:
         by = deviation.reshape(len(deviation), -1)
         change = resized(by, deviating(surface.harmonics), surface.harmonics)

@@ -23,23 +23,23 @@ from isoembed.smooth.transforms import resized
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """An axis of symmetry of a slice through the center of a sphere.
+    """Symmetry axis of a slice through the center of a sphere.
 
     Attributes
     ----------
     geometry : ThreeGeometry
     frame : RotatedFrame
-        The slice in a frame whose z-axis it is.
+        Slice in a frame with this axis as its z-axis.
     """
 
     geometry: ThreeGeometry
     frame: RotatedFrame
 
     def surface(self, found: Surface) -> Surface:
-        """A surface of revolution that was found in the frame, in the coordinates of the slice.
+        """Transform a surface of revolution from the frame to the coordinates of the slice.
 
-        Star-shaped ones in harmonics about z, by the addition theorem, where these are not too many;
-        otherwise a map whose directions are those of the frame.
+        The result is star-shaped, by the addition theorem of harmonics, unless the degree is too high;
+        otherwise it is a map from the directions of the frame.
         """
         rotation, origin = self.frame.rotation, self.frame.origin
         if isinstance(found, StarSurface) and found.harmonics.degree <= HIGHEST_DEGREES[0]:
@@ -62,13 +62,13 @@ class Axis:
         )
 
     def horizon(self, found: FoundHorizon) -> FoundHorizon:
-        """A horizon that was found in the frame, in the slice."""
+        """Transform a horizon from the frame to the slice."""
         surface = self.surface(found.surface)
         assert isinstance(surface, StarSurface | MappedSurface)
         return replace(found, surface=surface, geometry=self.geometry)
 
     def averaged(self, surface: StarSurface) -> StarSurface:
-        """A surface of the slice as one of revolution in the frame: the mean of its radius about the axis."""
+        """Surface of revolution in the frame, by the mean of the radius of a surface about the axis."""
         rotation, origin = self.frame.rotation, self.frame.origin
         degree = surface.harmonics.degree
         T = SphereTransform(Harmonics(degree, 0), degree + 1, 1)
@@ -78,19 +78,18 @@ class Axis:
         return StarSurface((0.0, 0.0, float(center[2])), T.harmonics, T.analysis(r[:, None])[:, 0])
 
     def _turned(self, zonal: Floats, harmonics: Harmonics) -> Floats:
-        """Coefficients of a function of the angle from the axis: the addition theorem of harmonics."""
+        """Coefficients of a function of the angle from the axis, by the addition theorem of harmonics."""
         degrees, _ = harmonics.labels
         Y = harmonics.values(self.frame.rotation[None, :, 2])[0]
         return np.asarray(np.sqrt(4.0 * np.pi / (2.0 * degrees + 1.0)) * zonal[degrees] * Y)
 
 
 def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
-    """The axis of symmetry of a slice through the center of a sphere, if it has one.
+    """Find the symmetry axis of a slice through the center of a sphere.
 
-    Candidates are the dipole and the principal axes of the expansion on the sphere; one is taken if the
-    expansion of several surfaces does not change around it.  None is known where there is none that is seen,
-    or where all directions are equal.  Raises `InvalidMetric` or `InvalidParameter`: the sphere leaves the
-    slice.
+    Candidates are the dipole and the principal axes of the expansion on the sphere; an axis is accepted if
+    the expansion of several surfaces is symmetric about it.  The result is None if there is no such axis.
+    Raises `InvalidMetric` or `InvalidParameter`: the sphere leaves the domain of the slice.
     """
     center = np.array(sphere.center)
     u, weights = gauss_rule(128, 256)  # resolves the expansion around fast holes to rounding
@@ -109,14 +108,14 @@ def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
 
 
 def _upright(axis: Floats) -> Floats:
-    """A rotation (3, 3) that takes z to an axis."""
+    """Rotation (3, 3) that maps z to an axis."""
     first = np.cross(np.eye(3)[int(np.argmin(np.abs(axis)))], axis)
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(axis, first), axis], axis=1)
 
 
 def _mapped(star: StarSurface) -> MappedSurface:
-    """A surface of revolution as a map: exact, in harmonics of one degree more."""
+    """Exact representation of a surface of revolution as a map, in harmonics of one degree more."""
     assert star.harmonics.order == 0
     harmonics = Harmonics(star.harmonics.degree + 1, 1)
     T = SphereTransform(harmonics, harmonics.degree + 1, 4)

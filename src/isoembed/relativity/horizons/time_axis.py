@@ -1,14 +1,14 @@
-"""Reader for HDF5 files with the horizons of an evolution, time in front.
+"""Reader for HDF5 files with the horizons of an evolution, with a leading time axis.
 
-A group, or the file itself, holds ``time`` (T,), and maybe ``iteration`` (T,), beside what `read_horizon`
-knows of one horizon, with an axis more:
+A group, or the file itself, holds ``time`` (T,), optionally ``iteration`` (T,), and the arrays of
+`read_horizon` with an additional leading axis:
 
-- ``points`` (T, V, 3), or ``x``, ``y``, ``z`` (T, V), maybe with ``faces`` (F, 3) or (T, F, 3), ``center``
-  (3,) or (T, 3), and values at the points (T, V); or
-- ``q_tt``, ``q_tp``, ``q_pp`` (T, n, m), maybe with ``k``, ``p``, ``j_t``, ``j_p`` (T, n, m), on the angles
-  ``theta`` (n,), ``phi`` (m,), or (T, n) and (T, m).
+- ``points`` (T, V, 3), or ``x``, ``y``, ``z`` (T, V), optionally with ``faces`` (F, 3) or (T, F, 3),
+  ``center`` (3,) or (T, 3), and values at the points (T, V); or
+- ``q_tt``, ``q_tp``, ``q_pp`` (T, n, m), optionally with ``k``, ``p``, ``j_t``, ``j_p`` (T, n, m), on the
+  angles ``theta`` (n,), ``phi`` (m,), or (T, n) and (T, m).
 
-What has no axis of time holds at all times.  Several horizons are in groups of their own, ``/ah1``, ``/ah2``.
+Arrays without a time axis are constant in time.  Several horizons have separate groups, ``/ah1``, ``/ah2``.
 """
 
 import os
@@ -32,15 +32,15 @@ SHAPES = ("points", "vertices", "x", "q_tt", "q_pp")
 
 
 class HorizonAtIndex(InputFile):
-    """A file of an evolution as if it held one of its horizons only.
+    """View of a single horizon in the file of an evolution.
 
     Parameters
     ----------
     path : path
     group : str
-        "" is the file itself.
+        Name of the group; "" for the file itself.
     index : int
-        Along the axis of time.
+        Index along the time axis.
 
     Raises
     ------
@@ -57,7 +57,7 @@ class HorizonAtIndex(InputFile):
 
     @cached_property
     def arrays(self) -> dict[str, Tables]:
-        """The arrays of the one horizon.
+        """Arrays of the horizon.
 
         Raises `FileError`: the file is damaged, or has no such group or index.
         """
@@ -77,9 +77,9 @@ class HorizonAtIndex(InputFile):
 
 
 def horizon_times(path: str | os.PathLike[str]) -> dict[str, tuple[list[float], list[int] | None]]:
-    """Times and iterations of the horizons in a file with axes of time, by group; empty for other files.
+    """Times and iterations of the horizons in a file with time axes, by group; empty for other files.
 
-    Raises `FileError`: the file cannot be read, or there are not as many iterations as times.
+    Raises `FileError`: the file cannot be read, or the numbers of iterations and times differ.
     """
     found = {}
     with InputFile(path) as given:
@@ -93,7 +93,7 @@ def horizon_times(path: str | os.PathLike[str]) -> dict[str, tuple[list[float], 
 
 
 def _count(group: Any) -> int:
-    """Length of the axis of time, 0 if there is none."""
+    """Length of the time axis, 0 if there is none."""
     time = group.get("time")
     return len(time) if getattr(time, "ndim", None) == 1 and time.dtype.kind in "iuf" else 0
 
@@ -111,7 +111,7 @@ def _times(group: Any, source: str) -> tuple[list[float], list[int] | None]:
 
 
 def _has_times(name: str, data: Any, rank: int, count: int) -> bool:
-    """Whether an array has an axis of time, by its name and the rank of fields."""
+    """Whether an array has a time axis, by its name and the rank of fields."""
     if name in INSTANT:
         return True
     return data.ndim > RANK.get(name, rank) and data.shape[0] == count

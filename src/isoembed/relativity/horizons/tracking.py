@@ -1,4 +1,4 @@
-"""Horizon tracking: outermost horizons of a sequence of slices, each continued from the slice before."""
+"""Horizon tracking: outermost horizons of a sequence of slices, continued from slice to slice."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class TrackedHorizons:
     Attributes
     ----------
     horizons : tuple of FoundHorizon
-        Those that no other one is found to enclose, the largest area first; empty where none was found.
-        Notes say where one does not continue a horizon of the slice before, so that the area may jump.
+        Outermost horizons, in order of decreasing area; empty if none was found.  A note marks a horizon that
+        does not continue one of the previous slice, so that the area may be discontinuous.
     continued : tuple of int or None
-        For each of them the index of the horizon of the slice before that it continues.
+        Index of the horizon in the previous slice that each of them continues.
     failure : NoHorizon or None
-        The error of the search, which looks at this slice alone, where it found none.
+        Exception of the search in this slice alone, if no horizon was found.
     """
 
     horizons: tuple[FoundHorizon, ...]
@@ -39,17 +39,17 @@ class TrackedHorizons:
 
 
 def track_horizons(slices: Iterable[ThreeGeometry]) -> Iterator[TrackedHorizons]:
-    """Horizons of a sequence of slices, such as an evolution, that no other one encloses.
+    """Find the outermost horizons of a sequence of slices, such as an evolution.
 
-    Each slice is searched by itself as by `isoembed.relativity.find_horizons`, and the horizons of the slice
-    before are continued by Newton's method.  A continued horizon that encloses those of the search replaces
-    them.  Where the outermost horizon continues none of the slice before, as where a common horizon appears,
-    its area may be discontinuous, and a note says so.
+    Each slice is searched separately with `isoembed.relativity.find_horizons`, and the horizons of the
+    previous slice are continued by Newton's method.  A continued horizon replaces those of the search that it
+    encloses.  If the outermost horizon does not continue one of the previous slice, for example where a
+    common horizon appears, its area may be discontinuous, and a note says so.
 
     Parameters
     ----------
     slices : iterable of ThreeGeometry
-        Close enough to each other for Newton's method.
+        Slices, close enough to each other for Newton's method.
 
     Yields
     ------
@@ -59,7 +59,7 @@ def track_horizons(slices: Iterable[ThreeGeometry]) -> Iterator[TrackedHorizons]
     Raises
     ------
     InvalidParameter
-        A slice does not say where its black holes are.
+        A slice does not name its black holes or box.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def _joined(
     searched: tuple[FoundHorizon, ...],
     failure: NoHorizon | None,
 ) -> TrackedHorizons:
-    """Horizons of the search and those continued from the slice before, without those inside others."""
+    """Horizons of the search and those continued from the previous slice, without enclosed ones."""
     found: list[tuple[FoundHorizon, int | None]] = [(horizon, None) for horizon in searched]
     followed = [_continued(geometry, horizon) for horizon in before]
     for index, horizon in enumerate(followed):
@@ -125,7 +125,7 @@ def _joined(
 
 
 def _continued(geometry: ThreeGeometry, before: FoundHorizon) -> FoundHorizon | None:
-    """The stable horizon of a slice near one of the slice before, if Newton's method leads to one."""
+    """Stable horizon near one of the previous slice, or None if Newton's method does not find it."""
     surface = before.surface
     try:
         symmetric, axis = is_symmetric(geometry, surface), None
@@ -143,8 +143,8 @@ def _continued(geometry: ThreeGeometry, before: FoundHorizon) -> FoundHorizon | 
 
 def _is_same(one: FoundHorizon, other: FoundHorizon) -> bool:
     apart = math.dist(one.surface.center, other.surface.center)
-    near = apart <= 0.01 * other.surface.mean_radius  # recentered surfaces may differ by as much
-    return near and abs(one.area - other.area) <= 1e-6 * other.area  # one horizon, found twice
+    near = apart <= 0.01 * other.surface.mean_radius  # tolerance of recentered surfaces
+    return near and abs(one.area - other.area) <= 1e-6 * other.area  # accuracy of found horizons
 
 
 def _encloses(outer: FoundHorizon, inner: FoundHorizon) -> bool:

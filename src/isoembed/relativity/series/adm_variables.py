@@ -31,26 +31,26 @@ NUMBERED = ("11", "12", "13", "22", "23", "33")
 
 
 class Variables(Protocol):
-    """Variables of a code that the metric and the extrinsic curvature are made of."""
+    """Variables of a code that determine the metric and the extrinsic curvature."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Theirs."""
+        """Names of the variables."""
         ...
 
     def adm(self, values: Floats) -> Floats:
-        """The twelve fields gxx ... gzz and kxx ... kzz from the values (n, ...) of the variables."""
+        """Twelve fields gxx ... gzz and kxx ... kzz from the values (n, ...) of the variables."""
         ...
 
 
 @dataclass(frozen=True)
 class AdmVariables:
-    """The metric and K_ij themselves.
+    """Metric and K_ij as variables.
 
     Attributes
     ----------
     names : tuple of str
-        Of the metric and of K_ij.
+        Names of the components of the metric and of K_ij.
     """
 
     names: tuple[str, ...] = (*GAMMA, *K)
@@ -62,7 +62,7 @@ class AdmVariables:
 
 @dataclass(frozen=True)
 class ConformalVariables:
-    """A power of the conformal factor, and the conformal metric, trace-free curvature and trace.
+    """Power of the conformal factor, conformal metric, trace-free curvature and trace.
 
     Attributes
     ----------
@@ -71,9 +71,9 @@ class ConformalVariables:
     metric, curvature : tuple of str
         Names of h_ij and A_ij.
     trace : tuple of (str, float)
-        Names of what the trace K is the sum of, and how often each counts.
+        Names and factors of the terms of the trace K.
     power : float
-        That of chi which is psi^4.
+        Exponent with chi^power = psi^4.
     """
 
     factor: str
@@ -103,15 +103,15 @@ GRCHOMBO = ConformalVariables(
 
 
 def rank(there: Collection[str], known: Sequence[Variables]) -> int:
-    """The position of the first kind of variables that is complete; the number of kinds if none is."""
+    """Index of the first complete set of variables; the number of sets if none is complete."""
     complete = (k for k, variables in enumerate(known) if {*variables.names} <= {*there})
     return next(complete, len(known))
 
 
 def variables_in(there: Collection[str], known: Sequence[Variables], name: str) -> Variables:
-    """The first of several kinds of variables that are all there.
+    """First complete set of variables.
 
-    Raises `FileError`: none of them is complete; the message names what the most complete one lacks.
+    Raises `FileError`: no set is complete; the message names what is missing from the most complete one.
     """
     if (first := rank(there, known)) < len(known):
         return known[first]

@@ -23,22 +23,22 @@ from isoembed.relativity.spacetimes.cartesian_grid import ACROSS, ERROR_FACTOR, 
 from isoembed.relativity.spacetimes.checks import refuse_points, written
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 
-CUBE = 32  # points along the edge of a cube that is read at once: 7 MB with its margin
-KEPT = 64  # cubes that stay in memory when no point of the latest evaluation is in them
-LATEST = 4  # sets of points whose cubes are remembered: metric, gradient and K_ij are asked for in turn
-BEFORE = STENCIL // 2  # points before that left of x: one more than the interpolation takes
-AFTER = STENCIL // 2 + 1  # and after it: the estimate of the error takes two points more
+CUBE = 32  # points along the edge of a cube read at once: 7 MB with its margin
+KEPT = 64  # number of cubes kept in memory without points of the latest evaluation
+LATEST = 4  # number of cached sets of points, as metric, gradient and K_ij are evaluated in turn
+BEFORE = STENCIL // 2  # points before the one left of x: one more than the interpolation needs
+AFTER = STENCIL // 2 + 1  # points after it: the error estimate needs two more
 EDGE = BEFORE + CUBE + AFTER
 
 Cell = tuple[int, int, int, int]
-"""A level, by its position in the list of levels, and a cube of its lattice."""
+"""Index of a level in the list of levels, and a cube of its lattice."""
 
 
 class PatchData(Layout, Protocol):
-    """The ADM variables on refinement levels, of which parts can be read."""
+    """ADM variables on refinement levels, with partial reading."""
 
     def values(self, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
-        """The twelve fields gxx ... gzz and kxx ... kzz, (12, nx, ny, nz), on a part of a component."""
+        """Twelve fields gxx ... gzz and kxx ... kzz, (12, nx, ny, nz), on a part of a component."""
         ...
 
 
@@ -52,24 +52,24 @@ class PatchSource(Protocol):
 
     @property
     def state(self) -> Any:
-        """State of the files: it changes when they do."""
+        """State of the files, which changes if they are modified."""
         ...
 
     def opened(self) -> contextlib.AbstractContextManager[PatchData]:
-        """Open the files for a block."""
+        """Context manager that opens the files."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class AMRGrid(ThreeGeometry):
-    """A slice on refinement levels.
+    """Slice on refinement levels.
 
     Attributes
     ----------
     source : PatchSource
-        What the data are read from, when they are needed.
+        Source of the data, read when needed.
     state : object
-        That of the files; once they have changed nothing more is read.
+        State of the files; nothing more is read after they have been modified.
     """
 
     source: PatchSource
@@ -77,7 +77,7 @@ class AMRGrid(ThreeGeometry):
 
     @property
     def time_symmetric(self) -> bool:
-        """See `ThreeGeometry`: there always is a K_ij."""
+        """See `ThreeGeometry`: False, as there always is a K_ij."""
         return False
 
     @property
@@ -93,7 +93,7 @@ class AMRGrid(ThreeGeometry):
 
     @property
     def box(self) -> tuple[Floats, Floats]:
-        """See `ThreeGeometry`: that in which the coarsest level can be interpolated."""
+        """See `ThreeGeometry`: the box in which the coarsest level can be interpolated."""
         level = self._levels[0]
         low, high = level.ends
         room = BEFORE - 1
@@ -102,8 +102,8 @@ class AMRGrid(ThreeGeometry):
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`.
 
-        Raises `InvalidParameter`: a point is in no level with the points around it that the interpolation
-        takes; `FileError`: the files cannot be read, or have changed.
+        Raises `InvalidParameter`: no level contains a point with its interpolation stencil; `FileError`: the
+        files cannot be read, or have been modified.
         """
         return self._values("metric", x, (3, 3))
 
@@ -116,11 +116,11 @@ class AMRGrid(ThreeGeometry):
         return self._values("extrinsic_curvature", x, (3, 3))
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        """See `ThreeGeometry`: as of `CartesianGrid`."""
+        """See `ThreeGeometry`: as in `CartesianGrid`."""
         return np.asarray(ERROR_FACTOR * (quantity(_Wider(self)) - quantity(self)))
 
     def least_diameter(self, x: Floats) -> float:
-        """See `ThreeGeometry`: 20 spacings of the coarsest level that is interpolated there."""
+        """See `ThreeGeometry`: 20 spacings of the coarsest level interpolated there."""
         coarsest = min(number for (number, *_), _ in self._located(x))
         return ACROSS * float(self._levels[coarsest].spacing.max())
 
@@ -134,7 +134,7 @@ class AMRGrid(ThreeGeometry):
         return out
 
     def _located(self, x: Floats) -> list[tuple[Cell, Indices]]:
-        """Cubes, and the indices of the points that are interpolated in each."""
+        """Cubes, and the indices of the points interpolated in each."""
         key = x.tobytes()
         if key not in self._latest:
             while len(self._latest) >= LATEST:
@@ -173,7 +173,7 @@ class AMRGrid(ThreeGeometry):
         return out
 
     def _cover(self, cell: Cell) -> tuple[list[tuple[Block, Indices, Indices]], Mask]:
-        """Blocks that fill a cube, and the mask of its points beside which x can be interpolated."""
+        """Blocks that fill a cube, and the mask of its points with a complete interpolation stencil."""
         if cell not in self._covers:
             number, *cube = cell
             start = np.array(cube) * CUBE - BEFORE
@@ -194,7 +194,7 @@ class AMRGrid(ThreeGeometry):
         return self._covers[cell]
 
     def _read(self, cells: list[Cell]) -> None:
-        """Read those cubes that are not in memory; drop some of the others where there are too many."""
+        """Read cubes that are not in memory, and drop others if there are too many."""
         wanted = dict.fromkeys(cells)
         new = [cell for cell in wanted if cell not in self._cubes]
         if not new:
@@ -256,7 +256,7 @@ class AMRGrid(ThreeGeometry):
 
 @dataclass(frozen=True, eq=False)
 class _Wider(DerivedGeometry):
-    """The same through two points more along each axis, or through two less where they are missing."""
+    """Slice interpolated with two more points along each axis, or two fewer where these are missing."""
 
     grid: AMRGrid
 

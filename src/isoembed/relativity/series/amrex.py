@@ -32,10 +32,10 @@ from isoembed.relativity.series.refined_grid import Component
 
 HEADER, VERSION = "Header", "HyperCLaw-V1.1"
 KNOWN = (GRCHOMBO, AdmVariables())
-CELL_VERSION = "1"  # with a line of text before each box, which AMReX writes by default
+CELL_VERSION = "1"  # version with a line of text before each box, the default of AMReX
 INTEGER = re.compile(r"-?\d+")
-LINE = 4096  # bytes: the line before a box is a tenth of this
-SAME = ("low", "high", "nodal")  # in all plot files of a slice
+LINE = 4096  # largest length of the line before a box in bytes; a tenth is usual
+SAME = ("low", "high", "nodal")  # attributes that agree in all plot files of a slice
 REALS = {  # bits of the exponent and so on, and the order of the bytes
     ("64 11 52 0 1 12 0 1023", "8 7 6 5 4 3 2 1"): "<f8",
     ("64 11 52 0 1 12 0 1023", "1 2 3 4 5 6 7 8"): ">f8",
@@ -46,7 +46,7 @@ FAB = re.compile(rb"FAB \(\((\d+), \(([\d ]+)\)\),\((\d+), \(([\d ]+)\)\)\)(\(\(
 
 
 def is_plot_file(path: Path) -> bool:
-    """Whether a folder is a plot file of AMReX, of whatever version."""
+    """Whether a folder is a plot file of AMReX, of any version."""
     try:
         with (path / HEADER).open("rb") as file:
             return file.read(len(VERSION)).startswith(b"HyperCLaw")
@@ -55,9 +55,9 @@ def is_plot_file(path: Path) -> bool:
 
 
 def amrex_slices(paths: Iterable[Path]) -> list[ListedFile]:
-    """The slices of plot files, those with different variables of the same time together.
+    """Slices of plot files; files with different variables at the same time form one slice.
 
-    Plot files with none of the variables that make a slice are left out where others of that time have some.
+    Plot files without variables of a slice are omitted if others of that time have some.
     Raises `FileError`: a file cannot be read.
     """
     found: dict[tuple[int, float], list[_Header]] = {}
@@ -82,11 +82,11 @@ def amrex_slices(paths: Iterable[Path]) -> list[ListedFile]:
 
 @dataclass(frozen=True)
 class AMReXSlice(PatchSlice):
-    """The slice of one plot file, or of several with different variables."""
+    """Slice of one plot file, or of several with different variables."""
 
     @property
     def files(self) -> Sequence[Path]:
-        """See `PatchSlice`: the headers and the data of the plot files."""
+        """See `PatchSlice`: headers and data of the plot files."""
         return [
             file
             for path in map(Path, self.paths)
@@ -105,18 +105,18 @@ class _Header:
     Attributes
     ----------
     path : Path
-        The folder.
+        Folder of the plot file.
     names : list of str
-        Of the variables.
+        Names of the variables.
     time, iteration : float, int
     low : ndarray, shape (3,)
         Lower corner of the domain.
     first : list of ndarray, shape (3,)
-        Index of the cell there, of each level.
+        Index of the cell at that corner, for each level.
     spacing : list of ndarray, shape (3,)
-        Of each level.
+        Spacing of each level.
     cells : list of Path
-        The headers of the data of each level.
+        Headers of the data of each level.
     """
 
     path: Path
@@ -142,7 +142,7 @@ class _Header:
             time, finest = float(next(lines)), int(next(lines))
             low = np.array(next(lines).split(), dtype=np.float64)
             next(lines)  # the upper corner
-            next(lines)  # refinement ratios: the spacings say them
+            next(lines)  # refinement ratios, which follow from the spacings
             first = [box[0] for box in _boxes(next(lines))]
             steps = next(lines).split()
             spacing = [np.array(next(lines).split(), dtype=np.float64) for _ in range(finest + 1)]
@@ -173,10 +173,10 @@ class _Level:
     low, high : ndarray of int, shape (n, 3)
         First and last index of each box, without ghost zones.
     nodal : ndarray of int, shape (3,)
-        1 along axes on which the points are the corners of cells, and 0 where they are the centers.
+        1 along axes with points at the corners of cells, 0 along axes with points at the centers.
     ghosts : ndarray of int, shape (3,)
     places : list of (Path, int)
-        The file of each box, and where it begins there.
+        File and offset of each box.
     """
 
     low: Indices
@@ -187,12 +187,12 @@ class _Level:
 
     @classmethod
     def read(cls, path: Path, count: int) -> _Level:
-        """Read a file ``Cell_H`` of a plot file with this number of variables."""
+        """Read a file ``Cell_H`` of a plot file with a given number of variables."""
         lines = _lines(path)
         try:
             if (version := next(lines).strip()) != CELL_VERSION:
                 raise FileError(f"{path} is of the version {version}: {CELL_VERSION} is read")
-            next(lines)  # how the data are spread over files, which they say themselves
+            next(lines)  # distribution of the data over files, which is repeated below
             if (components := int(next(lines))) != count:
                 raise FileError(f"{path} has {components} variables, but {HEADER} names {count}")
             ghosts = np.broadcast_to(np.array(INTEGER.findall(next(lines)), dtype=np.int64), 3)
@@ -240,7 +240,7 @@ class _Level:
 
 
 class _Data:
-    """The data of plot files: `PatchData`."""
+    """Data of plot files as `PatchData`."""
 
     symmetry: tuple[AxisMap, ...] = (IDENTITY,)
 
@@ -283,7 +283,7 @@ class _Data:
         return {}
 
     def _parts(self, level: int) -> list[_Level]:
-        """The level in each of the plot files."""
+        """Level in each of the plot files."""
         if level not in self._levels:
             parts = [_Level.read(header.cells[level], len(header.names)) for header in self._headers]
             for part, header in zip(parts, self._headers, strict=True):
@@ -296,7 +296,7 @@ class _Data:
 
 
 def _lines(path: Path) -> Iterator[str]:
-    """The lines of a text file."""
+    """Lines of a text file."""
     try:
         yield from path.read_text(encoding="utf-8").splitlines()
     except OSError as error:
@@ -306,5 +306,5 @@ def _lines(path: Path) -> Iterator[str]:
 
 
 def _boxes(line: str) -> Indices:
-    """Boxes as AMReX writes them, ((0,0,0) (31,31,31) (0,0,0)): the corners and the type, (n, 3, 3)."""
+    """Corners and types (n, 3, 3) of boxes in the notation of AMReX, ((0,0,0) (31,31,31) (0,0,0))."""
     return np.array(INTEGER.findall(line), dtype=np.int64).reshape(-1, 3, 3)

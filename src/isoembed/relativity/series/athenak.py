@@ -4,8 +4,8 @@ After a few lines of text and the parameters of the run come the MeshBlocks, all
 the cells that are written, where the block is in the tree of blocks, its corners, and the values of all
 variables one after the other, x running fastest, in single precision [1]_.
 
-Each part of space is in the blocks of one level only.  Where a coarser level is needed, as beside a block
-that is coarser, its values are interpolated from the finer ones, to eighth order.
+Each region of space is covered by blocks of one level only.  If a coarser level is needed, as beside a
+coarser block, its values are interpolated from the finer ones, to eighth order.
 
 References
 ----------
@@ -42,13 +42,13 @@ from isoembed.relativity.series.refined_grid import Component
 from isoembed.relativity.spacetimes.cartesian_grid import STENCIL, lagrange_weights
 
 MAGIC, VERSION = "Athena binary output version=", "1.1"
-RANK = re.compile(r"rank_\d+")  # folders of the files of each process
+RANK = re.compile(r"rank_\d+")  # folder of the files of a process
 ADM = AdmVariables(tuple(f"adm_{letter}{ij}" for letter in "gK" for ij in PAIRS))
 
 
 @dataclass(frozen=True)
 class AthenaKSlice(PatchSlice):
-    """The slice of a file of AthenaK, or of those that all processes wrote."""
+    """Slice of a file of AthenaK, or of the files of all processes."""
 
     def data(self, closing: contextlib.ExitStack) -> _Data:
         """See `PatchSlice`."""
@@ -56,7 +56,7 @@ class AthenaKSlice(PatchSlice):
 
 
 def is_athenak(path: Path) -> bool:
-    """Whether a file is one of AthenaK, of whatever version."""
+    """Whether a file is of AthenaK, of any version."""
     if not path.is_file():
         return False
     try:
@@ -67,9 +67,9 @@ def is_athenak(path: Path) -> bool:
 
 
 def athenak_slices(paths: Iterable[Path]) -> list[ListedFile]:
-    """The slices of files; any file in a folder ``rank_...`` stands for those of all processes.
+    """Slices of files; any file in a folder ``rank_...`` represents those of all processes.
 
-    Of files of the same moment those count that have all variables, and ``adm`` before ``z4c``.  Raises
+    Among files of the same time, those with all variables are used, ``adm`` before ``z4c``.  Raises
     `FileError`: a file cannot be read.
     """
     found: dict[Path, list[Path]] = {}
@@ -83,28 +83,28 @@ def athenak_slices(paths: Iterable[Path]) -> list[ListedFile]:
         head = _File.read(first)
         listed = ListedFile(head.cycle, head.time, AthenaKSlice(tuple(map(str, parts))))
         out.append((rank(head.names, _known(head)), listed))
-    return best_of_moments(out, incomplete=2)  # neither of the two that are known
+    return best_of_moments(out, incomplete=2)  # neither of the two known sets
 
 
 @dataclass(frozen=True)
 class _File:
-    """A file.
+    """Header of a file.
 
     Attributes
     ----------
     path : Path
     time, cycle : float, int
     names : list of str
-        Of the variables.
+        Names of the variables.
     parameters : dict of str to str
-        Of the run, by ``block/name``.
+        Parameters of the run, by ``block/name``.
     heads : ndarray of structures
-        What is before the data of each block: ``cells``, first and last index along each axis; ``place``, of
-        the block on its level, and the level; and ``corners``.
+        Headers of the blocks: ``cells``, first and last index along each axis; ``place``, the position of the
+        block on its level, and the level; and ``corners``.
     start : int
-        The byte at which the first block begins.
+        Offset of the first block in bytes.
     data : dtype
-        Of the data of a block, (variables, nz, ny, nx).
+        Type of the data of a block, (variables, nz, ny, nx).
     """
 
     path: Path
@@ -129,7 +129,7 @@ class _File:
 
     @classmethod
     def read(cls, path: Path) -> _File:
-        """Read all but the data of the blocks."""
+        """Read everything except the data of the blocks."""
         try:
             with path.open("rb") as file:
                 return cls._read(path, file)
@@ -187,7 +187,7 @@ class _File:
         )
 
     def block(self, index: int) -> Any:
-        """The data of a block, (variables, nz, ny, nx)."""
+        """Data of a block, (variables, nz, ny, nx)."""
         size = self.heads.itemsize
         at = self.start + index * (size + self.data.itemsize) + size
         try:
@@ -200,13 +200,13 @@ class _File:
 
 @dataclass(frozen=True)
 class _Block:
-    """A MeshBlock: that of a file, or what it is on a coarser level.
+    """MeshBlock of a file, or its restriction to a coarser level.
 
     Attributes
     ----------
     file, record : int
     coarsened : int
-        Levels that it is coarser than what was written.
+        Number of levels by which it is coarser than in the file.
     """
 
     file: int
@@ -215,7 +215,7 @@ class _Block:
 
 
 class _Data:
-    """The data of files: `PatchData`."""
+    """Data of files as `PatchData`."""
 
     def __init__(self, name: str, files: list[_File]) -> None:
         self.name, self._files = name, files
@@ -268,7 +268,7 @@ class _Data:
         return np.einsum("fijk,ai,bj,ck->fabc", fields, *weights, optimize=True)
 
     def _check_whole(self) -> None:
-        """Refuse files that lack MeshBlocks, by the volume of those that there are."""
+        """Check by their volume that no MeshBlocks are missing."""
         given = self._files[0].parameters
         roots = np.prod([int(given[f"mesh/nx{a}"]) // n for a, n in zip("123", self._cells, strict=True)])
         there = sum(float((0.125**file.levels).sum()) for file in self._files)
@@ -278,9 +278,9 @@ class _Data:
 
 @lru_cache(maxsize=64)
 def _coarsening(cells: int, levels: int) -> Floats:
-    """Matrix that takes values at the centers of cells to those of cells that are some levels coarser.
+    """Matrix from values at the centers of cells to those of cells a number of levels coarser.
 
-    Each of these lies halfway between two of the former.  The interpolation is that of `CartesianGrid`,
+    Each coarse center lies halfway between two fine ones.  The interpolation is that of `CartesianGrid`,
     one-sided at the ends of the block.
     """
     nodes, times = STENCIL, 2**levels
@@ -293,7 +293,7 @@ def _coarsening(cells: int, levels: int) -> Floats:
 
 
 def _known(file: _File) -> tuple[Variables, Variables]:
-    """The ADM variables, and those of Z4c with the power of chi that the run has."""
+    """ADM variables, and Z4c variables with the power of chi used by the run."""
     metric, curvature = (tuple(f"z4c_{letter}{ij}" for ij in PAIRS) for letter in "gA")
     trace = (("z4c_Khat", 1.0), ("z4c_Theta", 2.0))
     power = 4.0 / float(file.parameters.get("z4c/chi_psi_power", -4.0))
@@ -314,7 +314,7 @@ def _parameters(text: str) -> dict[str, str]:
 
 
 def _line(file: Any) -> str:
-    """The next line of a binary file, as text."""
+    """Next line of a binary file, as text."""
     return str(file.readline(1 << 16).decode("utf-8", errors="replace")).strip()
 
 

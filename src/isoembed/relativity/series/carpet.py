@@ -30,7 +30,7 @@ from isoembed.relativity.spacetimes.cartesian_grid import CartesianGrid
 from isoembed.relativity.spacetimes.slice_file import GAMMA
 
 PLACE = ("origin", "delta", "time")
-SAMPLED = 8  # grid points between the planes that count for the hash
+SAMPLED = 8  # stride of the hashed planes in grid points
 
 
 @dataclass(frozen=True)
@@ -41,13 +41,13 @@ class CarpetPart:
     ----------
     path : str
     thorn : str
-        As the names of the data sets have it.
+        Name of the thorn in the names of the data sets.
     fields : tuple of str
-        Which of gxx ... kzz.
+        Fields in the file, among gxx ... kzz.
     tails : tuple of pairs of int and str
-        The refinement levels, and the ends of the names of the data sets.
+        Refinement levels, and the ends of the names of the data sets.
     has_ghosts : bool
-        Whether the points of ghost zones are among the data.
+        Whether the data include ghost zones.
     """
 
     path: str
@@ -59,18 +59,18 @@ class CarpetPart:
 
 @dataclass(frozen=True)
 class CarpetSlice:
-    """The slice of one iteration in files of Carpet: a `SliceSource`.
+    """Slice of an iteration in files of Carpet, a `SliceSource`.
 
     Attributes
     ----------
     name : str
-        For messages and reports.
+        Name for messages and reports.
     iteration : int
     parts : tuple of CarpetPart
     symmetry : tuple of AxisMap
-        Of the run.
+        Symmetry of the run.
     flaw : str
-        Why this slice cannot be read, if that is known.
+        Reason why this slice cannot be read, if known.
     """
 
     name: str
@@ -80,11 +80,10 @@ class CarpetSlice:
     flaw: str = ""
 
     def digest(self) -> str:
-        """Hash of the data sets of the iteration on all levels: of their places, and of every eighth plane.
+        """Hash of the data sets of the iteration on all levels: their layout and every eighth plane.
 
-        The data of an iteration are often gigabytes, of which a horizon needs a small part: to read them all,
-        only to see that nothing has changed, would take seconds for each horizon.  Raises `FileError`: a file
-        cannot be read, or changes meanwhile.
+        An iteration often has gigabytes of data, of which a horizon needs a small part; hashing all of it
+        would take seconds for each horizon.  Raises `FileError`: a file cannot be read, or changes meanwhile.
         """
         sha = hashlib.sha256(repr((self.iteration, self.symmetry, self.flaw)).encode())
         with _Reader(self) as reader:
@@ -99,7 +98,7 @@ class CarpetSlice:
         return sha.hexdigest()
 
     def read(self, low: Floats, high: Floats) -> CartesianGrid:
-        """The finest refinement level that covers the box: see `covering_grid`.
+        """Finest refinement level that covers the box; see `covering_grid`.
 
         Raises `FileError`: a file cannot be read or changes meanwhile, fields are missing, or no level covers
         the box.
@@ -111,7 +110,7 @@ class CarpetSlice:
 
 
 class _Reader:
-    """The data of an iteration, one file being open at a time: `RefinedData`."""
+    """Data of an iteration as `RefinedData`, with one open file at a time."""
 
     def __init__(self, source: CarpetSlice) -> None:
         self.name, self.symmetry = source.name, source.symmetry
@@ -151,11 +150,11 @@ class _Reader:
                 f"{self._path}: {data.name[1:]} has {data.shape[::-1]} points, but gxx {expected[::-1]}"
             )
         i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(part, ghosts, strict=True))
-        rows = data[k, j]  # whole ones: shorter pieces take ten times as long
+        rows = data[k, j]  # whole rows, as shorter pieces take ten times as long
         return np.asarray(rows[:, :, i], dtype=np.float64).T  # the files have [k, j, i]
 
     def data_set(self, field: str, tail: str) -> Any:
-        """A data set, its file being opened."""
+        """Data set; opens its file."""
         try:
             part = self._parts[field, tail]
         except KeyError:
@@ -182,6 +181,6 @@ class _Reader:
 
 @contextlib.contextmanager
 def opened_unchanged(path: str) -> Iterator[Any]:
-    """Open an HDF5 file for a block, in which it must not be changed by others."""
+    """Open an HDF5 file, and check that it is not modified while open."""
     with unchanged(path), InputFile(path) as file, file.hdf5() as root:
         yield root

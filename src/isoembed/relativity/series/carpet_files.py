@@ -1,7 +1,7 @@
 """Index of Carpet's files in a simulation folder, across processes and restarts.
 
-Names of files are those of a variable or of a group, as ``gxx.xyz.h5``, ``gxx.file_3.h5`` and
-``admbase-metric.xyz.h5``; names of data sets are as ``ADMBASE::gxx it=1024 tl=0 rl=5 c=3``.
+Files are named after a variable or a group, as in ``gxx.xyz.h5``, ``gxx.file_3.h5`` and
+``admbase-metric.xyz.h5``, data sets as in ``ADMBASE::gxx it=1024 tl=0 rl=5 c=3``.
 """
 
 from __future__ import annotations
@@ -42,20 +42,20 @@ METADATA = "Parameters and Global Attributes"
 
 
 def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]:
-    """Slices in files of Carpet; of an iteration that is in several folders that of the last restart.
+    """Slices in files of Carpet; the last restart counts for an iteration in several folders.
 
     Raises `FileError`: there are such files, but none that can be read.
 
     Parameters
     ----------
     paths : iterable of path
-        Files of a simulation.  Those are opened whose names say that they have the metric or the extrinsic
-        curvature at points of space.
+        Files of a simulation.  Only files whose names indicate the metric or the extrinsic curvature on
+        three-dimensional grids are opened.
 
     Returns
     -------
     list of ListedSlice
-        By iteration.  A slice of which something is missing or damaged is among them: reading it says what.
+        Slices by iteration, including incomplete or damaged ones, which raise an error when read.
     """
     by_folder: dict[Path, _Folder] = {}
     for path in sorted(map(Path, paths), key=natural):
@@ -70,7 +70,7 @@ def carpet_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]
 
 
 def _listed(iteration: int, folders: list[_Folder]) -> ListedSlice[SliceSource]:
-    """The slice of an iteration, each field of it from the last folder that has it, whole ones preferred."""
+    """Slice of an iteration, with each field from the last folder that has it, complete ones preferred."""
     there = [folder for folder in folders if iteration in folder.times]
     there.sort(key=lambda folder: not folder.flaw)  # stable: the last is whole if one is
     chosen = {name: folder for folder in there for name in folder.fields(iteration)}
@@ -86,7 +86,7 @@ def _listed(iteration: int, folders: list[_Folder]) -> ListedSlice[SliceSource]:
 
 
 class _Folder:
-    """Files in one folder: those of the processes of one restart."""
+    """Files in one folder, from the processes of one restart."""
 
     def __init__(self) -> None:
         self.files: list[_File] = []
@@ -95,7 +95,7 @@ class _Folder:
         self._processes: dict[str, set[int]] = {}
 
     def add(self, path: Path, name: re.Match[str]) -> None:
-        """Take a file to the others."""
+        """Add a file."""
         if name["process"]:
             self._processes.setdefault(name["stem"], set()).add(int(name["process"]))
         try:
@@ -149,13 +149,13 @@ class _File:
     ----------
     path : Path
     times : dict of int to float or None
-        Those of iterations.
+        Times of iterations.
     sets : dict
-        Of an iteration and a field: the thorn, and the levels and the ends of the names of its data sets.
+        For an iteration and a field: the thorn, and the levels and ends of the names of its data sets.
     parameters : str
-        Those of the run, a line each.
+        Parameters of the run, one per line.
     processes : int
-        How many of the run wrote files; 0 if it does not say so.
+        Number of processes that wrote files; 0 if not in the file.
     """
 
     path: Path
@@ -166,7 +166,7 @@ class _File:
 
     @classmethod
     def listed(cls, path: Path, known: Mapping[int, float | None]) -> _File:
-        """List the data sets of a file, and the times of iterations of which they are not known."""
+        """List the data sets of a file, and unknown times of iterations."""
         found: dict[int, dict[str, tuple[str, list[tuple[int, str]]]]] = {}
         times: dict[int, float | None] = {}
         parameters, processes = "", 0
@@ -186,7 +186,7 @@ class _File:
                 processes = int(metadata.attrs.get("nioprocs", 0))
                 if "All Parameters" in metadata:
                     parameters = _text(metadata["All Parameters"][()])
-        alike: dict[Any, Any] = {}  # the same in all iterations without regridding: kept once
+        alike: dict[Any, Any] = {}  # shared by all iterations without regridding
         frozen = {
             iteration: {
                 name: alike.setdefault(pair := (thorn, tuple(sorted(tails))), pair)
@@ -198,7 +198,7 @@ class _File:
 
     @cached_property
     def has_ghosts(self) -> bool:
-        """Whether points of ghost zones are written, as they are by default."""
+        """Whether ghost zones are written, as they are by default."""
         return not GHOSTS.search(self.parameters)
 
 
@@ -208,5 +208,5 @@ def _text(stored: Any) -> str:
 
 
 def natural(path: Path) -> list[tuple[int, str]]:
-    """Key of the order in which 10 comes after 9."""
+    """Sort key for numerical order, with 10 after 9."""
     return [(int(word), "") if word.isdigit() else (0, word) for word in re.split(r"(\d+)", str(path))]

@@ -40,19 +40,19 @@ DATA = "data.0"
 
 
 def carpetx_slices(paths: Iterable[str | Path]) -> list[ListedSlice[SliceSource]]:
-    """Slices in openPMD files of CarpetX; of an iteration that is in several of them that of the last.
+    """Slices in openPMD files of CarpetX; the last file counts for an iteration in several files.
 
     Raises `FileError`: there are such files, but none that can be read, or openpmd-api is not installed.
 
     Parameters
     ----------
     paths : iterable of path
-        Files of a simulation, those inside of the folders among them.
+        Files of a simulation, including those inside the folders.
 
     Returns
     -------
     list of ListedSlice
-        By iteration.  Those of damaged files are not among them.
+        Slices by iteration, without those of damaged files.
     """
     listed: dict[int, ListedSlice[SliceSource]] = {}
     flaws = []
@@ -83,14 +83,14 @@ def _slices_in(path: str) -> Iterator[ListedSlice[SliceSource]]:
 
 @dataclass(frozen=True)
 class CarpetXSlice:
-    """The slice of one iteration in an openPMD file of CarpetX: a `SliceSource`.
+    """Slice of an iteration in an openPMD file of CarpetX, a `SliceSource`.
 
     Attributes
     ----------
     path : str
     iteration : int
     symmetry : tuple of AxisMap
-        Of the run.
+        Symmetry of the run.
     """
 
     path: str
@@ -99,11 +99,11 @@ class CarpetXSlice:
 
     @property
     def name(self) -> str:
-        """The file, and what of it."""
+        """Name of the file, with the iteration."""
         return f"{self.path}, iteration {self.iteration}"
 
     def digest(self) -> str:
-        """Hash of the places of all data of the iteration, and of every eighth plane of them.
+        """Hash of the layout of all data of the iteration, and of every eighth plane.
 
         Raises `FileError`: the file cannot be read, or changes meanwhile.
         """
@@ -118,7 +118,7 @@ class CarpetXSlice:
         return sha.hexdigest()
 
     def read(self, low: Floats, high: Floats) -> CartesianGrid:
-        """The finest refinement level that covers the box: see `covering_grid`.
+        """Finest refinement level that covers the box; see `covering_grid`.
 
         Raises `FileError`: the file cannot be read or changes meanwhile, fields are missing, or no level
         covers the box.
@@ -128,7 +128,7 @@ class CarpetXSlice:
 
 
 class _Reader:
-    """The data of an iteration: `RefinedData`."""
+    """Data of an iteration as `RefinedData`."""
 
     def __init__(self, source: CarpetXSlice, series: Any) -> None:
         self.name, self.symmetry = source.name, source.symmetry
@@ -180,7 +180,7 @@ class _Reader:
         return np.asarray(values, dtype=np.float64).transpose(axes)
 
     def planes(self, field: str, level: int) -> list[Floats]:
-        """Every eighth plane of all components; asked for together, because each time takes long."""
+        """Every eighth plane of all components, read together, because each request is slow."""
         _, record = self._record(field, level)
         planes = [
             record.load_chunk([first + k, *others], [1, *extent[1:]])
@@ -206,7 +206,7 @@ def _axes(mesh: Any) -> list[int]:
 
 @contextlib.contextmanager
 def _opened(path: str) -> Iterator[Any]:
-    """Open an openPMD file for a block, in which it must not be changed by others."""
+    """Open an openPMD file, and check that it is not modified while open."""
     try:
         import openpmd_api
     except ImportError:

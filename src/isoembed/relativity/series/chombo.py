@@ -47,7 +47,7 @@ def is_chombo(path: Path) -> bool:
 
 
 def chombo_slices(paths: Iterable[Path]) -> list[ListedFile]:
-    """The slices of files, one of each moment where others lack variables.
+    """Slices of files; at each time the one with the most complete variables.
 
     Raises `FileError`: one of them cannot be read.
     """
@@ -68,7 +68,7 @@ def chombo_slices(paths: Iterable[Path]) -> list[ListedFile]:
 
 @dataclass(frozen=True)
 class ChomboSlice(PatchSlice):
-    """The slice of one file of Chombo."""
+    """Slice of one file of Chombo."""
 
     def data(self, closing: contextlib.ExitStack) -> _Data:
         """See `PatchSlice`."""
@@ -77,7 +77,7 @@ class ChomboSlice(PatchSlice):
 
 
 class _Data:
-    """The data of a file: `PatchData`."""
+    """Data of a file as `PatchData`."""
 
     def __init__(self, name: str, root: Any) -> None:
         self.name = name
@@ -116,10 +116,10 @@ class _Data:
         return self._variables.adm(np.stack(rows).astype(np.float64))
 
     def _is_mirror(self, axis: int) -> bool:
-        """Whether the domain ends at a mirror, the plane where the coordinate along an axis is zero.
+        """Whether the domain ends at a mirror, the plane of zero coordinate along an axis.
 
-        The file does not say so, but where its ghost zones are written they are copies of the cells on the
-        other side of such a plane, with the signs of the components.
+        This is not in the file, but ghost zones, if written, are copies of the cells on the other side of
+        such a plane, with the signs of the components.
         """
         if _triples(self._root["level_0"].attrs["prob_domain"], "lo_")[axis] != 0:
             return False
@@ -129,7 +129,7 @@ class _Data:
         for component in self.components(0):
             ghosts = component.key[1][axis]
             if component.origin[axis] < component.spacing[axis]:
-                if ghosts < 2:  # one cell beyond a boundary may also be extrapolated from one cell
+                if ghosts < 2:  # a single ghost cell may also be a constant extrapolation
                     return False
                 part = [slice(0, n) for n in component.shape]
                 part[axis] = slice(-ghosts, ghosts)
@@ -170,13 +170,13 @@ class _Data:
 
 
 def _names(root: Any) -> dict[str, int]:
-    """Positions of the variables by their names."""
+    """Indices of the variables by name."""
     components = ((COMPONENT.fullmatch(key), value) for key, value in root.attrs.items())
     return {_text(value): int(match[1]) for match, value in components if match}
 
 
 def _triples(structured: Any, prefix: str) -> Indices:
-    """The fields such as lo_i, lo_j and lo_k of structured numbers, (..., 3)."""
+    """Fields such as lo_i, lo_j and lo_k of a structured array, (..., 3)."""
     return np.stack([structured[prefix + axis] for axis in "ijk"], axis=-1).astype(np.int64)
 
 

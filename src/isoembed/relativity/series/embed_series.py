@@ -24,7 +24,7 @@ from isoembed.runs.result import FAILED, REFUSED
 from isoembed.space import EUCLIDEAN, Space
 
 SERIES = "horizon"
-"""Name of the series of moments that do not give one."""
+"""Default name of the series of moments."""
 
 
 def embed_series(
@@ -38,51 +38,51 @@ def embed_series(
     folder: str | os.PathLike[str] | None = None,
     executor: Executor | None = None,
 ) -> Iterator[Result]:
-    """Embeddings and energies of many horizons, each in its own slice.
+    """Compute embeddings and energies of many horizons, each in its own slice.
 
     Parameters
     ----------
     moments : iterable of Moment or of tuples
-        As from `isoembed.relativity.moments`, or tuples (time, shape, geometry): the time, or None; a horizon
-        as `horizon_data` takes it, or its file; its slice, a file of one, grid data of kuibit by the names
-        gxx ... kzz, or None where the horizon needs none, as one of `isoembed.relativity.find_horizon`.  They
-        are taken one after the other; by an executor, as `isoembed.runs.Workers` has room for them, or all at
-        once.
+        Moments from `isoembed.relativity.moments`, or tuples (time, shape, geometry): the time, or None; a
+        horizon in a form accepted by `horizon_data`, or its file; its slice, a file of one, grid data of
+        kuibit by the names gxx ... kzz, or None for a horizon that needs no slice, such as one from
+        `isoembed.relativity.find_horizon`.  They are consumed one by one; with an executor as
+        `isoembed.runs.Workers` has capacity, or all at once.
     vertices : int
-        Of the meshes.
+        Number of vertices of the meshes.
     wang_yau : bool
-        Whether to report the least Wang-Yau energy, too.
+        Whether to compute the least Wang-Yau energy.
     axis, marginal
         See `horizon_data`.
     space : Space or "hyperbolic"
         See `isoembed.relativity.embed_surface`.
     folder : path, optional
-        Where the results are kept, each in a file of its own: what is there already, of the same content and
-        options, is not computed again.  Of slices and surfaces in code, the data they hold and their values
-        at 64 points of the surface count, to eight digits: the metric, its gradient, K_ij and their error.
-        Take another folder after a change that is elsewhere only.
+        Folder for the results, one file each; existing results with the same content and options are reused.
+        Slices and surfaces defined in code are identified by their data and by their values at 64 points of
+        the surface to eight digits: metric, gradient, K_ij and their error.  Use another folder after changes
+        that these points do not reflect.
     executor : concurrent.futures.Executor, optional
-        By default all is done in this process.  `isoembed.runs.Workers` has one process on each core; what is
-        sent there must be picklable, its functions at the top of a module.
+        By default everything runs in this process.  `isoembed.runs.Workers` has one process per core; objects
+        sent to it must be picklable, with functions at the top level of a module.
 
     Yields
     ------
     Result
-        One for each moment, as they come, with the ``report`` and the ``arrays`` that
-        `isoembed.relativity.HorizonTask` describes: those that do not embed, or are refused, do not end the
-        series.  Of eight consecutive moments each is embedded from the one before.
+        One for each moment, as completed, with the ``report`` and the ``arrays`` described in
+        `isoembed.relativity.HorizonTask`.  Horizons that do not embed or are invalid do not end the series.
+        In groups of eight consecutive moments each embedding starts from the previous one.
 
     Raises
     ------
     InvalidParameter
         An option or a moment is invalid, or two moments have the same label.
     FileError
-        The folder cannot be made.
+        The folder cannot be created.
 
     Warns
     -----
     UserWarning
-        A result cannot be kept, as on a full disk; or all horizons are refused or failed.
+        A result cannot be stored, as on a full disk, or all horizons are invalid or failed.
     """
     about = None if axis is None else vector("the axis", axis)
     options = HorizonOptions(vertices, wang_yau, about, marginal, space)

@@ -26,7 +26,7 @@ class NameParts:
     Attributes
     ----------
     series : str
-        The name without the number and the ending: "AhA" of ``AhA_0012.vtk``.
+        Name without the number and the ending: "AhA" for ``AhA_0012.vtk``.
     iteration : int or None
     time : float or None
     """
@@ -56,12 +56,12 @@ def name_parts(path: str | os.PathLike[str]) -> NameParts:
 
 
 def is_pattern(text: str) -> bool:
-    """Whether there are fields like {iteration} in it."""
+    """Whether a text has fields like {iteration}."""
     return "{" in text
 
 
 def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
-    """Files whose names a pattern makes, with the iteration and the time in them.
+    """Files whose names match a pattern, with the iteration and the time in them.
 
     Raises `InvalidParameter`: the pattern has other fields, or an invalid format.
 
@@ -74,7 +74,7 @@ def matching_files(pattern: str) -> list[tuple[str, int | None, float | None]]:
     Returns
     -------
     list of (str, int or None, float or None)
-        By name.
+        Files sorted by name.
     """
     try:
         parsed = list(string.Formatter().parse(pattern))

@@ -34,7 +34,7 @@ from isoembed.space import EUCLIDEAN, Space
 
 DIRECTIONS, FIELD = "directions", "field/"
 MESH = ("vertices", "faces")
-"""Names of arrays of a mesh; what is before those of data at its vertices."""
+"""Names of the arrays of a mesh."""
 
 
 @dataclass(frozen=True)
@@ -44,17 +44,17 @@ class HorizonOptions:
     Attributes
     ----------
     vertices : int
-        Of the mesh, to begin with and as it is kept.
+        Number of vertices of the initial and of the stored mesh.
     wang_yau : bool
-        Whether to find the least Wang-Yau energy, too.
+        Whether to compute the least Wang-Yau energy.
     axis : three floats, optional
-        Additional axis about which the angular momentum is reported.
+        Additional axis for the angular momentum.
     marginal : bool, optional
         Whether the surfaces are horizons; by default the expansion of each decides.
     space : Space or "hyperbolic"
-        Space that they are embedded in; see `isoembed.relativity.embed_surface`.
+        Reference space; see `isoembed.relativity.embed_surface`.
     multipoles : int, optional
-        The highest l of multipoles (l, m) of horizons; see `isoembed.relativity.conformal_multipoles`.
+        Largest degree l of multipoles (l, m) of horizons; see `isoembed.relativity.conformal_multipoles`.
 
     Raises
     ------
@@ -108,7 +108,7 @@ class HorizonTask:
     def digest(self) -> str:
         """Digest of the contents of the shape and the slice, of the time, and of the options.
 
-        Of what is in memory, the values at fixed points count, too: functions may have changed.
+        For objects in memory, values at fixed points are included, because functions may have changed.
         """
         moment = self.moment
         there = {
@@ -119,7 +119,7 @@ class HorizonTask:
         }
         if isinstance(moment.shape, HeldShape) or isinstance(moment.slice, HeldSlice):
             there["values"] = self._values_digest()
-        if self.options.space == EUCLIDEAN:  # the digest of results that are older than other spaces
+        if self.options.space == EUCLIDEAN:  # compatibility with results older than other spaces
             del there["space"]
         if self.options.multipoles is None:  # likewise
             del there["multipoles"]
@@ -142,7 +142,7 @@ class HorizonTask:
             return Result.without_answer(self.label, REFUSED, str(error), **self.facts)
 
     def _values_digest(self) -> str:
-        """Digest of values at fixed points, or why there are none: `compute` will meet the same."""
+        """Digest of values at fixed points, or of the error that `compute` will meet, too."""
         slice_ = self.moment.slice
         geometry = slice_.geometry if isinstance(slice_, HeldSlice) else None
         try:
@@ -163,12 +163,12 @@ class HorizonTask:
     def _embedded(
         self, data: SurfaceData, before: Result | None
     ) -> tuple[EmbeddedSurface, tuple[Floats, Indices]]:
-        """Embedding from the one before in the series, on its mesh; if that fails, from a new mesh."""
+        """Embedding from the previous one of the series, on its mesh; if that fails, from a new mesh."""
         if before is not None and before.report["moment"]["series"] == self.moment.series:
             try:
                 surface = embed_surface(data, space=self.options.space, start=Start.restored(before.arrays))
                 return surface, (before.arrays[DIRECTIONS], before.arrays["faces"])
-            except (NotEmbedded, InvalidParameter):  # the latter of coordinates that lead too far away
+            except (NotEmbedded, InvalidParameter):  # the latter from unsuitable coordinates
                 pass
         surface = embed_surface(data, space=self.options.space, vertices=self.options.vertices)
         mesh = surface.embedding.triangulated(self.options.vertices)
@@ -178,7 +178,7 @@ class HorizonTask:
         self, data: SurfaceData, facts: HorizonFacts, report: dict[str, Any], arrays: dict[str, NDArray[Any]]
     ) -> Result:
         moment, horizon = self._when(facts.points), facts.report
-        # Where the file does not say when it is, the series may know.
+        # Time and iteration come from the series if they are not in the file.
         horizon |= {name: moment[name] for name in ("time", "iteration") if name in horizon}
         if self.options.multipoles is not None and data.marginal:
             found = conformal_multipoles(data, self.options.multipoles)
@@ -187,7 +187,7 @@ class HorizonTask:
         return Result(self.label, report["status"], report, arrays)
 
     def _when(self, file: CoordinateShape | None) -> dict[str, Any]:
-        """Series, time and iteration of the moment, where necessary as the file says; and its sources."""
+        """Series, time and iteration of the moment, from the file if necessary, and its sources."""
         moment = self.moment
         return {
             "series": moment.series,
@@ -199,7 +199,7 @@ class HorizonTask:
 
 
 def mesh_of(result: Result) -> dict[str, NDArray[Any]]:
-    """The mesh of an embedded horizon as `isoembed.relativity.EmbeddedSurface.mesh` returns it."""
+    """Mesh of an embedded horizon, as from `isoembed.relativity.EmbeddedSurface.mesh`."""
     return {
         name.removeprefix(FIELD): values
         for name, values in result.arrays.items()
@@ -208,7 +208,7 @@ def mesh_of(result: Result) -> dict[str, NDArray[Any]]:
 
 
 def _digest(digest: Callable[[], str]) -> str:
-    """The digest, or why there is none: what cannot be read now is another task when it can."""
+    """Digest, or the error without one, so that an unreadable file is another task once readable."""
     try:
         return digest()
     except FileError as error:
@@ -216,10 +216,10 @@ def _digest(digest: Callable[[], str]) -> str:
 
 
 def _box(found: CoordinateShape | Surface | FoundHorizon) -> tuple[Floats, Floats]:
-    """The corners (3,) of a box with room around a horizon."""
+    """Corners (3,) of a box with a margin around a horizon."""
     directions, _ = gauss_rule(24, 48)
     found = found.surface if isinstance(found, FoundHorizon) else found
     points = found.points(directions) if isinstance(found, Surface) else found.points
     low, high = points.min(axis=0), points.max(axis=0)
-    room = 0.02 * (high - low)  # the surface may reach beyond its points
+    room = 0.02 * (high - low)  # the surface may extend beyond its points
     return low - room, high + room

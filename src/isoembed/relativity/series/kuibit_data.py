@@ -35,17 +35,17 @@ def kuibit_shape(horizon: Any, iteration: int, name: str = "") -> CoordinateShap
     Parameters
     ----------
     horizon : kuibit.cactus_horizons.OneHorizon
-        As ``sim.horizons.get_apparent_horizon(1)`` gives it.
+        Horizon, for example from ``sim.horizons.get_apparent_horizon(1)``.
     iteration : int
     name : str, optional
-        Of the horizon.
+        Name of the horizon.
 
     Raises
     ------
     InvalidParameter
-        It has no shape at that iteration.
+        The horizon has no shape at that iteration.
     FileError
-        The shape is no closed surface.
+        The shape is not a closed surface.
     """
     try:
         origin = np.array(horizon.ah_origin_at_iteration(iteration), dtype=np.float64)
@@ -64,7 +64,7 @@ def kuibit_shape(horizon: Any, iteration: int, name: str = "") -> CoordinateShap
 
 @dataclass(frozen=True)
 class GridDataSlice:
-    """A slice of grid data of kuibit, all of it in memory: a `SliceSource`.
+    """Slice from grid data of kuibit in memory, a `SliceSource`.
 
     What symmetric runs leave out is missing: kuibit's ``reflection_symmetry_undo`` and
     ``rotation180_symmetry_undo`` complete grid data.  Data of CarpetX have their axes the wrong way around in
@@ -73,7 +73,7 @@ class GridDataSlice:
     Attributes
     ----------
     fields : mapping of str to kuibit.grid_data.HierarchicalGridData or UniformGridData
-        ``gxx ... gzz`` and ``kxx ... kzz``; without the latter the slice is taken to be time-symmetric.
+        ``gxx ... gzz`` and ``kxx ... kzz``; without the latter the slice is treated as time-symmetric.
     """
 
     fields: Mapping[str, Any]
@@ -105,7 +105,7 @@ class GridDataSlice:
         return sha.hexdigest()
 
     def read(self, low: Floats, high: Floats) -> CartesianGrid:
-        """The finest refinement level that covers the box: see `covering_grid`.
+        """Finest refinement level that covers the box; see `covering_grid`.
 
         Raises `FileError`: fields are missing, or no level covers the box.
         """
@@ -155,5 +155,5 @@ class _GridData:
 
 
 def _parts(data: Any) -> list[Any]:
-    """The uniform grids that grid data of kuibit are on."""
+    """Uniform grids of grid data of kuibit."""
     return list(getattr(data, "all_components", [data]))

@@ -1,4 +1,4 @@
-"""Matching of horizons with slices: by iteration where both have one, else by time."""
+"""Matching of horizons with slices, by iteration if both have one, otherwise by time."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -14,9 +14,9 @@ SAME_TIME = 1e-9  # relative difference of equal times
 
 
 def matched(shapes: Iterable[Moment], slices: Iterable[ListedSlice[SliceSource]]) -> list[Moment]:
-    """Moments of horizons with the slices that they are in.
+    """Moments of horizons with their slices.
 
-    Raises `InvalidParameter`: two horizons are of one series and moment, or two slices of one moment.
+    Raises `InvalidParameter`: two horizons have the same series and moment, or two slices the same moment.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def matched(shapes: Iterable[Moment], slices: Iterable[ListedSlice[SliceSource]]
     Returns
     -------
     list of Moment
-        As `ordered` puts them.  A horizon without a slice has a `MissingSlice` that says what there is.
+        Moments in the order of `ordered`.  A horizon without a slice has a `MissingSlice`.
     """
     shapes = list(shapes)
     times: dict[str, list[float]] = {}
@@ -39,9 +39,9 @@ def matched(shapes: Iterable[Moment], slices: Iterable[ListedSlice[SliceSource]]
 
 
 def ordered(moments: Iterable[Moment]) -> list[Moment]:
-    """Moments by series, and within each by time where all of them have one, else by iteration.
+    """Moments sorted by series, then by time if all have one, otherwise by iteration.
 
-    Raises `InvalidParameter`: two of them have one label.
+    Raises `InvalidParameter`: two moments have the same label.
     """
     by_series: dict[str, list[Moment]] = {}
     for moment in moments:
@@ -96,7 +96,7 @@ class _Slices:
                 _refuse(self.sources[k], self.sources[k + 1], f"t = {self.times[k]:.9g}")
 
     def of(self, shape: Moment) -> SliceSource:
-        """The slice of a horizon, or one that says that there is none."""
+        """Slice of a horizon, or a `MissingSlice`."""
         if shape.iteration is not None and self.by_iteration:
             date = self._dates.get(shape.iteration)
             if date is not None and shape.time is not None and abs(date - shape.time) > self.room:
@@ -128,7 +128,7 @@ def _refuse(one: SliceSource, other: SliceSource, when: str) -> None:
 
 
 def _room(lists: Sequence[np.ndarray]) -> float:
-    """Tolerance for times of one moment, from lists each of which has the times as one file says them."""
+    """Tolerance for equal times, from lists of times, one for each file."""
     scale = max(_largest(times) for times in lists)
     steps = np.concatenate([np.diff(np.unique(times)) for times in lists])
     steps = steps[steps > SAME_TIME * scale]
@@ -154,6 +154,6 @@ def _when(moment: Moment) -> str:
 
 
 def _natural(series: str) -> list[tuple[int, int, str]]:
-    """Key by which ah2 comes before ah10."""
+    """Sort key for numerical order, with ah2 before ah10."""
     words = re.split(r"(\d+)", series)
     return [(0, int(word), "") if word.isdecimal() else (1, 0, word) for word in words]

@@ -9,17 +9,17 @@ from isoembed.errors import InvalidParameter
 from isoembed.relativity.series.source import FileSlice, ShapeSource, SliceSource
 
 SliceT = TypeVar("SliceT", bound=SliceSource, covariant=True)
-UNSAFE = re.compile(r"[^\w+.-]")  # in the name of a file
+UNSAFE = re.compile(r"[^\w+.-]")  # characters not allowed in file names
 
 
 @dataclass(frozen=True)
 class ListedSlice(Generic[SliceT]):
-    """A slice that is there to be read.
+    """Slice available for reading.
 
     Attributes
     ----------
     iteration : int or None
-        Of the simulation, where it is known.
+        Iteration of the simulation, if known.
     time : float or None
     source : SliceSource
     """
@@ -30,26 +30,26 @@ class ListedSlice(Generic[SliceT]):
 
 
 ListedFile = ListedSlice[FileSlice]
-"""A slice that is in a file."""
+"""Slice in a file."""
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A horizon of a series at a time, and the slice that it is in.
+    """Horizon of a series at a time, and its slice.
 
     Attributes
     ----------
     series : str
-        Which of the horizons of a simulation: "ah1".
+        Name of the horizon in a simulation, such as "ah1".
     time : float or None
     iteration : int or None
-        Of the simulation.
+        Iteration of the simulation.
     shape : Source
-        Reads a `CoordinateShape`, or `SurfaceData`.
+        Source of a `CoordinateShape` or `SurfaceData`.
     slice : SliceSource or None
-        None where the horizon has a metric of its own, or its slice is still to be matched.
+        None if the horizon has its own metric, or before matching.
     position : int or None
-        Which of its series it is, where neither time nor iteration tell.
+        Index in its series, without time and iteration.
 
     Raises
     ------
@@ -76,7 +76,7 @@ class Moment:
 
     @property
     def label(self) -> str:
-        """Name for a file: of the series, and of the iteration, else the time, else the position."""
+        """File name from the series and the iteration, time or position, in order of preference."""
         series = UNSAFE.sub("_", self.series)
         if self.iteration is not None:
             return f"{series}.t{self.iteration}"

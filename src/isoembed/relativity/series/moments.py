@@ -1,4 +1,4 @@
-"""List of a series' time steps, from the files and folders that a user names."""
+"""Time steps of a series from files and folders."""
 
 import os
 import re
@@ -22,7 +22,7 @@ from isoembed.relativity.series.slice_files import slices_in_file, slices_in_fol
 from isoembed.relativity.series.source import HeldSlice, MissingSlice, SliceSource
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
-GRIDS = (*HDF5_ENDINGS, ".bp", ".bp4", ".bp5")  # of three-dimensional data of the Einstein Toolkit
+GRIDS = (*HDF5_ENDINGS, ".bp", ".bp4", ".bp5")  # endings of three-dimensional data of the Einstein Toolkit
 SHAPES = re.compile(r"h\.t\d+\.ah\d+\.gp(?:\.gz)?")
 QUASILOCALMEASURES = re.compile(r"surface\d+_\d+\.vtk(?:\.gz)?")
 Path_ = str | os.PathLike[str]
@@ -34,7 +34,7 @@ def moments(
     geometry: ThreeGeometry | Path_ | None = None,
     surface: str | None = None,
 ) -> list[Moment]:
-    """Horizons and the slices that they are in, from files.
+    """Horizons and their slices, from files.
 
     Parameters
     ----------
@@ -45,24 +45,24 @@ def moments(
         One slice for all; a file with one slice, or with those of an evolution, of any format of
         `isoembed.relativity.read_slice`; a pattern of such files as
         ``slices/gxx.{iteration}.h5``; or a folder of them or of a simulation.  Horizons and slices are
-        matched by iteration where both have one, else by time; a file with one slice that does not say when
-        it is holds for all.  By default horizons are from a simulation with slices of its own, or have
-        metrics of their own.
+        matched by iteration if both have one, otherwise by time; a single slice without a time applies to
+        all horizons.  By default horizons are from a simulation with its own slices, or have their own
+        metrics.
     surface : str, optional
-        Which series are taken: by default all.
+        Name of the series to select; by default all.
 
     Returns
     -------
     list of Moment
-        By series, and by time within each.  A horizon without a slice has a `MissingSlice`.
+        Moments sorted by series, then by time.  A horizon without a slice has a `MissingSlice`.
 
     Raises
     ------
     FileError
         There is no such file or folder, no horizon in them, no slice for any of them, or no geometry for
-        horizons that are known by their coordinates.
+        horizons given by coordinates.
     InvalidParameter
-        Two horizons or two slices are of the same moment, or a pattern is invalid.
+        Two horizons or two slices have the same moment, or a pattern is invalid.
     """
     simulated: dict[str, Simulation] = {}
 
@@ -107,7 +107,7 @@ def moments(
 
 
 def _chosen(shapes: list[Moment], horizons: Sequence[Any], surface: str | None) -> list[Moment]:
-    """The horizons of one series, or all of them."""
+    """Horizons of one series, or all of them."""
     if not shapes:
         names = [str(getattr(given, "path", given)) for given in horizons]
         raise FileError(f"there are no horizons in {enumerated(names) or 'no files'}")
@@ -121,7 +121,7 @@ def _chosen(shapes: list[Moment], horizons: Sequence[Any], surface: str | None) 
 def _slices(
     geometry: ThreeGeometry | Path_, simulation_in: Callable[[Path_], Simulation]
 ) -> tuple[SliceSource | None, list[ListedSlice[SliceSource]]]:
-    """One slice for all, or those that there are."""
+    """A single slice for all horizons, or a list of slices."""
     if not isinstance(geometry, str | os.PathLike):
         return HeldSlice(geometry), []
     if os.path.isdir(geometry):
@@ -140,12 +140,12 @@ def _slices(
 
 
 def _holds(folder: Path_, endings: Sequence[str]) -> bool:
-    """Whether there are files with some endings in a folder, or in folders in it."""
+    """Whether a folder or its subfolders have files with given endings."""
     return any(input_ending(path) in endings for path in Path(folder).rglob("*"))
 
 
 def _refuse_coordinates(shapes: list[Moment]) -> None:
-    """Refuse horizons of which none has a metric, by the first of each series."""
+    """Check that some horizons have a metric, from the first of each series."""
     contents = []
     for shape in {shape.series: shape for shape in reversed(shapes)}.values():
         try:
@@ -176,7 +176,7 @@ def simulation(folder: Any) -> tuple[list[Moment], list[ListedSlice[SliceSource]
     Returns
     -------
     shapes : list of Moment
-        One whose time the finder does not tell has that of its slice.
+        Horizons; without a time from the finder they have that of their slice.
     slices : list of ListedSlice
 
     Notes
@@ -214,6 +214,6 @@ def _run_files(folder: Any) -> list[str]:
 
 
 def _finder_shapes(files: list[Path], name: re.Pattern[str]) -> list[Moment]:
-    """Horizons in files of such a name, of each iteration the last."""
+    """Horizons in files with names that match, the last one for each iteration."""
     there = shapes_in_files(path for path in files if name.fullmatch(path.name))
     return list({(shape.series, shape.iteration): shape for shape in there}.values())

@@ -18,32 +18,32 @@ from isoembed.relativity.series.moment import ListedFile
 
 @dataclass(frozen=True)
 class PatchSlice(ABC):
-    """A slice in files of patches: a `SliceSource`.
+    """Slice in files of patches, a `SliceSource`.
 
     Attributes
     ----------
     paths : tuple of str
-        Several where variables, or processes, have files of their own.
+        Paths of the files, several if variables or processes have separate files.
     """
 
     paths: tuple[str, ...]
 
     @property
     def name(self) -> str:
-        """The first path, and the number of the others."""
+        """First path, and the number of the others."""
         more = f" and {len(self.paths) - 1} more" if len(self.paths) > 1 else ""
         return self.paths[0] + more
 
     @property
     def files(self) -> Sequence[str | Path]:
-        """The files that the slice is read from."""
+        """Files of the slice."""
         return self.paths
 
     @abstractmethod
     def data(self, closing: contextlib.ExitStack) -> PatchData:
-        """The data of the files, which stay open as long as `closing` does.
+        """Data of the files, which stay open until `closing` is closed.
 
-        Raises `FileError`: they cannot be read, or lack a variable.
+        Raises `FileError`: a file cannot be read, or lacks a variable.
         """
 
     @property
@@ -64,20 +64,20 @@ class PatchSlice(ABC):
         return hashlib.sha256(" ".join(map(file_digest, self.files)).encode()).hexdigest()
 
     def read(self, low: Floats, high: Floats) -> AMRGrid:
-        """The slice, of which no more is read than what surfaces need when they ask for it.
+        """Slice that reads lazily the parts needed by surfaces.
 
         Raises `FileError`: a file cannot be read, or lacks a variable.
         """
         return self.whole()
 
     def whole(self) -> AMRGrid:
-        """See `read`: everywhere.  Raises `FileError`: as of `read`."""
+        """See `read`, for the whole slice.  Raises `FileError`: see `read`."""
         with self.opened():
             return AMRGrid(self, self.state)
 
 
 def best_of_moments(found: Iterable[tuple[int, ListedFile]], incomplete: int) -> list[ListedFile]:
-    """Slices with the best variables among those of each moment.
+    """Slices with the best set of variables at each moment.
 
     The folder of a run has other output of the same moments: constraints, or plots of a few variables.
 
@@ -86,7 +86,7 @@ def best_of_moments(found: Iterable[tuple[int, ListedFile]], incomplete: int) ->
     found : iterable of (int, ListedFile)
         Slices with the ranks of their variables (`isoembed.relativity.series.adm_variables.rank`).
     incomplete : int
-        The rank of files that lack variables.  Where all of a moment do, the first is taken.
+        Rank of files without a complete set.  If all files of a moment are incomplete, the first is used.
     """
     moments: dict[tuple[int | None, float | None], list[tuple[int, ListedFile]]] = {}
     for one in found:

@@ -1,8 +1,8 @@
 """Slices on nested refinement levels with several components (Carpet).
 
-A level is a lattice of points, of which its components hold boxes.  A box of the surface with the stencil of
-the interpolation is filled from the components of one level and from their images under the symmetry of the
-run; if a level does not have all of it, the next coarser one is taken.
+A level is a lattice of points, stored as components, which are boxes.  The box of a surface with the stencil
+of the interpolation is filled from the components of one level and their images under the symmetry of the
+run; if a level does not cover it, the next coarser one is used.
 
 Cubes of `isoembed.relativity.series.amr_grid`, by which each point has a level of its own, would be slower
 here: these files have a data set for each of the twelve fields, of which whole rows are read.  For 73 points
@@ -29,14 +29,14 @@ from isoembed.relativity.spacetimes.slice_file import AROUND, GAMMA, K
 
 @dataclass(frozen=True)
 class Component:
-    """A box of points of one refinement level.
+    """Box of points of a refinement level.
 
     Attributes
     ----------
     key : object
-        What tells it from the others of its level.
+        Identifier within its level.
     origin : tuple of three floats
-        Its first point that is not in a ghost zone.
+        First point outside the ghost zones.
     spacing : tuple of three floats
     shape : tuple of three ints
         Points along each axis, without ghost zones: those between components belong to others, and those
@@ -64,30 +64,30 @@ class Layout(Protocol):
 
     @property
     def levels(self) -> Sequence[int]:
-        """Levels that all fields are on, the coarsest first."""
+        """Levels common to all fields, from coarse to fine."""
         ...
 
     def components(self, level: int) -> Sequence[Component]:
-        """The components of a level, the same for all fields."""
+        """Components of a level, the same for all fields."""
         ...
 
 
 class RefinedData(Layout, Protocol):
-    """Fields on refinement levels, of which parts can be read."""
+    """Fields on refinement levels, with partial reading."""
 
     @property
     def fields(self) -> Collection[str]:
-        """Names of the fields that there are, of gxx ... gzz and kxx ... kzz."""
+        """Names of the available fields among gxx ... gzz and kxx ... kzz."""
         ...
 
     def values(self, field: str, level: int, component: Component, part: tuple[slice, ...]) -> Floats:
-        """A part of a field on a component, [i, j, k] along x, y and z."""
+        """Part of a field on a component, [i, j, k] along x, y and z."""
         ...
 
 
 @dataclass(frozen=True)
 class Block:
-    """Points of a component, or of its image: from `low` to below `high` on the lattice of the level."""
+    """Points of a component or its image, from `low` to below `high` on the lattice of the level."""
 
     component: Component
     map: AxisMap
@@ -108,9 +108,9 @@ class Block:
 def covering_grid(
     data: RefinedData, low: Floats, high: Floats, wanted: Sequence[str] = (*GAMMA, *K)
 ) -> CartesianGrid:
-    """The finest level that covers a box with the stencil of the interpolation, as far as it is needed.
+    """Part of the finest level that covers a box with the stencil of the interpolation.
 
-    Raises `FileError`: fields are missing, no level covers the box, or components do not fit together.
+    Raises `FileError`: fields are missing, no level covers the box, or components are inconsistent.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def covering_grid(
     low, high : ndarray, shape (3,)
         Corners of the box.
     wanted : sequence of str
-        The fields.  Without kxx ... kzz the slice is taken to be time-symmetric.
+        Names of the fields.  Without kxx ... kzz the slice is treated as time-symmetric.
     """
     if missing := [name for name in wanted if name not in data.fields]:
         needed = "gxx ... gzz" if len(wanted) == len(GAMMA) else "gxx ... gzz and kxx ... kzz"
@@ -137,7 +137,7 @@ def covering_grid(
 
 @dataclass(frozen=True)
 class _Box:
-    """A box of the lattice of a level, and what it is filled from: the last of the pieces first."""
+    """Box of the lattice of a level, and the pieces from which it is filled, the last one first."""
 
     origin: Floats
     spacing: Floats
@@ -146,7 +146,7 @@ class _Box:
     pieces: list[Block]
 
     def filled(self, data: RefinedData, level: int, fields: Sequence[str]) -> CartesianGrid:
-        """The grid, read; points that are not there are NaN."""
+        """Grid with the values read; missing points are NaN."""
         tables = np.full((len(fields), *self.shape), np.nan)
         for row, name in enumerate(fields):
             six = GAMMA if name in GAMMA else K
@@ -172,7 +172,7 @@ class _Box:
 
 @dataclass(frozen=True)
 class Level:
-    """The lattice of a level, and the boxes of it that exist."""
+    """Lattice of a level, and its existing boxes."""
 
     origin: Floats
     spacing: Floats
@@ -180,7 +180,7 @@ class Level:
 
     @classmethod
     def of(cls, data: Layout, level: int) -> Level:
-        """A level of some data, with the images of its components under the symmetry of the run.
+        """Level of some data, with the images of its components under the symmetry of the run.
 
         Raises `FileError`: a component is not on the lattice of the first one.
         """
@@ -207,18 +207,18 @@ class Level:
 
     @property
     def box(self) -> tuple[Floats, Floats]:
-        """Corners of the smallest box that has all points of the level."""
+        """Corners of the bounding box of the level."""
         low, high = self.ends
         return self.origin + self.spacing * low, self.origin + self.spacing * (high - 1)
 
     @property
     def ends(self) -> tuple[Indices, Indices]:
-        """Its first point, and that after the last one, along each axis of the lattice."""
+        """First point, and the one after the last, along each axis of the lattice."""
         low = np.min([block.low for block in self.blocks], axis=0)
         return low, np.max([block.high for block in self.blocks], axis=0)
 
     def around(self, low: Floats, high: Floats) -> _Box | None:
-        """The box with its stencil and what there is around it; None where the stencil is not whole."""
+        """Box with its stencil and available points around it; None if the stencil is incomplete."""
         reach = STENCIL // 2
         first, last = (np.floor((x - self.origin) / self.spacing).astype(np.int64) for x in (low, high))
         first, last = first - (reach - 1), last + reach + 1

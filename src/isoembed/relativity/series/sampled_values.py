@@ -15,8 +15,8 @@ from isoembed.relativity.horizons.horizon import GivenHorizon
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
-SAMPLES = 64  # directions, or points of a surface
-DIGITS = 8  # of values, relative to the largest: sums may differ by rounding from one run to the next
+SAMPLES = 64  # number of directions, or points of a surface
+DIGITS = 8  # digits of values relative to the largest, as rounding of sums may vary between runs
 FUNCTIONS = (
     "mean_curvature",
     "momentum",
@@ -25,17 +25,17 @@ FUNCTIONS = (
     "gaussian_curvature",
     "torque",
 )
-"""Fields of `SurfaceData` that are functions of the direction."""
+"""Functions of the direction in `SurfaceData`."""
 
 
 def values_digest(found: GivenHorizon, geometry: ThreeGeometry | None) -> str:
-    """Hash of values at fixed directions: of the data, or of the surface and of the slice on it.
+    """Hash of values at fixed directions, of the data or of the surface and the slice on it.
 
     Parameters
     ----------
     found : CoordinateShape, SurfaceData, Surface or FoundHorizon
     geometry : ThreeGeometry, optional
-        By default what the horizon was found in.
+        Slice; by default that of a found horizon.
     """
     sha = hashlib.sha256()
     for values in _values(found, geometry):

@@ -31,14 +31,14 @@ from isoembed.relativity.series.shape_sources import (
 from isoembed.relativity.spacetimes.slice_file import instants
 from isoembed.relativity.spacetimes.spectre_volume import volume_times
 
-SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # of AHFinderDirect and BHaHAHA
+SHAPE, NUMBER = ".gp", re.compile(r"\bah\d+\b")  # files of AHFinderDirect and BHaHAHA
 DIAGNOSTICS = ("BH_diagnostics", "BHaHAHA_diagnostics")
-TEXT = ".dat"  # of GRChombo and SpECTRE
+TEXT = ".dat"  # files of GRChombo and SpECTRE
 NUMBERS = re.compile(rf"{INTEGER} {DECIMAL}")
 
 
 def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[Moment]:
-    """Horizons that are in files, in their order, without their slices; those of damaged files, too.
+    """Horizons in files, in their order, without their slices, including those of damaged files.
 
     Raises `FileError`: there is no such file, or no table stats_AH<number>.dat for a coordinate file of
     GRChombo; `InvalidParameter`: a file holds slices.
@@ -46,10 +46,10 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[Moment]:
     Parameters
     ----------
     paths : iterable of path
-        Of any format that `isoembed.relativity.read_horizon` knows: one horizon a file; all surfaces at all
-        times of a SpECTRE file; all horizons of an HDF5 file with axes of time (see
+        Files of any format of `isoembed.relativity.read_horizon`: one horizon per file; all surfaces at all
+        times of a SpECTRE file; all horizons of an HDF5 file with time axes (see
         `isoembed.relativity.horizons.time_axis`).  Tables BH_diagnostics of AHFinderDirect and
-        BHaHAHA_diagnostics of BHaHAHA are passed over: they tell the times of the shapes beside them.
+        BHaHAHA_diagnostics of BHaHAHA are skipped; they provide the times of the shapes in their folder.
     """
     out: list[Moment] = []
     times: dict[Path, dict[int, float]] = {}  # by folder, of GRChombo by table
@@ -72,7 +72,7 @@ def shapes_in_files(paths: Iterable[str | os.PathLike[str]]) -> list[Moment]:
 
 
 def shape_files_in(folder: str | os.PathLike[str]) -> list[Path]:
-    """Files right inside a folder that may hold horizons, by name."""
+    """Files in a folder, without subfolders, that may hold horizons, sorted by name."""
     return [path for path in files_in(folder) if _may_be_shape(path)]
 
 
@@ -97,14 +97,14 @@ def _may_be_shape(path: Path) -> bool:
 
 
 def _is_of(known: HorizonFormat, path: str | Path) -> bool:
-    """Whether a file can be read and is of this format."""
+    """Whether a file is readable and of a format."""
     with contextlib.suppress(FileError), InputFile(path) as file:
         return known.recognizes(file)
     return False
 
 
 def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> Moment:
-    """A coordinate file with its time: its number counts outputs of the finder, and is not an iteration."""
+    """Coordinate file with its time; its number counts outputs of the finder and is not an iteration."""
     table, parts = stats_path(path), NAME.fullmatch(Path(path).name)
     if table is None or parts is None:
         raise FileError(f"{path} has no table stats_AH<number>.dat, which says its time and its origin")
@@ -117,7 +117,7 @@ def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> Moment:
 
 
 def _listed(path: str) -> list[Moment]:
-    """Horizons in one file, by its name where it does not say more."""
+    """Horizons in one file, identified by its name if it has no further information."""
     parts = name_parts(path)
     series, iteration, time = parts.series or "horizon", parts.iteration, parts.time
     if input_ending(path) in (*ARRAY_ENDINGS, TEXT):
@@ -146,7 +146,7 @@ def _is_number(values: NDArray[Any]) -> bool:
 
 
 def _many(path: str) -> list[Moment]:
-    """Horizons of a file that holds them at several times."""
+    """Horizons of a file with several times."""
     if input_ending(path) not in (*HDF5_ENDINGS, TEXT):
         return []
     out = [
@@ -164,10 +164,10 @@ def _many(path: str) -> list[Moment]:
 
 
 def _times_in(folder: Path) -> dict[int, float]:
-    """Times by iteration, the first two columns of the tables of the finders in a folder, of one run."""
+    """Times by iteration, from the first two columns of the finder tables in a folder of one run."""
     times: dict[int, float] = {}
     for path in sorted(path for name in DIAGNOSTICS for path in folder.glob(f"{name}*{SHAPE}")):
-        with contextlib.suppress(OSError):  # a horizon without a time, which is not a fault of its own file
+        with contextlib.suppress(OSError):  # a missing time is not an error of the horizon file
             lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
             rows = (line.split(maxsplit=2)[:2] for line in lines)
             times |= {int(row[0]): float(row[1]) for row in rows if NUMBERS.fullmatch(" ".join(row))}

@@ -1,4 +1,4 @@
-"""Sources of horizons: one file, or one moment of a file with many."""
+"""Sources of horizons: a file, or one moment of a file with several."""
 
 import hashlib
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from isoembed.relativity.spacetimes.surface_data import SurfaceData
 
 @dataclass(frozen=True)
 class ShapeFile:
-    """A file with one horizon, of any format.
+    """File of any format with one horizon.
 
     Attributes
     ----------
@@ -25,11 +25,11 @@ class ShapeFile:
 
     @property
     def name(self) -> str:
-        """The path, and what of the file."""
+        """Path, and the part of the file."""
         return self.path
 
     def digest(self) -> str:
-        """Hash of what is read: see `Source`."""
+        """Hash of the content read; see `Source`."""
         return file_digest(self.path)
 
     def read(self) -> CoordinateShape | SurfaceData:
@@ -43,10 +43,10 @@ class ShapeFile:
 
 @dataclass(frozen=True)
 class GRChomboShape(ShapeFile):
-    """A coordinate file of GRChombo, whose origin is in another file."""
+    """Coordinate file of GRChombo, with the origin in another file."""
 
     def digest(self) -> str:
-        """Hash of the file and of its row in the table of the finder: see `Source`."""
+        """Hash of the file and of its row in the table of the finder; see `Source`."""
         there = f"{file_digest(self.path)} {finder_output(self.path)}"
         return hashlib.sha256(there.encode()).hexdigest()
 
@@ -56,12 +56,12 @@ class GRChomboShape(ShapeFile):
 
 @dataclass(frozen=True)
 class ShapeAtIndex(ShapeFile):
-    """A horizon in a file with an axis of time: see `isoembed.relativity.horizons.time_axis`.
+    """Horizon in a file with a time axis; see `isoembed.relativity.horizons.time_axis`.
 
     Attributes
     ----------
     group : str
-        "" is the file itself.
+        Name of the group; "" for the file itself.
     index : int
     """
 
@@ -85,14 +85,14 @@ class ShapeAtIndex(ShapeFile):
 
 @dataclass(frozen=True)
 class SpectreShape(ShapeFile):
-    """A surface at a time in a file of SpECTRE.
+    """Surface at a time in a file of SpECTRE.
 
     Attributes
     ----------
     surface : str
     time : float
     group : str
-        The name of the observation: among thousands none is looked for by its time.
+        Name of the observation, which avoids a search by time.
     """
 
     surface: str

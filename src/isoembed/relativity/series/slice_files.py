@@ -40,12 +40,12 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 @dataclass(frozen=True)
 class SliceFormat:
-    """A format of files of slices.
+    """Format of slice files.
 
     Attributes
     ----------
     name : str
-        For messages: what is looked for in a file or a folder.
+        Name for messages.
     holds : callable
         Whether a file or a folder is of this format.  Raises `FileError` where that cannot be told because it
         is damaged.
@@ -61,13 +61,13 @@ class SliceFormat:
 
 @dataclass(frozen=True)
 class GridSlice:
-    """A slice in a file: see `isoembed.relativity.spacetimes.slice_file`.
+    """Slice in a file; see `isoembed.relativity.spacetimes.slice_file`.
 
     Attributes
     ----------
     path : str
     index : int or None
-        Along the axis of time, if there is one.
+        Index along the time axis, if there is one.
     """
 
     path: str
@@ -79,7 +79,7 @@ class GridSlice:
         return self.path if self.index is None else f"{self.path} (index {self.index})"
 
     def digest(self) -> str:
-        """Hash of the file, or of the arrays of the one slice in it: see `Source`."""
+        """Hash of the file, or of the arrays of the slice; see `Source`."""
         if self.index is None:
             return file_digest(self.path)
         with unchanged(self.path):
@@ -98,7 +98,7 @@ class GridSlice:
 
 @dataclass(frozen=True)
 class SliceFile:
-    """The only slice in a file of any format.
+    """Single slice in a file of any format.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class SliceFile:
 
 @dataclass(frozen=True)
 class SpectreSlice:
-    """A slice on elements, in one or more files.
+    """Slice on elements, in one or more files.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ class SpectreSlice:
         return f"{', '.join(self.paths)} (t = {self.time:.9g})"
 
     def digest(self) -> str:
-        """Hash of the data of this time: see `Source`."""
+        """Hash of the data at this time; see `Source`."""
         digests = []
         for path in self.paths:
             with unchanged(path):
@@ -156,7 +156,7 @@ class SpectreSlice:
         return " ".join(digests)
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
-        """See `SliceSource`: the elements that may be in the box."""
+        """See `SliceSource`: the elements that may intersect the box."""
         return self._elements((low, high))
 
     def whole(self) -> ThreeGeometry:
@@ -171,26 +171,26 @@ class SpectreSlice:
 
 
 def read_slice(path: str | os.PathLike[str]) -> ThreeGeometry:
-    """Slice from a file of any format, or from the folder of a plot file of AMReX.
+    """Read a slice from a file of any format, or from the folder of a plot file of AMReX.
 
-    Of grids with refinement levels (Chombo, AMReX, AthenaK) the parts that surfaces lie in are read when they
-    are needed, and at each point the finest level that surrounds it is taken.
+    Grids with refinement levels (Chombo, AMReX, AthenaK) are read lazily around surfaces, and interpolated at
+    each point on the finest level that surrounds it.
 
     Parameters
     ----------
     path : path
-        Of a file with one slice, or of a folder with those that make one.
+        File with one slice, or folder with the files of one slice.
 
     Raises
     ------
     FileError
-        It cannot be read, lacks something, or holds several slices.
+        The file cannot be read, is incomplete, or holds several slices.
     """
     return slice_in_file(path).source.whole()
 
 
 def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
-    """The only slice in a file or a folder.
+    """Single slice in a file or a folder.
 
     Raises `FileError`: it cannot be read, or holds none or several.
     """
@@ -205,7 +205,7 @@ def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
 
 
 def slices_of_pattern(pattern: str) -> list[ListedSlice[SliceSource]]:
-    """Slices in the files whose names a pattern like ``slices/gxx.{iteration}.h5`` makes.
+    """Slices in the files that match a pattern like ``slices/gxx.{iteration}.h5``.
 
     Raises `InvalidParameter`: it is not a pattern, see `matching_files`; `FileError`: there is no such file.
     """
@@ -259,7 +259,7 @@ def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedFile]:
 
 
 def _slices(form: SliceFormat, paths: Sequence[Path], damaged: list[Path]) -> list[ListedFile]:
-    """Slices in files of a format; one by one where one of them turns out to be damaged."""
+    """Slices in files of a format, read one by one if one of them is damaged."""
     try:
         return form.slices(paths)
     except FileError:
@@ -274,7 +274,7 @@ def _slices(form: SliceFormat, paths: Sequence[Path], damaged: list[Path]) -> li
 
 
 def _named(listed: ListedFile) -> ListedFile:
-    """A slice that says neither iteration nor time, with what the name of its file says."""
+    """Slice with iteration and time from its file name, if it has neither."""
     if listed.iteration is not None or listed.time is not None:
         return listed
     parts = name_parts(listed.source.name)
@@ -282,7 +282,7 @@ def _named(listed: ListedFile) -> ListedFile:
 
 
 def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
-    """Slices in a file; one that does not say when it is may be that of all times.
+    """Slices in a file; a single one without a time may apply to all times.
 
     Raises `FileError`: it cannot be read, or holds none.
     """
@@ -296,7 +296,7 @@ def slices_in_file(path: str | os.PathLike[str]) -> list[ListedFile]:
 
 
 def _format_of(path: Path) -> int | None:
-    """The position of the format of a file or a folder in the list of formats.
+    """Index of the format of a file or a folder in the list of formats.
 
     Raises `FileError`: it is damaged.
     """
@@ -320,7 +320,7 @@ def _grid_slices(paths: Iterable[Path]) -> list[ListedFile]:
 
 
 def spectre_slices(paths: Iterable[str | os.PathLike[str]]) -> list[ListedFile]:
-    """Slices at all times of the files of one run, those of a time together.
+    """Slices at all times in the files of a run, grouped by time.
 
     Raises `FileError`: a file cannot be read.
     """
@@ -354,4 +354,4 @@ FORMATS = (
     SliceFormat("a Header of AMReX", is_plot_file, amrex_slices),
     SliceFormat("MeshBlocks as AthenaK writes them", is_athenak, athenak_slices),
 )
-"""The formats of slices, in the order in which they are tried."""
+"""Formats of slices, in the order in which they are tried."""

@@ -20,7 +20,7 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 class Source(Protocol[T_co]):
-    """Source of data that can be read, with its name and a digest."""
+    """Source of readable data, with a name and a digest."""
 
     @property
     def name(self) -> str:
@@ -30,7 +30,7 @@ class Source(Protocol[T_co]):
     def digest(self) -> str:
         """SHA-256, in hexadecimal, of the content that `read` reads.
 
-        Raises `FileError`: it cannot be read, or changes meanwhile.
+        Raises `FileError`: the source cannot be read, or changes meanwhile.
         """
         ...
 
@@ -44,11 +44,11 @@ class Source(Protocol[T_co]):
 
 
 ShapeSource = Source[GivenHorizon]
-"""A horizon to read: its shape in the coordinates of a slice, or a surface with a metric of its own."""
+"""Source of a horizon: its shape in slice coordinates, or a surface with its own metric."""
 
 
 class SliceSource(Protocol):
-    """A slice to read, as far as a surface needs it."""
+    """Source of a slice, read as far as a surface needs it."""
 
     @property
     def name(self) -> str:
@@ -67,14 +67,14 @@ class SliceSource(Protocol):
         Parameters
         ----------
         low, high : ndarray, shape (3,)
-            The corners of the box that the surface is in.  Points around it that the interpolation needs are
-            read as well.
+            Corners of a box around the surface.  Points around the box needed for interpolation are read as
+            well.
         """
         ...
 
 
 class FileSlice(SliceSource, Protocol):
-    """A slice in a file, which can be had without a surface."""
+    """Source of a slice in a file, which can be read without a surface."""
 
     def whole(self) -> ThreeGeometry:
         """Read the whole slice.  Raises `FileError`: see `Source.read`."""
@@ -83,13 +83,13 @@ class FileSlice(SliceSource, Protocol):
 
 @dataclass(frozen=True)
 class HeldShape:
-    """A horizon in memory.
+    """Horizon in memory.
 
     Attributes
     ----------
     shape : CoordinateShape, SurfaceData, StarSurface, MappedSurface or FoundHorizon
     called : str
-        By default what it says itself: the file it came from, or its name.
+        Name; by default that of its file, or its own.
     """
 
     shape: GivenHorizon
@@ -112,7 +112,7 @@ class HeldShape:
 
 @dataclass(frozen=True)
 class HeldSlice:
-    """A slice in memory, or in closed form.
+    """Slice in memory, or in closed form.
 
     Attributes
     ----------
@@ -131,13 +131,13 @@ class HeldSlice:
         return object_digest(self.geometry)
 
     def read(self, low: Floats, high: Floats) -> ThreeGeometry:
-        """The slice itself, all of it."""
+        """The whole slice."""
         return self.geometry
 
 
 @dataclass(frozen=True)
 class MissingSlice:
-    """A slice that is missing where there must be one.
+    """Placeholder for a missing slice.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class MissingSlice:
 
     @property
     def name(self) -> str:
-        """Words for the missing slice."""
+        """Description of the missing slice."""
         return "no slice"
 
     def digest(self) -> str:

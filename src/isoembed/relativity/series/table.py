@@ -34,10 +34,10 @@ ESTIMATES = {
     "liu_yau": LENGTH,
     "wang_yau": LENGTH,
 }
-"""Columns with an error, which has a column of its own after it, and their units."""
+"""Columns with an error column after them, and their units."""
 AXIS = ("axis_x", "axis_y", "axis_z")
 HARMONICS = ("surface/", "coordinates/")
-"""Beginnings of the names of arrays that restore a surface."""
+"""Prefixes of the names of arrays that restore a surface."""
 
 
 def _units() -> dict[str, str]:
@@ -55,25 +55,25 @@ def _units() -> dict[str, str]:
 
 
 UNITS = _units()
-"""Columns of numbers, in their order, and their units: geometric ones, G = c = 1."""
+"""Columns of numbers in order, and their geometric units, G = c = 1."""
 ERRORS = {name: f"{name}_error" for name in ESTIMATES} | dict.fromkeys(AXIS, "axis_error")
 """Columns that hold the errors of other columns."""
 TEXTS = ("status", "reason", "label")
-"""Columns of texts, which are the last ones."""
+"""Columns of text, the last ones."""
 WHOLE = ("iteration", "wang_yau_admissible", "degree")
 
 
 @dataclass(frozen=True)
 class Row:
-    """One horizon of a table.
+    """Row of a table, for one horizon.
 
     Attributes
     ----------
     series : str
     label, status, reason : str
-        Of the result; the reason why there is no embedding, where there is none.
+        Label and status of the result, and the reason for a missing embedding.
     numbers : dict of str to float
-        By the names of their columns; what is not known is left out.
+        Known numbers by column name.
     """
 
     series: str
@@ -84,7 +84,7 @@ class Row:
 
     @classmethod
     def of(cls, result: Result) -> Row:
-        """The row of a result.  Raises `InvalidParameter`: it is of no horizon."""
+        """Row of a result.  Raises `InvalidParameter`: the result is not that of a horizon."""
         report, numbers = result.report, dict[str, float | None]()
         moment = report.get("moment")
         if moment is None:
@@ -115,14 +115,14 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class SeriesTable:
-    """Numbers of all horizons of a run, with those that do not embed or failed.
+    """Numbers of all horizons of a run, including those that do not embed or failed.
 
     Attributes
     ----------
     rows : tuple of Row
         Sorted by series and time.
     harmonics : mapping of str to mapping
-        Of the embedded ones, by label: the arrays of `isoembed.smooth.Start`, that restore the surface.
+        For embedded horizons, by label: the arrays of `isoembed.smooth.Start` that restore the surface.
     """
 
     rows: tuple[Row, ...]
@@ -130,7 +130,7 @@ class SeriesTable:
 
     @classmethod
     def of(cls, results: Iterable[Result]) -> SeriesTable:
-        """The table of results.
+        """Table of results.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class SeriesTable:
 
     @property
     def series(self) -> dict[str, SeriesTable]:
-        """The table of each series, by its name."""
+        """Table of each series by name."""
         names = dict.fromkeys(row.series for row in self.rows)
         return {
             name: SeriesTable(tuple(row for row in self.rows if row.series == name), self.harmonics)
@@ -155,7 +155,7 @@ class SeriesTable:
         }
 
     def __getitem__(self, name: str) -> Floats:
-        """A column of numbers, of `UNITS`; NaN where it is not known."""
+        """Column of numbers in `UNITS`; NaN for unknown numbers."""
         return np.array([row.numbers.get(name, np.nan) for row in self.rows])
 
     @property
@@ -165,7 +165,7 @@ class SeriesTable:
 
 
 def _dated(rows: Sequence[Row]) -> list[Row]:
-    """The rows, with the time of others at the same iteration where they have none."""
+    """Rows with missing times taken from other rows at the same iteration."""
     times = {
         row.numbers["iteration"]: row.numbers["time"]
         for row in rows
@@ -184,7 +184,7 @@ def write_table(path: str | os.PathLike[str], results: Iterable[Result]) -> None
     Parameters
     ----------
     path : path
-        Its ending says which: ``.csv``, ``.h5``, ``.hdf5`` or ``.he5``.
+        File with the ending ``.csv``, ``.h5``, ``.hdf5`` or ``.he5``, which determines the format.
     results : iterable of Result
         In any order.  The same results make the same bytes.
 
@@ -208,7 +208,7 @@ def write_table(path: str | os.PathLike[str], results: Iterable[Result]) -> None
 
 
 def table_writer(path: str | os.PathLike[str], table: SeriesTable) -> Writer:
-    """Writer of a table in the format of this ending; see `write_atomically` and `write_table`."""
+    """Writer of a table in the format of the file ending; see `write_atomically` and `write_table`."""
     if ending(path) == ".csv":
         return lambda temporary: _write_csv(temporary, table)
     try:

@@ -22,38 +22,37 @@ ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
 FEWER = 6
-"""Points of a lower interpolation along each axis, for errors."""
+"""Number of points along each axis of the lower-order interpolation, for error estimates."""
 
 STENCIL = 8  # points of the Lagrange interpolation along each axis
-OUTSIDE = 1e-9  # spacings, by which a point may lie beyond the grid
-ORDERS = (6, 8, 10)  # of differences; what is smooth makes less and less of them
-PERIOD = 64  # spacings after which a sample of noise repeats: few points of a surface meet again
+OUTSIDE = 1e-9  # largest distance of a point from the grid, in spacings
+ORDERS = (6, 8, 10)  # orders of differences for noise, which smooth functions affect less and less
+PERIOD = 64  # period of noise samples in spacings, long enough for few coincidences on a surface
 ACROSS = 20  # spacings across a horizon; with 10 none is found, with 14 its area has 5 digits
-ERROR_FACTOR = 10.0  # error over the change with two points more or less
+ERROR_FACTOR = 10.0  # ratio of the error to the change with two points more or less
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class CartesianGrid(ThreeGeometry):
-    """A slice by its values at the points ``origin + spacing * (i, j, k)``.
+    """Slice given by its values at the points ``origin + spacing * (i, j, k)``.
 
-    Between them it is a polynomial of degree seven along each axis, through the eight nearest points: the
-    error falls as the eighth power of the spacing, that of the gradient as the seventh.
+    Interpolation uses polynomials of degree seven along each axis, through the eight nearest points: the
+    error is of eighth order in the spacing, that of the gradient of seventh order.
 
     Attributes
     ----------
     origin : three floats
-        The point [0, 0, 0].
+        Position of the point [0, 0, 0].
     spacing : float or three floats
     gamma : ndarray, shape (6, nx, ny, nz) or (3, 3, nx, ny, nz)
-        ``gamma_ij``; the six are xx, xy, xz, yy, yz and zz, and are what is kept.  Points inside of a hole
-        may be missing, as NaN: only those within four spacings of a point count there (within seven at the
-        faces of the grid).
-    K : ndarray, of such a shape, optional
+        ``gamma_ij``, stored as the six components xx, xy, xz, yy, yz and zz.  Values inside a hole may be
+        NaN: interpolation uses only values within four spacings (seven at the faces of the grid).
+    K : ndarray, shape as gamma, optional
         ``K_ij``, with the sign of `isoembed.relativity.spacetimes.three_geometry`; without it the slice is
         time-symmetric.
     remarks : tuple of str
-        Sentences that `notes` begins with.
+        Initial sentences of `notes`.
 
     Raises
     ------
@@ -86,7 +85,7 @@ class CartesianGrid(ThreeGeometry):
         self._check_signature()
 
     def _check_signature(self) -> None:
-        """Refuse a gamma that is positive definite at none of some nodes; inside of holes anything may be."""
+        """Check that gamma is positive definite at some of the nodes; inside holes it need not be."""
         steps = tuple(slice(None, None, n // 20 + 1) for n in self.gamma.shape[1:])
         some = self.gamma[(slice(None), *steps)].reshape(6, -1)
         known = np.isfinite(some).all(axis=0)
@@ -135,11 +134,11 @@ class CartesianGrid(ThreeGeometry):
         return self._through(STENCIL).extrinsic_curvature(x)
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        """See `ThreeGeometry`: ten times what interpolation through six or ten points changes.
+        """See `ThreeGeometry`: ten times the change by interpolation with six or ten points.
 
-        Of noise that is the size, of truncation much more.  Of the two changes the smaller one counts, for
-        each quantity: beside a singularity more points are worse.  Errors that are smooth on the grid are not
-        seen.
+        This is about the size of noise, and much more than the truncation error.  The smaller of both changes
+        is used for each quantity, as more points are worse near a singularity.  Errors that are smooth on the
+        grid are not detected.
         """
         own = quantity(self)
         less, more = (quantity(other) - own for other in (self._through(FEWER), wider(self)))
@@ -147,13 +146,13 @@ class CartesianGrid(ThreeGeometry):
         return np.asarray(ERROR_FACTOR * np.where(smaller[:, None], less, more))
 
     def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
-        """See `ThreeGeometry`: with noise of the size that differences of high order show."""
+        """See `ThreeGeometry`: with noise of the size estimated from high-order differences."""
         fields = self.gamma if self.K is None else np.concatenate([self.gamma, self.K])
         start, s = self._through(STENCIL).located(x)
         nodes = np.unique(start + np.round(s).astype(np.int64), axis=0)
         levels = noise_levels(fields, nodes)
         rng = np.random.default_rng(0)
-        for _ in range(8):  # samples of the noise
+        for _ in range(8):  # noise samples
             yield _Noisy(self, STENCIL, sampled_noise(levels, STENCIL, rng))
 
     def least_diameter(self, x: Floats) -> float:
@@ -165,13 +164,13 @@ class CartesianGrid(ThreeGeometry):
 
 
 def wider(grid: CartesianGrid) -> ThreeGeometry:
-    """Slice interpolated through two points more along each axis, or two less where they are missing."""
+    """Slice interpolated with two more points along each axis, or two fewer if these are missing."""
     return _Wider(grid)
 
 
 @dataclass(frozen=True, eq=False)
 class _Interpolation(DerivedGeometry):
-    """A slice on a grid, by polynomials through some points along each axis."""
+    """Slice on a grid, interpolated with a given number of points along each axis."""
 
     grid: CartesianGrid
     nodes: int
@@ -197,14 +196,14 @@ class _Interpolation(DerivedGeometry):
         return self._summed(slice(6, 12), start, lagrange_weights(s, self.nodes)[0])
 
     def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
-        """Matrices (n, 3, 3) of gamma, the first six fields, or K, the other six, summed with weights."""
+        """Weighted sums (n, 3, 3) of gamma, the first six fields, or K, the other six."""
         fields = self.grid.gamma if part.start is None else self.grid.K
         return np.asarray(
             contracted(fields, np.ascontiguousarray(start), np.ascontiguousarray(weights))[:, ENTRY]
         )
 
     def located(self, x: Floats) -> tuple[Indices, Floats]:
-        """The first of the points along each axis (n, 3), and the distance from it in spacings."""
+        """First point of the stencil along each axis (n, 3), and the distance from it in spacings."""
         origin, spacing = np.array(self.grid.origin), np.array(self.grid.spacing)
         shape = np.array(self.grid.gamma.shape[1:])
         t = (x - origin) / spacing
@@ -218,7 +217,7 @@ class _Interpolation(DerivedGeometry):
 
 @dataclass(frozen=True, eq=False)
 class _Noisy(_Interpolation):
-    """A slice on a grid, and noise (m, s, s, s) that is added to its fields and repeats."""
+    """Slice on a grid with periodic noise (m, s, s, s) added to its fields."""
 
     noise: Floats
 
@@ -231,7 +230,7 @@ class _Noisy(_Interpolation):
 
 @dataclass(frozen=True, eq=False)
 class _Wider(DerivedGeometry):
-    """A slice on a grid, through two points more where they are there, and through two less elsewhere."""
+    """Slice on a grid, interpolated with two more points where they exist, and two fewer elsewhere."""
 
     grid: CartesianGrid
 
@@ -255,10 +254,10 @@ class _Wider(DerivedGeometry):
 
 
 def _six(what: str, given: ArrayLike) -> Floats:
-    """The entries (6, nx, ny, nz) of symmetric matrices, read-only."""
+    """Entries (6, nx, ny, nz) of symmetric matrices, read-only."""
     array = array_of(what, given).astype(np.float64, copy=False)
     if array.ndim == 5 and array.shape[:2] == (3, 3):
-        # More is not rounding of a symmetric tensor.
+        # A larger asymmetry is not rounding.
         with np.errstate(invalid="ignore"):  # of infinities
             apart = np.abs(array - array.swapaxes(0, 1)) > 1e-10 * np.abs(array).max(axis=(0, 1))
         for i, j in ((0, 1), (0, 2), (1, 2)):
@@ -278,7 +277,7 @@ def _six(what: str, given: ArrayLike) -> Floats:
 
 
 def lagrange_weights(s: Floats, nodes: int) -> tuple[Floats, Floats]:
-    """Lagrange's polynomials (..., nodes) for the nodes 0, 1, ... at s (...), and their derivatives."""
+    """Lagrange polynomials (..., nodes) for the nodes 0, 1, ... at s (...), and their derivatives."""
     weights, slopes = np.ones((*s.shape, nodes)), np.zeros((*s.shape, nodes))
     for j in range(nodes):
         for k in range(nodes):
@@ -291,8 +290,9 @@ def lagrange_weights(s: Floats, nodes: int) -> tuple[Floats, Floats]:
 def noise_levels(fields: Floats, nodes: Indices) -> Floats:
     """Standard deviations (m,) of the noise in fields (m, nx, ny, nz) at nodes (n, 3) of the grid.
 
-    The difference of order p along an axis, over the root of the binomial coefficient (2 p over p), has the
-    standard deviation of white noise.  What is smooth adds to it: the least of all axes and orders counts.
+    Differences of order p along an axis, divided by the square root of the binomial coefficient (2 p over p),
+    have the standard deviation of white noise.  Smooth parts increase it; the least over axes and orders is
+    used.
     """
     levels = np.full(len(fields), np.inf)
     for axis in range(3):
@@ -314,6 +314,6 @@ def noise_levels(fields: Floats, nodes: Indices) -> Floats:
 
 
 def sampled_noise(levels: Floats, margin: int, rng: np.random.Generator) -> Floats:
-    """White noise of these levels (m,) on a periodic grid, with a margin after the period: (m, s, s, s)."""
+    """White noise (m, s, s, s) of given levels (m,) on a periodic grid, with a margin after the period."""
     noise = levels[:, None, None, None] * rng.normal(size=(len(levels), *[PERIOD] * 3))
     return np.pad(noise, [(0, 0), *[(0, margin)] * 3], mode="wrap")

@@ -12,7 +12,7 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 
 
 def positive_number(what: str, value: float) -> float:
-    """The value as a positive finite number; `InvalidParameter` if it is not one."""
+    """Checked positive finite number.  Raises `InvalidParameter`: the value is not one."""
     number = numbers(value)
     if number.ndim != 0 or not (isfinite(number) and number > 0.0):
         raise InvalidParameter(f"{what} must be positive, not {value}")
@@ -20,7 +20,7 @@ def positive_number(what: str, value: float) -> float:
 
 
 def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, float]:
-    """The value as three finite numbers; `InvalidParameter` where it is not that."""
+    """Checked triple of finite numbers.  Raises `InvalidParameter`: the value is not one."""
     array = numbers(value)
     if array.shape != (3,) or not np.isfinite(array).all():
         raise InvalidParameter(f"{what} must be three finite numbers, not {value}")
@@ -29,7 +29,7 @@ def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, fl
 
 
 def numbers(given: ArrayLike) -> Floats:
-    """An array of what is given; NaN of shape () where that holds no real numbers."""
+    """Array of real numbers; NaN of shape () if the input is not real."""
     try:
         array = np.asarray(given)
         return np.array(np.nan) if array.dtype.kind == "c" else array.astype(np.float64, copy=False)
@@ -38,14 +38,14 @@ def numbers(given: ArrayLike) -> Floats:
 
 
 def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:
-    """Raise an `InvalidParameter` that names the first of the points x (n, 3) that are bad (n,)."""
+    """Raise an `InvalidParameter` that names the first of the points x (n, 3) flagged as bad (n,)."""
     if bad.any():
         i = int(np.argmax(bad))
         raise InvalidParameter(f"point {i}, {written(x[i].real)}, {why}")
 
 
 def check_slice(what: str, x: Floats, gamma: Floats) -> None:
-    """Raise an `InvalidMetric` where gamma (n, 3, 3), at the points x (n, 3), is not positive definite."""
+    """Raise an `InvalidMetric` if gamma (n, 3, 3), at points x (n, 3), is not positive definite."""
     with np.errstate(invalid="ignore"):
         minor = gamma[:, 0, 0] * gamma[:, 1, 1] - gamma[:, 0, 1] * gamma[:, 1, 0]
     good = np.isfinite(gamma).all(axis=(1, 2)) & (gamma[:, 0, 0] > 0) & (minor > 0)
@@ -60,15 +60,15 @@ def check_slice(what: str, x: Floats, gamma: Floats) -> None:
 
 
 def check_symmetric(what: str, x: Floats, tensor: Floats, allowed: float) -> None:
-    """Raise an `InvalidMetric` where a tensor (n, 3, 3), at the points x (n, 3), is not symmetric.
+    """Raise an `InvalidMetric` if a tensor (n, 3, 3), at points x (n, 3), is not symmetric.
 
     Parameters
     ----------
     what : str
-        Its name in the message.
+        Name of the tensor, for the message.
     x, tensor : ndarray
     allowed : float
-        Largest difference of two entries that is rounding.
+        Largest difference of two entries attributed to rounding.
     """
     uneven = np.abs(tensor - tensor.transpose(0, 2, 1)) > allowed
     if uneven.any():
@@ -80,7 +80,7 @@ def check_symmetric(what: str, x: Floats, tensor: Floats, allowed: float) -> Non
 
 
 def check_finite(what: str, x: Floats, values: Floats) -> Floats:
-    """The values (n, ...) at the points x (n, 3); `InvalidMetric` where they are not finite."""
+    """Checked values (n, ...) at points x (n, 3).  Raises `InvalidMetric`: one is not finite."""
     good = np.isfinite(values.reshape(len(x), -1)).all(axis=1)
     if not good.all():
         raise InvalidMetric(
@@ -90,5 +90,5 @@ def check_finite(what: str, x: Floats, values: Floats) -> Floats:
 
 
 def written(x: Floats) -> str:
-    """Three numbers as a message has them."""
+    """Three numbers formatted for a message."""
     return f"({x[0]:.6g}, {x[1]:.6g}, {x[2]:.6g})"

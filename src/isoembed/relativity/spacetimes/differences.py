@@ -14,14 +14,14 @@ from isoembed.arrays import Floats
 
 SIXTH = (45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0)
 EIGHTH = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
-FINER = (1.0, 1.0 / 8.0, 1.0 / 64.0)  # steps of a check, over the first
-FIRST = 2.0**-8  # of these steps, over the extent of the points
+FINER = (1.0, 1.0 / 8.0, 1.0 / 64.0)  # steps of a check, relative to the first
+FIRST = 2.0**-8  # first step, relative to the extent of the points
 
 
 def central_differences(
     f: Callable[[Floats], NDArray[Any]], x: Floats, step: float, weights: Sequence[float]
 ) -> Floats:
-    """Derivatives (n, 3, ...) of f at x (n, 3), from differences over one, two, ... steps to both sides."""
+    """Derivatives (n, 3, ...) of f at x (n, 3), from central differences over one, two, ... steps."""
     steps = step * np.arange(1, len(weights) + 1)
     out = []
     for along in np.eye(3):
@@ -40,9 +40,9 @@ class Disagreement:
     ----------
     x : ndarray, shape (3,)
     name : str
-        Such as "d_x gamma_yz".
+        Name of the derivative, such as "d_x gamma_yz".
     given, found : float
-        The derivative, and the central difference.
+        Derivative and central difference.
     """
 
     x: Floats
@@ -58,7 +58,7 @@ def disagreement(
     relative: float,
     step: float = np.inf,
 ) -> Disagreement | None:
-    """The largest difference of a gradient from central differences that is neither theirs nor small.
+    """Largest difference of a gradient from central differences that exceeds their error; None if none does.
 
     Parameters
     ----------
@@ -66,11 +66,11 @@ def disagreement(
         Takes points (n, 3) and returns matrices (n, 3, 3).
     x : ndarray, shape (n, 3)
     gradient : ndarray, shape (n, 3, 3, 3)
-        In the order [point, k, i, j].  It is compared at four of the points.
+        Gradient in the order [point, k, i, j], compared at four of the points.
     relative : float
-        By how much of the largest component at a point the derivatives there may differ.
+        Largest admissible difference, relative to the largest component at a point.
     step : float
-        The largest step of differences, if it is less than 1/256 of the extent of the points.
+        Largest step of differences, if less than 1/256 of the extent of the points.
     """
     size = float(np.ptp(x, axis=0).max(initial=0.0)) or float(np.abs(x).max(initial=0.0)) or 1.0
     largest = np.argmax(np.abs(gradient).reshape(len(x), -1).max(axis=1, initial=0.0)) if len(x) else 0
@@ -79,14 +79,14 @@ def disagreement(
     with np.errstate(all="ignore"):  # there may be no metric a step away
         steps = min(FIRST * size, step) * np.array(FINER)
         found = [central_differences(f, x, h, SIXTH) for h in steps]
-        # Of two steps in turn that agree best, whatever the functions' scale and noise.
+        # Use the two successive steps that agree best, independent of scale and noise of the function.
         errors = [np.abs(b - a).max(axis=(1, 2, 3), keepdims=True) for a, b in pairwise(found)]
         best = int(np.argmin([np.max(error, initial=0.0) for error in errors]))
         larger = np.maximum(np.abs(found[best]), np.abs(given)).max(axis=(1, 2, 3), keepdims=True)
         scale = np.abs(f(x)).max(initial=0.0) + np.abs(x).max(initial=0.0) * larger
         rounding = 64.0 * np.finfo(np.float64).eps * scale / steps[best]
         excess = np.abs(found[best] - given) - relative * larger - 4.0 * errors[best] - rounding
-    if not (excess > 0.0).any():  # of what is not finite nothing is known
+    if not (excess > 0.0).any():  # also for NaN, which is no evidence
         return None
     point, k, i, j = np.unravel_index(np.nanargmax(excess), excess.shape)
     return Disagreement(

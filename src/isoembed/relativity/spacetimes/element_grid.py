@@ -1,7 +1,7 @@
 """Slices on spectral elements.
 
-Spectral and discontinuous-Galerkin codes have such data.  A point is looked for in the elements whose boxes
-it is in: Newton's method inverts the map of the element, the polynomial through the coordinates of its nodes.
+Spectral and discontinuous Galerkin codes have such data.  A point is searched in the elements whose bounding
+boxes contain it: Newton's method inverts the map of the element, the polynomial through its nodes.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, Three
 from isoembed.reprs import short_repr
 
 ACROSS = 12  # nodes across a horizon; with 8 none is found, with 9 some, with 12 all, to 4 digits or more
-BULGE = 0.25  # extents, by which an element may reach beyond the box of its nodes
+BULGE = 0.25  # largest extent of an element beyond the bounding box of its nodes, relative to the box
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Element:
-    """A part of a slice.
+    """Spectral element of a slice.
 
     Attributes
     ----------
     nodes : tuple of three ndarray, of shapes (nx,), (ny,) and (nz,)
-        Between -1 and 1, along each axis of the cube.
+        Nodes between -1 and 1 along each axis of the reference cube.
     points : ndarray, shape (nx, ny, nz, 3)
-        Where they are in the slice.
+        Positions of the nodes in the slice.
     gamma : ndarray, shape (nx, ny, nz, 6)
-        ``gamma_ij`` there: xx, xy, xz, yy, yz, zz, in the coordinates of the slice.
-    K : ndarray, of such a shape, optional
-        ``K_ij``.
+        ``gamma_ij`` at the nodes: xx, xy, xz, yy, yz, zz, in slice coordinates.
+    K : ndarray, shape as gamma, optional
+        ``K_ij`` at the nodes.
     """
 
     nodes: tuple[Floats, Floats, Floats]
@@ -60,17 +60,17 @@ class Element:
 @short_repr
 @dataclass(frozen=True, eq=False)
 class ElementGrid(ThreeGeometry):
-    """A slice by its values at the nodes of elements.
+    """Slice given by its values at the nodes of elements.
 
     Attributes
     ----------
     elements : sequence of Element
-        All with K_ij, or none: then the slice is time-symmetric.
+        Elements, all with K_ij or none, in which case the slice is time-symmetric.
 
     Raises
     ------
     InvalidParameter
-        There is none, or some have K_ij and others not.
+        There are no elements, or only some of them have K_ij.
     """
 
     elements: Sequence[Element]
@@ -111,10 +111,10 @@ class ElementGrid(ThreeGeometry):
         return _Polynomials(self, 0).extrinsic_curvature(x)
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        """See `ThreeGeometry`: what is lost without the two highest degrees along each axis.
+        """See `ThreeGeometry`: the change without the two highest degrees along each axis.
 
-        The elements converge exponentially where the slice is smooth, so that their own error is less.  That
-        of the simulation is not in it.
+        The elements converge exponentially if the slice is smooth, so that the actual truncation error is
+        smaller.  The error of the simulation is not included.
         """
         return np.asarray(quantity(_Polynomials(self, 2)) - quantity(self))  # without the two highest degrees
 
@@ -129,7 +129,7 @@ class ElementGrid(ThreeGeometry):
         )
 
     def located(self, x: Floats) -> tuple[Indices, Floats]:
-        """Elements that points are in, and their places in the cubes.
+        """Elements that contain points, and the reference coordinates of the points.
 
         Parameters
         ----------
@@ -147,14 +147,14 @@ class ElementGrid(ThreeGeometry):
         """
         key = x.tobytes()
         if key not in self._found:
-            if len(self._found) == 4:  # sets of points whose elements are remembered
+            if len(self._found) == 4:  # size of the cache
                 del self._found[next(iter(self._found))]
             self._found[key] = self._search(x)
         return self._found[key]
 
     @cached_property
     def _found(self) -> dict[bytes, tuple[Indices, Floats]]:
-        """The last points that were located: metric, gradient and K_ij are asked for at the same ones."""
+        """Cache of located points, as metric, gradient and K_ij are evaluated at the same points."""
         return {}
 
     @cached_property
@@ -168,7 +168,7 @@ class ElementGrid(ThreeGeometry):
         return [cKDTree(element.points.reshape(-1, 3)) for element in self.elements]
 
     def _search(self, x: Floats) -> tuple[Indices, Floats]:
-        """First in the element of the nearest node, then in all in whose boxes a point is."""
+        """Search in the element of the nearest node first, then in all whose boxes contain a point."""
         first = np.cumsum([0, *(element.points[..., 0].size for element in self.elements)])
         bad: Mask = np.any(~np.isfinite(x), axis=1)
         nearest = self._tree.query(np.where(bad[:, None], 0.0, x))[1]
@@ -189,7 +189,7 @@ class ElementGrid(ThreeGeometry):
                 found = _inverted(element, x[near], self._trees[k].query(x[near])[1])
                 better = np.abs(found).max(axis=1) < np.abs(place[near]).max(axis=1)
                 which[near[better]], place[near[better]] = k, found[better]
-        # Elements whose maps are not polynomials have gaps between them.
+        # Elements with non-polynomial maps have gaps between them.
         outside = ~(np.abs(place).max(axis=1, initial=0.0) <= 1.0 + 1e-3)
         refuse_points(outside, x, f"lies in none of the {len(self.elements)} elements of the slice")
         return which, place
@@ -197,7 +197,7 @@ class ElementGrid(ThreeGeometry):
 
 @dataclass(frozen=True, eq=False)
 class _Polynomials(DerivedGeometry):
-    """A slice on elements, without the highest degrees of its polynomials."""
+    """Slice on elements, without the highest degrees of its polynomials."""
 
     grid: ElementGrid
     dropped: int
@@ -224,7 +224,7 @@ class _Polynomials(DerivedGeometry):
         return out[:, ENTRY]
 
     def _parts(self, x: Floats) -> Iterator[tuple[Element, Indices, Floats]]:
-        """Elements with points in them, which these are, and their places in the cube."""
+        """Elements with the indices of the points inside and their reference coordinates."""
         which, place = self.grid.located(x)
         for k in np.unique(which):
             here = np.flatnonzero(which == k)
@@ -232,9 +232,9 @@ class _Polynomials(DerivedGeometry):
 
 
 def _inverted(element: Element, x: Floats, nearest: Indices) -> Floats:
-    """Places (n, 3) in the cube of an element of points (n, 3), from the nearest of its nodes (n,).
+    """Reference coordinates (n, 3) of points (n, 3) in an element, from the nearest of its nodes (n,).
 
-    Infinite where there is none in the cube or near it.
+    They are infinite for points outside the element and its vicinity.
     """
     index = np.unravel_index(nearest, element.points.shape[:3])
     place = np.stack([nodes[i] for nodes, i in zip(element.nodes, index, strict=True)], axis=1)
@@ -253,7 +253,7 @@ def _inverted(element: Element, x: Floats, nearest: Indices) -> Floats:
 
 
 def _solved(matrices: Floats, right: Floats) -> Floats:
-    """Solutions (n, 3) for matrices (n, 3, 3), which may be singular where a map is."""
+    """Solutions (n, 3) for matrices (n, 3, 3), which may be singular."""
     try:
         return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
     except np.linalg.LinAlgError:
@@ -261,7 +261,7 @@ def _solved(matrices: Floats, right: Floats) -> Floats:
 
 
 def _interpolated(weights: tuple[list[Floats], list[Floats]], values: Floats) -> tuple[Floats, Floats]:
-    """Values (nx, ny, nz, c) at places (n, c), and derivatives (n, 3, c) along the axes of the cube."""
+    """Interpolation (n, c) of values (nx, ny, nz, c), and derivatives (n, 3, c) in reference coordinates."""
     (x, y, z), (dx, dy, dz) = weights
     nx, ny, nz, c = values.shape
     flat = values.transpose(2, 0, 1, 3).reshape(nz, -1)
@@ -274,7 +274,7 @@ def _interpolated(weights: tuple[list[Floats], list[Floats]], values: Floats) ->
 
 
 def _weights(element: Element, place: Floats, dropped: int) -> tuple[list[Floats], list[Floats]]:
-    """Weights (n, nx), (n, ny) and (n, nz) of the values at the nodes, for a function and its derivatives."""
+    """Weights (n, nx), (n, ny) and (n, nz) of nodal values, for a function and its derivatives."""
     modes = legendre.legvander(place, max(map(len, element.nodes)) - 1)
     of_values, of_slopes = [], []
     for k, nodes in enumerate(element.nodes):
@@ -286,7 +286,7 @@ def _weights(element: Element, place: Floats, dropped: int) -> tuple[list[Floats
 
 @lru_cache(maxsize=256)
 def _modes(nodes: tuple[float, ...], dropped: int) -> tuple[Floats, Floats]:
-    """Coefficients in Legendre's polynomials of a function and its derivative, by the values at nodes."""
+    """Matrices from nodal values to Legendre coefficients of a function and its derivative."""
     degree = len(nodes) - 1
     coefficients = np.linalg.inv(legendre.legvander(np.array(nodes), degree))
     coefficients[max(len(nodes) - dropped, 1) :] = 0.0

@@ -16,18 +16,18 @@ from isoembed.smooth.sphere_transform import SphereTransform
 from isoembed.smooth.transforms import resized
 
 AROUND = 4
-"""Angles phi of maps that are symmetric about z, whose coordinates have the orders 0 and 1."""
+"""Number of angles phi for maps symmetric about z, whose coordinates have orders 0 and 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class HarmonicMap:
-    """A map X of the unit sphere, its coordinates in spherical harmonics.
+    """Map X of the unit sphere, with coordinates in spherical harmonics.
 
     Attributes
     ----------
     harmonics : Harmonics
     coefficients : ndarray, shape (harmonics.size, 3)
-        Those of X, lengths.
+        Coefficients of X, lengths.
     """
 
     harmonics: Harmonics
@@ -47,12 +47,12 @@ class HarmonicMap:
 
     @property
     def symmetric(self) -> bool:
-        """Whether it is symmetric about z: only the orders 0 and 1 are there."""
+        """Whether the map is symmetric about z, with orders 0 and 1 only."""
         return self.harmonics.order <= 1
 
     @property
     def radius(self) -> float:
-        """The mean distance from the mean point, root-mean-square over the directions."""
+        """Root-mean-square distance from the mean point over the directions."""
         return float(np.sqrt(np.sum(self.coefficients[1:] ** 2) / (4.0 * np.pi)))
 
     def in_degree(self, degree: int, *, symmetric: bool | None = None) -> HarmonicMap:
@@ -61,31 +61,31 @@ class HarmonicMap:
         return HarmonicMap(new, resized(self.coefficients, self.harmonics, new))
 
     def jet(self, u: Floats) -> Jet:
-        """The map to second order in the directions u (n, 3)."""
+        """Second-order jet of the map in the directions u (n, 3)."""
         return Jet.of_tensors(u, *self.harmonics.derivatives(u, self.coefficients))
 
     def jet_at_nodes(self, n: int) -> Jet:
-        """The map at the nodes of n circles; with symmetry at those of one meridian."""
+        """Jet at the nodes on n circles, with symmetry on one meridian only."""
         jet = Jet.at_nodes(_transform(self.harmonics, n), self.coefficients)
         return jet[:: AROUND if self.symmetric else 1]
 
     def normals(self) -> HarmonicMap:
-        """The unit normals of flat space, in the same harmonics."""
+        """Unit normals with respect to flat space, in the same harmonics."""
         T = self._fine
         return HarmonicMap(self.harmonics, T.analysis(_normals(T, self.coefficients)))
 
     def displaced(self, direction: HarmonicMap, f: Floats, harmonics: Harmonics) -> HarmonicMap:
-        """The map ``X + f D`` in the same harmonics, f (size,) in given ones."""
+        """Map ``X + f D`` in the same harmonics, with f (size,) in given ones."""
         T = self._fine
         shift = SphereTransform(harmonics, T.n, T.around).values(f[:, None])
         x = T.values(self.coefficients) + shift * T.values(direction.coefficients)
         return HarmonicMap(self.harmonics, T.analysis(x))
 
     def reparametrized(self) -> HarmonicMap:
-        """Nearly the same surface in coordinates in which it needs fewer harmonics.
+        """Nearly the same surface in a parametrization that needs fewer harmonics.
 
-        With symmetry, by the length of the meridian.  Otherwise high degrees are damped, but only along the
-        surface: of Veerapaneni, Rahimian, Biros and Zorin, J. Comput. Phys. 230 (2011) 5610.
+        With symmetry, the parameter is the arc length of the meridian.  Otherwise the tangential part of high
+        degrees is damped, following Veerapaneni, Rahimian, Biros and Zorin, J. Comput. Phys. 230 (2011) 5610.
         """
         if self.symmetric:
             return self._by_length()
@@ -101,7 +101,7 @@ class HarmonicMap:
         return HarmonicMap(self.harmonics, c)
 
     def _by_length(self) -> HarmonicMap:
-        # Angles along a meridian, and terms of the series of its length.
+        # Numbers of angles along a meridian, and of terms of the series of its arc length.
         samples, terms = 20 * self.degree, 6 * self.degree
         theta = (np.arange(samples) + 0.5) * np.pi / samples
         u, along = _meridian(theta)
@@ -127,12 +127,12 @@ class HarmonicMap:
 
     @property
     def _fine(self) -> SphereTransform:
-        """Nodes twice as dense as the degree needs."""
+        """Transform with twofold oversampling."""
         return _transform(self.harmonics, 2 * self.degree + 4)
 
 
 def coordinate_harmonics(degree: int, symmetric: bool) -> Harmonics:
-    """The harmonics of coordinates: with symmetry about z those of the orders 0 and 1."""
+    """Harmonics of coordinates: with symmetry about z those of orders 0 and 1."""
     return Harmonics(degree, min(1, degree) if symmetric else degree)
 
 
@@ -148,7 +148,7 @@ def _normals(T: SphereTransform, coefficients: Floats) -> Floats:
 
 
 def _meridian(theta: Floats) -> tuple[Floats, Floats]:
-    """Directions on the meridian phi = 0, and the tangents along it."""
+    """Directions on the meridian phi = 0, and tangents along it."""
     zero = np.zeros_like(theta)
     sin, cos = np.sin(theta), np.cos(theta)
     return np.stack([sin, zero, cos], axis=1), np.stack([cos, zero, -sin], axis=1)

@@ -1,4 +1,4 @@
-"""Second-order jets of maps of the unit sphere, and families of maps that differ by a function."""
+"""Second-order jets of maps of the unit sphere, and families of maps parametrized by a function."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from isoembed.smooth.two_metric import angle_frame
 
 @dataclass(frozen=True, eq=False)
 class Jet:
-    """A map X of the unit sphere to second order at n directions.
+    """Second-order jet of a map X of the unit sphere at n directions.
 
     Attributes
     ----------
     u : ndarray, shape (n, 3)
-        The directions.
+        Directions.
     x : ndarray, shape (n, 3)
-        Their images.
+        Images of the directions.
     first : ndarray, shape (n, 2, 3)
-        Derivatives along e_theta and e_phi, the vectors of `isoembed.smooth.two_metric.angle_frame`.  They
-        may be complex, for derivatives by the complex step.
+        Derivatives along e_theta and e_phi of `isoembed.smooth.two_metric.angle_frame`; complex for the
+        complex-step method.
     second : ndarray, shape (n, 3, 3)
         Covariant second derivatives on the unit sphere: theta theta, theta phi, phi phi.
     """
@@ -37,7 +37,7 @@ class Jet:
 
     @classmethod
     def of_tensors(cls, u: Floats, x: Floats, differential: Floats, hessian: Floats) -> Jet:
-        """The jet from covariant derivatives along tangent vectors, (n, 3, 3) and (n, 3, 3, 3).
+        """Jet from covariant derivatives along tangent vectors, (n, 3, 3) and (n, 3, 3, 3).
 
         ``differential @ v`` is the derivative along v, ``v . hessian[:, i] @ w`` the second one of X_i.
         """
@@ -45,7 +45,7 @@ class Jet:
 
     @classmethod
     def at_nodes(cls, transform: SphereTransform, coefficients: Floats) -> Jet:
-        """The jet of a map with coefficients (size, 3), at the nodes of the transform."""
+        """Jet of a map with coefficients (size, 3) at the nodes of a transform."""
         T, c = transform, coefficients
         return cls(T.u, T.values(c), T.gradients(c), T.hessians(c))
 
@@ -53,13 +53,13 @@ class Jet:
         return Jet(self.u[part], self.x[part], self.first[part], self.second[part])
 
     def scaled(self, factor: float) -> Jet:
-        """The jet of X times a factor."""
+        """Jet of X times a factor."""
         return Jet(self.u, factor * self.x, factor * self.first, factor * self.second)
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceFamily:
-    """The surfaces ``X = base + f direction``, f a function on the sphere.
+    """Family of surfaces ``X = base + f direction``, with f a function on the sphere.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class SurfaceFamily:
 
     @classmethod
     def star(cls, center: Sequence[float], u: Floats) -> SurfaceFamily:
-        """Star-shaped surfaces: f is the radius."""
+        """Star-shaped surfaces, with f the radius."""
         n = len(u)
         base = Jet(u, np.broadcast_to(np.array(center), (n, 3)), np.zeros((n, 2, 3)), np.zeros((n, 3, 3)))
         curved = np.zeros((n, 3, 3))
@@ -79,7 +79,7 @@ class SurfaceFamily:
         return cls(base, Jet(u, u, np.stack(angle_frame(u), axis=1), curved))
 
     def at(self, f: Floats, slope: Floats, hessian: Floats) -> Jet:
-        """The surface of a function f (n,) with derivatives (n, 2) and (n, 3), as `Jet` has them."""
+        """Surface of a function f (n,) with derivatives (n, 2) and (n, 3), ordered as in `Jet`."""
         X, D = self.base, self.direction
         return Jet(
             X.u,
@@ -93,7 +93,7 @@ class SurfaceFamily:
         )
 
     def bend(self, a: int) -> Floats:
-        """Derivative of the second derivatives (n, 3, 3) in the a-th derivative of f."""
+        """Derivative of `second` (n, 3, 3) with respect to the a-th derivative of f."""
         first = self.direction.first
         bend = np.zeros_like(self.direction.second)
         bend[:, 2 * a] = 2.0 * first[:, a]
@@ -102,7 +102,7 @@ class SurfaceFamily:
 
 
 def in_angle_frame(u: Floats, gradient: Floats, hessian: Floats) -> tuple[Floats, Floats]:
-    """Components of tangent gradients (n, c, 3) and Hessians (n, c, 3, 3) as `Jet` has them."""
+    """Components of tangent gradients (n, c, 3) and Hessians (n, c, 3, 3), ordered as in `Jet`."""
     e = np.stack(angle_frame(u), axis=1)
     second = e[:, None] @ hessian @ e[:, None].transpose(0, 1, 3, 2)
     return e @ gradient.transpose(0, 2, 1), second[:, :, [0, 0, 1], [0, 1, 1]].transpose(0, 2, 1)

@@ -1,7 +1,7 @@
-"""Surfaces r = R(theta) of a slice t = const of Kerr-Newman (Boyer-Lindquist), embeddable in R^3 or not.
+"""Surfaces r = R(theta) in slices t = const of Kerr-Newman spacetimes (Boyer-Lindquist coordinates).
 
-Formulas are in units of the mass with s = sin^2(theta), as in `isoembed.gallery.kerr`, whose 2-metric they
-share; Schwarzschild is spin 0.
+Formulas are in units of the mass with s = sin^2(theta), as in `isoembed.gallery.kerr`, which has the same
+2-metric; Schwarzschild is spin 0.
 """
 
 # ruff: noqa: N802, N806 (R, Sigma, Delta, P, Q as the paper and the field write them)
@@ -26,7 +26,7 @@ from isoembed.space import EUCLIDEAN, Space
 
 
 class KerrNewmanSurface(ABC):
-    """A surface r = R(theta) of the slice t = const; a `TwoMetric` in the Boyer-Lindquist angles."""
+    """Surface r = R(theta) of a slice t = const; a `TwoMetric` in the Boyer-Lindquist angles."""
 
     name: ClassVar[str]
     marginal: ClassVar[bool] = False
@@ -58,7 +58,7 @@ class KerrNewmanSurface(ABC):
         return kerr.squares(self._R(s), *self._ratios, s)
 
     def tensor(self, u: Floats) -> Floats:
-        """The metric (n, 3, 3) at unit vectors u (n, 3), in units of length^2; see `TwoMetric`."""
+        """Metric (n, 3, 3) at unit vectors u (n, 3), in units of length^2; see `TwoMetric`."""
         h = self._squares(sin2(u))
         return from_angles(u, h.h_thth, np.zeros(len(u)), h.P) * self.mass * self.mass
 
@@ -89,8 +89,8 @@ class KerrNewmanSurface(ABC):
     def normal_momentum(self, u: Floats) -> Floats:
         """``K(., n)`` of the slice as tangent vectors (n, 3) at u (n, 3): see `SurfaceData`.
 
-        Of ``K_ij = -g_phph d_i(omega) / (2 lapse)`` for j = phi, with the lapse sqrt(Delta / P) and the
-        angular velocity omega of observers who fall from rest.
+        From ``K_ij = -g_phph d_i(omega) / (2 lapse)`` for j = phi, with lapse sqrt(Delta / P) and angular
+        velocity omega of zero-angular-momentum observers.
         """
         s = sin2(u)
         a, Q = self._ratios
@@ -111,10 +111,10 @@ class KerrNewmanSurface(ABC):
         return around[:, None] * rotation_about_z(u)
 
     def gaussian_curvature(self, u: Floats) -> Floats:
-        """K (n,) of the surface's own metric at unit vectors u (n, 3), in 1/length^2."""
+        """Gaussian curvature K (n,) of the surface at unit vectors u (n, 3), in 1/length^2."""
         s = sin2(u)
         h = self._squares(s)
-        # As of a surface of revolution with rho^2 = s P and z_th^2 = s q^2; K needs no root of q^2.
+        # As for a surface of revolution with rho^2 = s P and z_th^2 = s q^2; K needs no root of q^2.
         c2 = 1.0 - s
         slope = 1.0 + s * h.P_s / h.P  # B / sqrt(P) with B = d rho/d theta / cos(theta)
         bend = (3.0 * h.P_s + 2.0 * s * h.P_ss - s * h.P_s**2 / h.P) / h.P
@@ -123,7 +123,7 @@ class KerrNewmanSurface(ABC):
 
     @cached_property
     def area(self) -> float:
-        """The area, by quadrature to rounding where there is no closed form."""
+        """Area, by quadrature to rounding if there is no closed form."""
 
         def hemispheres(n: int) -> Floats:
             theta, weight = tanh_sinh(n)
@@ -134,16 +134,16 @@ class KerrNewmanSurface(ABC):
 
     @property
     def angular_momentum(self) -> float | None:
-        """J: spin times mass without charge, on every surface; None with charge, but for the horizon.
+        """J, spin times mass for every uncharged surface; None with charge, except for the horizon.
 
-        The electromagnetic field outside a surface carries the rest of J, so that the integral of
+        With charge, the electromagnetic field outside a surface carries part of J, so that the integral of
         ``K_ij n^i phi^j / (8 pi)`` depends on the surface.
         """
         return self.spin * self.mass if self.charge == 0.0 else None
 
     @cached_property
     def electromagnetic_angular_momentum(self) -> float:
-        """The part of the electromagnetic field in J: with the part of K_ij it makes a M on every surface.
+        """Electromagnetic part of J, which adds to the part of K_ij to give a M on every surface.
 
         ``int A_phi *F / 4 pi`` with the potential A that is regular on the axis, which vanishes at infinity.
         """
@@ -163,11 +163,11 @@ class KerrNewmanSurface(ABC):
         return float(integrate(hemisphere)[0]) * self.mass * self.mass
 
     def data(self) -> SurfaceData:
-        """Data of which energies are computed.
+        """Data for quasi-local energies.
 
-        The momentum p is zero: reversing t and phi together is an isometry, so that of the slice's extrinsic
-        curvature only the components r phi and theta phi do not vanish, which enter neither its trace nor its
-        component along the normal of an axisymmetric surface.
+        The momentum p is zero: the simultaneous reversal of t and phi is an isometry, so that only the
+        components r phi and theta phi of K_ij do not vanish, which contribute neither to its trace nor to its
+        normal component on an axisymmetric surface.
         """
         return SurfaceData(
             metric=self,
@@ -182,13 +182,13 @@ class KerrNewmanSurface(ABC):
         )
 
     def profile(self, space: Space = EUCLIDEAN) -> AxisymmetricEmbedding:
-        """Surface of revolution in a space with this metric, or the bands of one that exist."""
+        """Surface of revolution in a space with this metric, or its bands that embed."""
         return AxisymmetricEmbedding.of(self, space=space)
 
 
 @dataclass(frozen=True)
 class KerrNewmanHorizon(KerrNewmanSurface):
-    """The outer horizon r = r_+.  Beyond `smarr_limit` it is not a surface of revolution in R^3.
+    """Outer horizon r = r_+, not a surface of revolution in R^3 beyond `smarr_limit`.
 
     Attributes
     ----------
@@ -204,20 +204,20 @@ class KerrNewmanHorizon(KerrNewmanSurface):
 
     @property
     def radius(self) -> float:
-        """The Boyer-Lindquist radius r_+."""
+        """Boyer-Lindquist radius r_+."""
         return float(self._R(np.zeros(1)).R[0]) * self.mass
 
     @cached_property
     def area(self) -> float:
-        """The area, 4 pi (r_+^2 + a^2)."""
+        """Area, 4 pi (r_+^2 + a^2)."""
         return 4.0 * pi * (self.radius * self.radius + self.spin * self.spin)
 
     @property
     def angular_momentum(self) -> float:
-        """J = a M: with charge, that of the horizon with its electromagnetic part.
+        """J = a M, including the electromagnetic part with charge.
 
-        It is the J of the mass formula of Christodoulou and Ruffini (1971), and of isolated horizons
-        (Ashtekar, Beetle and Lewandowski 2001).
+        This is J in the mass formula of Christodoulou and Ruffini (1971) and of isolated horizons (Ashtekar,
+        Beetle and Lewandowski 2001).
         """
         return self.spin * self.mass
 
@@ -233,12 +233,12 @@ class KerrNewmanHorizon(KerrNewmanSurface):
 
 @dataclass(frozen=True)
 class KerrNewmanSphere(KerrNewmanSurface):
-    """A surface r = const outside the horizon, or on it.
+    """Surface r = const on or outside the horizon.
 
     Attributes
     ----------
     r : float
-        The Boyer-Lindquist radius, at least r_+; the areal radius where the spin is 0.
+        Boyer-Lindquist radius, at least r_+; the areal radius if the spin is 0.
     mass, spin, charge : float
         M, a and Q in units of length, a^2 + Q^2 <= M^2.
     """
@@ -269,14 +269,14 @@ class KerrNewmanSphere(KerrNewmanSurface):
 
 @dataclass(frozen=True)
 class KerrNewmanErgosphere(KerrNewmanSurface):
-    """The distorted ergosphere r = r_ergo(theta) + epsilon M, Eq. (rtheta) of the paper, with charge.
+    """Distorted ergosphere r = r_ergo(theta) + epsilon M, Eq. (rtheta) of the paper, with charge.
 
     Attributes
     ----------
     epsilon : float
-        Distance over M, from 1e-6 to 1e6: at 0 the poles are cones.
+        Distance over M, from 1e-6 to 1e6; at 0 the poles are conical.
     mass, spin, charge : float
-        M, a and Q in units of length, a^2 + Q^2 <= 0.9998 M^2, beyond which the poles are cones to rounding.
+        M, a and Q in units of length, a^2 + Q^2 <= 0.9998 M^2; beyond, the poles are conical to rounding.
     """
 
     name: ClassVar[str] = "distorted ergosphere"
@@ -301,9 +301,9 @@ class KerrNewmanErgosphere(KerrNewmanSurface):
 
 
 def smarr_limit(mass: float = 1.0, charge: float = 0.0) -> float:
-    """The largest spin with which a horizon is a surface of revolution in R^3, r_+ = sqrt(3) a.
+    """Largest spin of a horizon that is a surface of revolution in R^3, r_+ = sqrt(3) a.
 
-    sqrt(3)/2 M without charge; from charge^2 = 2/3 M^2 on, every horizon is one.
+    It is sqrt(3)/2 M without charge; for charge^2 >= 2/3 M^2 every horizon embeds.
 
     Raises
     ------
@@ -319,12 +319,11 @@ def smarr_limit(mass: float = 1.0, charge: float = 0.0) -> float:
 
 
 def embeddability(surface: KerrNewmanSurface) -> str:
-    """Sentence on whether a surface embeds in R^3, and if not which part does not, why, and which part does.
+    """Sentence on whether a surface embeds in R^3, and if not, on the obstruction and the bands that embed.
 
-    That of a horizon gives its bound on the spin.  The two caps at a pole differ: K < 0 on the smaller one.
-    By Gauss and Bonnet the total curvature of a cap is 2 pi (1 - d rho/d(arc length)), and no surface of
-    revolution has one that is negative; it takes as much positive curvature around the smaller cap until the
-    total is zero, and there the band that embeds begins.
+    For a horizon it includes the bound on the spin.  K < 0 on a small cap at a pole.  By the Gauss-Bonnet
+    theorem the total curvature of a cap is 2 pi (1 - d rho/d(arc length)), which is not negative for a
+    surface of revolution; the band that embeds begins where positive curvature around the cap makes it zero.
     """
     explanation = surface.profile().explanation
     if not isinstance(surface, KerrNewmanHorizon):
@@ -338,7 +337,7 @@ def embeddability(surface: KerrNewmanSurface) -> str:
 
 
 def make_finite(surface: Any, name: str) -> None:
-    """Make the fields of a frozen dataclass floats; `InvalidParameter` where one is not finite."""
+    """Convert the fields of a frozen dataclass to floats.  Raises `InvalidParameter`: one is not finite."""
     for parameter in fields(surface):
         given = getattr(surface, parameter.name)
         value = numbers(given)
@@ -356,10 +355,10 @@ def sin2(u: Floats) -> Floats:
 
 
 def rotation_about_z(u: Floats) -> Floats:
-    """Velocities (n, 3) of unit vectors that turn about the z-axis."""
+    """Velocities (n, 3) of unit vectors under rotation about the z-axis."""
     return np.stack([-u[:, 1], u[:, 0], np.zeros(len(u))], axis=1)
 
 
 def _quotient(a: Floats, b: Floats) -> Floats:
-    """Quotient a / b where b > 0, and 0 elsewhere."""
+    """Quotient a / b where b > 0, otherwise 0."""
     return np.divide(a, b, out=np.zeros_like(b), where=b > 0.0)

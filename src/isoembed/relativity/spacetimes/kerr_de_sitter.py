@@ -1,4 +1,4 @@
-"""Spheres r = const of Kerr's black hole with a cosmological constant: Kerr-de Sitter, Kerr-anti-de Sitter.
+"""Spheres r = const of Kerr black holes with a cosmological constant: Kerr-de Sitter, Kerr-anti-de Sitter.
 
 In Boyer-Lindquist coordinates (Carter 1968), with lambda = cosmological constant / 3, the curvature of the
 de Sitter or anti-de Sitter space far away from the hole,
@@ -47,24 +47,24 @@ class _Terms(NamedTuple):
 
 @dataclass(frozen=True)
 class KerrDeSitterSphere:
-    """A sphere r = const of the slice t = const, a `TwoMetric` in the Boyer-Lindquist angles.
+    """Sphere r = const in the slice t = const, a `TwoMetric` in the Boyer-Lindquist angles.
 
     Attributes
     ----------
     r : float
-        The Boyer-Lindquist radius, from that of the black hole's horizon on and, where the cosmological
-        constant is positive, to that of the cosmological horizon; the areal radius where the spin is 0.
+        Boyer-Lindquist radius, at least that of the black hole horizon and, for a positive cosmological
+        constant, at most that of the cosmological horizon; the areal radius if the spin is 0.
     mass : float
-        The parameter m; the mass is m / Xi^2 (Gibbons, Perry and Pope).
+        Parameter m; the mass is m / Xi^2 (Gibbons, Perry and Pope).
     spin : float
-        The parameter a, a length.
+        Parameter a, a length.
     cosmological_constant : float
-        In 1/length^2; negative for anti-de Sitter space.
+        Cosmological constant in 1/length^2; negative for anti-de Sitter space.
 
     Raises
     ------
     InvalidParameter
-        There is no such black hole, or the sphere is not outside of it.
+        There is no such black hole, or the sphere is not outside it.
     """
 
     r: float
@@ -88,13 +88,13 @@ class KerrDeSitterSphere:
 
     @cached_property
     def marginal(self) -> bool:
-        """Whether it is the horizon."""
+        """Whether the sphere is the horizon."""
         least, _ = horizon_radii(self.mass, self.spin, self.cosmological_constant)
         return self.r <= least * (1.0 + 1e-15)
 
     @property
     def physical_mass(self) -> float:
-        """The conserved mass m / Xi^2, to which energies of large spheres tend in anti-de Sitter space."""
+        """Conserved mass m / Xi^2, the limit of energies of large spheres in anti-de Sitter space."""
         return self.mass / self._Xi**2
 
     @property
@@ -127,7 +127,7 @@ class KerrDeSitterSphere:
         return around[:, None] * rotation_about_z(u)
 
     def data(self) -> SurfaceData:
-        """Data of which energies are computed; p is zero as without a cosmological constant."""
+        """Data for quasi-local energies; p is zero as without a cosmological constant."""
         surface = "horizon" if self.marginal else f"sphere r = {self.r:.9g}"
         of = "Kerr-anti-de Sitter" if self.cosmological_constant < 0.0 else "Kerr-de Sitter"
         return SurfaceData(
@@ -155,7 +155,7 @@ class KerrDeSitterSphere:
 
     @cached_property
     def _Delta(self) -> float:
-        """Delta, which is 0 on the horizon without rounding."""
+        """Delta, exactly 0 on the horizon."""
         if self.marginal:
             return 0.0
         r, a, lam = self._numbers
@@ -180,7 +180,7 @@ class KerrDeSitterSphere:
 
 
 def horizon_radii(mass: float, spin: float, cosmological_constant: float) -> tuple[float, float]:
-    """Boyer-Lindquist radii of the black hole's horizon and of the cosmological one, which may be infinite.
+    """Boyer-Lindquist radii of the black hole horizon and of the cosmological horizon, possibly infinite.
 
     Raises `InvalidParameter`: there is no black hole with these parameters.
     """
@@ -195,7 +195,7 @@ def horizon_radii(mass: float, spin: float, cosmological_constant: float) -> tup
     Delta = _delta(a, lam)
     turns = np.asarray(Delta.deriv().roots(), dtype=np.complex128)
     there = (turns.real > 0.0) & (np.abs(turns.imag) <= 1e-12 * np.abs(turns))
-    turns = np.sort(turns.real[there])  # the least of Delta, and with lambda > 0 the greatest
+    turns = np.sort(turns.real[there])  # minimum of Delta, and for lambda > 0 its maximum
     if turns.size != 1 + (lam > 0.0) or Delta(turns[0]) > 1e-14 or Delta(turns[-1]) * lam < 0.0:
         raise InvalidParameter(
             f"spin {spin:.9g} and cosmological_constant {cosmological_constant:.9g} leave a mass of "

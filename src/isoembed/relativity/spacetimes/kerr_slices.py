@@ -1,4 +1,4 @@
-"""Slices of Kerr's black hole in closed form: in Kerr-Schild and in Boyer-Lindquist coordinates."""
+"""Slices of Kerr black holes in closed form, in Kerr-Schild and Boyer-Lindquist coordinates."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from isoembed.relativity.spacetimes.three_geometry import Numbers, complex_step,
 
 @dataclass(frozen=True)
 class KerrSlice(OneHole):
-    """A slice of the spacetime of a hole with a mass and a spin, a vector."""
+    """Slice of a Kerr spacetime with a mass and a spin vector."""
 
     spin: Sequence[float]
     time_symmetric = False
@@ -28,13 +28,13 @@ class KerrSlice(OneHole):
     def horizon(self) -> float:
         """The Boyer-Lindquist radius ``r_+ = M + sqrt(M^2 - a^2)`` of the horizon.
 
-        Raises `InvalidParameter`: the spin exceeds the mass: there is none.
+        Raises `InvalidParameter`: the spin exceeds the mass.
         """
         return horizon_radius(self.mass, self.spin)
 
     @property
     def hindrance(self) -> str:
-        """See `ThreeGeometry`: a spin beyond the mass."""
+        """See `ThreeGeometry`: a spin that exceeds the mass."""
         try:
             horizon_radius(self.mass, self.spin)
         except InvalidParameter as error:
@@ -64,7 +64,7 @@ class KerrSchild(KerrSlice):
     """
 
     def spheroid(self, r: float) -> Callable[[Floats], Floats]:
-        """Distance (n,), by direction u (n, 3), of the surface of one Boyer-Lindquist radius."""
+        """Distance (n,) of the surface of a Boyer-Lindquist radius, as a function of directions u (n, 3)."""
         positive_number("the radius", r)
         a = np.array(self.spin) / r
         return lambda u: r * np.sqrt((1.0 + a @ a) / (1.0 + (u @ a) ** 2))
@@ -94,7 +94,7 @@ class KerrSchild(KerrSlice):
         refuse_points(
             (ax.real == 0.0) & (d.real <= 0.0), x * self.mass, "lies on the disk that the singularity bounds"
         )
-        # Inside the ball |x| = |a| the first form would cancel.
+        # Inside the ball |x| = |a| the first form suffers from cancellation.
         outside = d.real >= 0.0
         r2 = np.where(outside, 0.5 * (d + root), 2.0 * ax * ax / np.where(outside, 1.0, root - d))
         r = np.sqrt(r2)
@@ -105,9 +105,9 @@ class KerrSchild(KerrSlice):
 
 @dataclass(frozen=True)
 class BoyerLindquist(KerrSlice):
-    """The coordinates are x = r sin(theta) cos(phi), ... with the Boyer-Lindquist r, theta and phi.
+    """Slice in coordinates x = r sin(theta) cos(phi), ... with Boyer-Lindquist r, theta and phi.
 
-    In them, with n = x / r and the vector a, free of coordinate singularities on the axis,
+    With n = x / r and the vector a, free of coordinate singularities on the axis,
     ``gamma_ij = Sigma / r^2 delta_ij + Sigma (1 / Delta - 1 / r^2) n_i n_j
     + (1 + 2 M r / Sigma) (a x x)_i (a x x)_j / r^4``.
 
@@ -132,12 +132,12 @@ class BoyerLindquist(KerrSlice):
         )
 
     def metric(self, x: Numbers) -> Numbers:
-        """See `ThreeGeometry`; x may be complex, and lies outside the horizon.
+        """See `ThreeGeometry`; x may be complex, and must lie outside the horizon.
 
         Raises
         ------
         InvalidParameter
-            A point does not.
+            A point is not outside the horizon.
         """
         x, a, r, Sigma, Delta = self._functions(x)
         n, axial = x / r[:, None], np.cross(a, x) / (r * r)[:, None]
@@ -150,7 +150,7 @@ class BoyerLindquist(KerrSlice):
     def extrinsic_curvature(self, x: Floats) -> Floats:
         """See `ThreeGeometry`.
 
-        Of the shift ``-w a x x``, a multiple of a Killing vector, only the gradient of w contributes.
+        The shift ``-w a x x`` is a multiple of a Killing vector, so that only the gradient of w contributes.
         """
         lowered = np.einsum("nij,nj->ni", self.metric(x), np.cross(self._a, x))  # a length
         mixed = lowered[:, :, None] * complex_step(self._dragging, x)[:, None, :]

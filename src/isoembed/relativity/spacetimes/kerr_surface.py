@@ -29,15 +29,15 @@ def kerr_surface(
     Parameters
     ----------
     surface : str
-        ``"horizon"``; ``"r=3"``, of constant Boyer-Lindquist radius; or ``"ergosphere=0.5"``, the paper's
-        r = r_ergo + epsilon M.
+        ``"horizon"``; ``"r=3"``, a constant Boyer-Lindquist radius; or ``"ergosphere=0.5"``, the surface
+        r = r_ergo + epsilon M of the paper.
     mass, spin, charge : float
         Lengths; the spin is a = J/M.
     cosmological_constant : float
-        In 1/length^2: that of Kerr-de Sitter or, negative, Kerr-anti-de Sitter.  Only r=R and the horizon, in
-        the slice boyer-lindquist and without charge, have one.
+        Cosmological constant in 1/length^2, negative for Kerr-anti-de Sitter.  Available only for r=R and the
+        horizon, in the slice boyer-lindquist and without charge.
     slice : {"boyer-lindquist", "kerr-schild", "painleve-gullstrand"}
-        What k and p are of.  Charge and ergosphere have the first only, and the last is without spin.
+        Slice for k and p.  Charge and ergosphere require the first, and the last requires zero spin.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def kerr_surface(
     geometry: KerrSchild | PainleveGullstrand
     if slice == "kerr-schild":
         geometry = KerrSchild(mass, (0.0, 0.0, spin))
-        horizon = geometry.horizon  # refuses a spin beyond the mass
+        horizon = geometry.horizon  # raises if the spin exceeds the mass
         shape = StarSurface.from_radius(geometry.spheroid(horizon if kind == "horizon" else number))
     elif slice == "painleve-gullstrand":
         if spin:

@@ -14,15 +14,16 @@ from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.three_geometry import Numbers, ThreeGeometry
 from isoembed.smooth.two_metric import angle_frame, from_angles
 
-ASYMMETRY = 1e-6  # relative difference of entries ij and ji that is no longer rounding
-ROUNDING = 1e-6  # largest K_ij that may be rounding alone, over the metric per length
+ASYMMETRY = 1e-6  # largest relative difference of entries ij and ji attributed to rounding
+ROUNDING = 1e-6  # largest K_ij attributed to rounding, relative to the metric per length
 
 
 @dataclass(frozen=True, eq=False)
 class SliceFields:
-    """The 3-metric, its gradient and K_ij of a slice at points x (n, 3), evaluated where they are needed.
+    """3-metric, its gradient and K_ij of a slice at points x (n, 3), evaluated lazily.
 
-    Each raises `InvalidMetric` or `InvalidParameter` where the slice is not known; the message names a point.
+    Each raises `InvalidMetric` or `InvalidParameter` outside the domain of the slice; the message names a
+    point.
     """
 
     geometry: ThreeGeometry
@@ -47,7 +48,7 @@ class SliceFields:
         if self.geometry.time_symmetric:
             return np.zeros((len(self.x), 3, 3))
         K = check_finite("the extrinsic curvature", self.x, self.geometry.extrinsic_curvature(self.x))
-        # Rounding of gradients, as in what should vanish, is relative to the metric.
+        # Rounding of gradients is relative to the metric, also in components that should vanish.
         size = float(np.abs(self.gamma).max(initial=0.0)) / float(np.abs(self.x).max(initial=0.0) or 1.0)
         allowed = ASYMMETRY * max(float(np.abs(K).max(initial=0.0)), ROUNDING * size)
         check_symmetric("the extrinsic curvature", self.x, K, allowed)
@@ -55,7 +56,7 @@ class SliceFields:
 
 
 class ComplexFields(NamedTuple):
-    """Fields of a slice at complex points, for derivatives by the complex step."""
+    """Fields of a slice at complex points, for complex-step derivatives."""
 
     gamma: Numbers
     gradient: Numbers
@@ -64,12 +65,12 @@ class ComplexFields(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class LocalGeometry:
-    """A surface in a slice at n directions: holomorphic in the slice and in the jet.
+    """Local geometry of a surface in a slice at n directions, holomorphic in the slice and the jet.
 
     Attributes
     ----------
     fields : SliceFields or ComplexFields
-        At the points of the surface.
+        Fields at the points of the surface.
     jet : Jet
     """
 
@@ -78,27 +79,27 @@ class LocalGeometry:
 
     @classmethod
     def of(cls, geometry: ThreeGeometry, jet: Jet) -> LocalGeometry:
-        """The local geometry of a surface in a slice."""
+        """Local geometry of a surface in a slice."""
         return cls(SliceFields(geometry, jet.x), jet)
 
     @property
     def q(self) -> Floats:
-        """The induced metric (n, 3, 3), as a `isoembed.smooth.TwoMetric` has it."""
+        """Induced metric (n, 3, 3), in the form of `isoembed.smooth.TwoMetric`."""
         return from_angles(self.jet.u, *(self._q * self._unit**2).T)
 
     @cached_property
     def density(self) -> Numbers:
-        """The area (n,) over that of the unit sphere."""
+        """Area density (n,) relative to the unit sphere."""
         return np.sqrt(self._determinant) * self._unit**2
 
     @property
     def inverse(self) -> Numbers:
-        """The inverse of the induced metric (n, 3): theta theta, theta phi, phi phi."""
+        """Inverse of the induced metric (n, 3): theta theta, theta phi, phi phi."""
         return self._inverse / self._unit**2
 
     @cached_property
     def normal(self) -> tuple[Numbers, Numbers]:
-        """The outward unit normal, ``n_i`` and ``n^i``, each (n, 3)."""
+        """Outward unit normal, ``n_i`` and ``n^i``, each (n, 3)."""
         lower = np.cross(self._first[:, 0], self._first[:, 1])
         upper = np.linalg.solve(self.fields.gamma, lower[:, :, None])[:, :, 0]
         norm = np.sqrt(np.einsum("ni,ni->n", lower, upper))[:, None]
@@ -108,8 +109,8 @@ class LocalGeometry:
     def mean_curvature(self) -> Numbers:
         """``k = k1 + k2`` (n,).
 
-        It is the trace of ``h_AB = -n_i (D_A D_B X^i + Gamma^i_jk X^j_A X^k_B)``, D the derivative of the
-        unit sphere: another one would change the first term by a tangent vector.
+        This is the trace of ``h_AB = -n_i (D_A D_B X^i + Gamma^i_jk X^j_A X^k_B)``, with D the connection of
+        the unit sphere; another connection would change the first term by a tangent vector.
         """
         lower, upper = self.normal
         second, gradient = self.jet.second / self._unit**2, self.fields.gradient
@@ -144,9 +145,9 @@ class LocalGeometry:
 
     @cached_property
     def _metric(self) -> tuple[Numbers, float]:
-        """The induced metric (n, 3) in tt, tp, pp over a squared unit, and this unit.
+        """Induced metric (n, 3) as tt, tp, pp in a squared unit, and this unit.
 
-        A power of two that is near the size of the surface: products then neither overflow nor round.
+        The unit is a power of two near the size of the surface, to avoid overflow and rounding.
         """
         q = (self.jet.first @ self.fields.gamma) @ self.jet.first.transpose(0, 2, 1)
         unit = 2.0 ** round(0.5 * np.log2(q.real.max()))

@@ -8,7 +8,7 @@ from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Real
 
 
 def contracted(fields: ConstReal[:, :, :, ::1], start: ConstInt[:, ::1], weights: ConstReal[:, :, ::1]):
-    """Fields (m, nx, ny, nz) summed (n, m) with weights (n, 3, nodes), from the points `start` (n, 3) on."""
+    """Sums (n, m) of fields (m, nx, ny, nz) with weights (n, 3, nodes), from points `start` (n, 3) on."""
     n, m, nodes = start.shape[0], fields.shape[0], weights.shape[2]
     out: Real[:, ::1] = np.zeros((n, m))
     for p in range(n):

@@ -1,4 +1,4 @@
-"""Surfaces of any shape in a slice: coordinates in spherical harmonics."""
+"""Surfaces of arbitrary shape in a slice, with coordinates in spherical harmonics."""
 
 from __future__ import annotations
 
@@ -28,36 +28,36 @@ from isoembed.surface.estimate import percent
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.measures import volume
 
-FEWEST_HEIGHTS = 24  # of nodes at which the immersion is checked
+FEWEST_HEIGHTS = 24  # least number of circles of nodes for the check of the immersion
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class MappedSurface(Surface):
-    """The surface X(u), u the unit vectors, with coordinates X in spherical harmonics.
+    """Surface X(u) over unit vectors u, with coordinates X in spherical harmonics.
 
     Attributes
     ----------
     harmonics : Harmonics
     coefficients : ndarray, shape (harmonics.size, 3)
-        Those of X, lengths.
+        Coefficients of X, lengths.
     center : three floats, optional
-        About which torques are; by default the centroid of the area in the coordinates.
+        Center for torques; by default the centroid of the area in the coordinates.
     misfit : float
-        How far X is from what it was made from, a length, root-mean-square: from the map at directions that
-        were not used, or from the vertices of a mesh.
+        Root-mean-square distance of X from the given map at independent directions, or from the vertices of a
+        mesh.
     deviations : ndarray, shape (N, size, 3), optional
-        Of meshes: by what the coefficients may be off, drawn at random, in the harmonics of
-        `isoembed.smooth.scattered_fit.deviating`; without them, noise of the size of the misfit.
+        Random samples of the error of the coefficients of a mesh fit, in the harmonics of
+        `isoembed.smooth.scattered_fit.deviating`; by default noise of the size of the misfit.
     notes : tuple of str
-        For reports.
+        Notes for reports.
     directions : ndarray, shape (V, 3), optional
-        Of meshes: unit vectors at which the surface is nearest to the vertices.
+        For meshes, unit vectors of the points of the surface nearest to the vertices.
 
     Raises
     ------
     InvalidParameter
-        The map is not an immersion, or turns the sphere inside out; the message names a direction.
+        The map is not an immersion, or reverses the orientation; the message names a direction.
     """
 
     harmonics: Harmonics
@@ -90,19 +90,19 @@ class MappedSurface(Surface):
         Parameters
         ----------
         function : callable
-            Takes unit vectors u (n, 3) and returns points X (n, 3); smooth, with the outside outside.
+            Smooth, orientation-preserving map that takes unit vectors u (n, 3) and returns points X (n, 3).
         center : three floats, optional
-            About which torques are; by default the centroid of the area in the coordinates.
+            Center for torques; by default the centroid of the area in the coordinates.
 
         Raises
         ------
         InvalidParameter
-            Points are not finite, harmonics up to degree 128 miss them by more than a millionth, or the map
+            Points are not finite, the relative error exceeds 1e-6 with harmonics up to degree 128, or the map
             is not an immersion; the message says which.
 
         Notes
         -----
-        What is missed, where it is more than rounding, is the ``misfit``.
+        The truncation error, if larger than rounding, is the ``misfit``.
         """
         if not callable(function):
             raise InvalidParameter(
@@ -119,23 +119,23 @@ class MappedSurface(Surface):
     def from_mesh(
         cls, vertices: ArrayLike, faces: ArrayLike, center: Sequence[float] | None = None
     ) -> MappedSurface:
-        """Least squares fit of harmonics to a closed triangle mesh whose vertices lie on a smooth surface.
+        """Least-squares fit of harmonics to a closed triangle mesh with vertices on a smooth surface.
 
-        The degree is the one of least generalized cross-validation, at most 48; see
+        The degree, at most 48, is chosen by generalized cross-validation; see
         `isoembed.smooth.mesh_fit.fit_mesh`.
 
         Parameters
         ----------
         vertices : array_like, shape (V, 3)
         faces : array_like of int, shape (F, 3)
-            Triangles, all oriented alike, of genus 0.
+            Consistently oriented triangles of genus 0.
         center : three floats, optional
-            About which torques are; by default the centroid of the area in the coordinates.
+            Center for torques; by default the centroid of the area in the coordinates.
 
         Raises
         ------
         InvalidParameter
-            A vertex is not finite, or the fitted surface is not an immersion: the mesh is too coarse for it.
+            A vertex is not finite, or the fitted surface is not an immersion because the mesh is too coarse.
         InvalidMetric
             The faces are not a triangulated sphere, or a triangle is degenerate; the message names it.
         """
@@ -168,7 +168,7 @@ class MappedSurface(Surface):
 
     @property
     def mean_radius(self) -> float:
-        """The radius of the sphere with the same area in the coordinates."""
+        """Radius of the sphere with the same coordinate area."""
         return float(np.sqrt(self._nodes.area / (4.0 * np.pi)))
 
     def jet(self, u: Floats) -> Jet:
@@ -185,7 +185,7 @@ class MappedSurface(Surface):
 
     @cached_property
     def _nodes(self) -> _Nodes:
-        """Nodes so dense that normals at neighbors look the same way, if there are any."""
+        """Nodes dense enough for the normals at neighbors to have positive products, if possible."""
         n = max(FEWEST_HEIGHTS, 2 * self.harmonics.degree)
         while True:
             around = 2 * n * self.harmonics.order // max(1, self.harmonics.degree)
@@ -197,7 +197,7 @@ class MappedSurface(Surface):
 
 @dataclass(frozen=True)
 class _Nodes:
-    """A map at the nodes of a product rule: points x, and normals whose length is the area's density."""
+    """Map at the nodes of a product rule: points x, and normals whose length is the area density."""
 
     n: int
     u: Floats
@@ -207,20 +207,20 @@ class _Nodes:
 
     @classmethod
     def of(cls, jet: Callable[[Floats], Jet], n: int, around: int) -> _Nodes:
-        """The nodes of n circles of latitude with `around` nodes each."""
+        """Nodes on n circles of latitude with `around` nodes each."""
         u, weights = gauss_rule(n, around)
         there = jet(u)
         return cls(n, u, weights, there.x, np.cross(there.first[:, 0], there.first[:, 1]))
 
     @cached_property
     def singular(self) -> Floats | None:
-        """A direction in which the differential is singular, if there is any."""
+        """Direction in which the differential is singular, if there is one."""
         singular = ~(self.densities > 1e-9 * self.densities.mean())  # no area
         return self.u[int(np.argmax(singular))] if singular.any() else None
 
     @cached_property
     def turned(self) -> Floats | None:
-        """A direction from which to the next the normal turns around, if there is any."""
+        """Direction at which the normal reverses toward the next node, if there is one."""
         normals = self.normals.reshape(self.n, -1, 3)
         around = np.einsum("abi,abi->ab", normals, np.roll(normals, -1, axis=1))
         across = np.einsum("abi,abi->ab", normals[:-1], normals[1:])
@@ -231,7 +231,7 @@ class _Nodes:
 
     @cached_property
     def densities(self) -> Floats:
-        """The area over that of the unit sphere."""
+        """Area densities relative to the unit sphere."""
         return np.linalg.norm(self.normals, axis=1)
 
     @property
@@ -246,13 +246,13 @@ class _Nodes:
 
     @property
     def volume(self) -> float:
-        """Enclosed; negative where the sphere is inside out."""
+        """Enclosed volume, negative for reversed orientation."""
         heights = np.einsum("ni,ni->n", self.x - self.x.mean(axis=0), self.normals)
         return float(self.weights @ heights) / 3.0
 
 
 def _check_immersion(nodes: _Nodes) -> None:
-    """Refuse maps that are singular, folded or inside out."""
+    """Check that a map is not singular, folded or orientation-reversing."""
     if nodes.singular is not None:
         raise InvalidParameter(
             "the map is not an immersion: its differential is singular in the direction "

@@ -11,7 +11,7 @@ from isoembed.relativity.spacetimes.checks import numbers, written
 
 
 def checked_points(points: ArrayLike) -> Floats:
-    """Points (m, 3) as an array; `InvalidParameter` where they are too few or not finite."""
+    """Checked points (m, 3).  Raises `InvalidParameter`: they are too few or not finite."""
     x = numbers(points)
     if x.ndim != 2 or x.shape[1] != 3 or len(x) < 8:
         raise InvalidParameter(f"points must be an array (m, 3) with m >= 8, not {x.shape}")
@@ -23,16 +23,16 @@ def checked_points(points: ArrayLike) -> Floats:
 
 
 def seen_from(x: Floats, center: Floats, faces: Indices | None = None) -> tuple[Floats, Floats, Floats]:
-    """Directions (m, 3), distances and solid angles (m,) of points from a center among them.
+    """Directions (m, 3), distances and solid angles (m,) of points about a center.
 
-    Raises `InvalidParameter`: a point is the center, or they do not surround it.
+    Raises `InvalidParameter`: a point coincides with the center, or the points do not surround it.
 
     Parameters
     ----------
     x : ndarray, shape (m, 3)
     center : ndarray, shape (3,)
     faces : ndarray of int, shape (F, 3), optional
-        The convex hull of the directions, if it is at hand.
+        Convex hull of the directions, if already computed.
     """
     d = x - center
     r = np.linalg.norm(d, axis=1)
@@ -43,7 +43,7 @@ def seen_from(x: Floats, center: Floats, faces: Indices | None = None) -> tuple[
 
 
 def _hull(u: Floats) -> Indices:
-    """Triangles of the convex hull of directions; `InvalidParameter` where these leave a half-space empty."""
+    """Triangles of the convex hull of directions.  Raises `InvalidParameter`: a half-space is empty."""
     apart = "the points do not surround the center: a half-space has none"
     try:
         hull = ConvexHull(u)

@@ -1,4 +1,4 @@
-"""Slices of black holes without spin in closed form: one of Schwarzschild, several at rest, or in motion."""
+"""Closed-form slices of nonspinning black holes: Schwarzschild, several at rest, or boosted."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from isoembed.relativity.spacetimes.three_geometry import AnalyticGeometry, Numb
 
 @dataclass(frozen=True)
 class OneHole(AnalyticGeometry):
-    """A slice with one black hole, of a mass M that is the unit of length."""
+    """Slice with one black hole, whose mass M is the unit of length."""
 
     mass: float
 
@@ -22,15 +22,15 @@ class OneHole(AnalyticGeometry):
 
     @property
     def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
-        """See `ThreeGeometry`: one at the origin."""
+        """See `ThreeGeometry`: one hole at the origin."""
         return ((self.mass, (0.0, 0.0, 0.0)),)
 
 
 class _Punctures(AnalyticGeometry):
-    """Holes of given masses at given positions, ``psi = 1 + sum_k m_k / (2 |x - x_k|)``."""
+    """Punctures of given masses and positions, ``psi = 1 + sum_k m_k / (2 |x - x_k|)``."""
 
     def conformal_factor(self, x: Numbers) -> Numbers:
-        """The factor psi (n,) at the points x (n, 3), which may be complex."""
+        """Conformal factor psi (n,) at points x (n, 3), which may be complex."""
         psi = np.ones(len(x), dtype=x.dtype)
         for mass, position in self.black_holes:
             d = (x - np.array(position)) / mass
@@ -46,7 +46,7 @@ class _Punctures(AnalyticGeometry):
 
 @dataclass(frozen=True)
 class IsotropicSchwarzschild(OneHole, _Punctures):
-    """Schwarzschild's black hole in isotropic coordinates, ``psi = 1 + M / (2 |x|)``.
+    """Schwarzschild black hole in isotropic coordinates, ``psi = 1 + M / (2 |x|)``.
 
     Attributes
     ----------
@@ -92,10 +92,10 @@ class BrillLindquist(_Punctures):
 
 @dataclass(frozen=True)
 class PainleveGullstrand(OneHole):
-    """Schwarzschild's hole in flat slices, ``K_ij = sqrt(2 M / r^3) (delta_ij - 3/2 n_i n_j)``.
+    """Schwarzschild black hole in flat slices, ``K_ij = sqrt(2 M / r^3) (delta_ij - 3/2 n_i n_j)``.
 
-    Regular to r = 0.  Lapse 1 and shift ``beta^i = sqrt(2 M / r) n^i``: the slices of observers that fall
-    from rest at infinity.
+    The slices are regular for all r > 0.  Lapse 1 and shift ``beta^i = sqrt(2 M / r) n^i`` are those of
+    observers in free fall from rest at infinity.
 
     Attributes
     ----------
@@ -121,10 +121,10 @@ class PainleveGullstrand(OneHole):
 
 @dataclass(frozen=True)
 class BoostedSchwarzschild(OneHole):
-    """The slice t = 0 of Schwarzschild's spacetime in isotropic coordinates t', x' that move: a boosted hole.
+    """Boosted black hole: slice t = 0 of Schwarzschild spacetime in moving isotropic coordinates t', x'.
 
-    ``t' = W (t - v . x)`` and ``|x'|^2 = |x|^2 + W^2 (v . x)^2`` at t = 0, W Lorentz's factor, x from the
-    hole, make of ``-N^2 dt'^2 + psi^4 dx'^2`` the metric
+    With ``t' = W (t - v . x)`` and ``|x'|^2 = |x|^2 + W^2 (v . x)^2`` at t = 0, W the Lorentz factor and x
+    relative to the hole, ``-N^2 dt'^2 + psi^4 dx'^2`` induces the metric
     ``gamma_ij = psi^4 delta_ij + W^2 (psi^4 - N^2) v_i v_j``.  Energy and momentum at infinity are W M and
     W M v.
 
@@ -133,19 +133,19 @@ class BoostedSchwarzschild(OneHole):
     mass : float
         M, the unit of length.
     velocity : three floats
-        The vector v of the hole, over that of light.
+        Velocity v of the hole, in units of the speed of light.
     position : three floats
-        Of the puncture.
+        Position of the puncture.
 
     Raises
     ------
     InvalidParameter
-        The mass is not positive, or the speed not below 1.
+        The mass is not positive, or the speed is not less than 1.
 
     Notes
     -----
-    With K_ij as in `three_geometry` and d_t = -v . d, the factors N of the lapse cancel, and K_ij is regular
-    on the throat |x'| = M / 2, too.
+    With K_ij as in `three_geometry` and d_t = -v . d, the factors N of the lapse cancel, so that K_ij is also
+    regular on the throat |x'| = M / 2.
 
     References
     ----------
@@ -180,7 +180,7 @@ class BoostedSchwarzschild(OneHole):
         return float(1.0 / np.sqrt((1.0 - speed) * (1.0 + speed)))
 
     def spheroid(self, radius: float) -> Callable[[Floats], Floats]:
-        """Distance (n,) from the hole, by direction, of the surface of one isotropic radius |x'|."""
+        """Distance (n,) of the surface of an isotropic radius |x'| from the hole, by direction."""
         positive_number("the radius", radius)
         w = self._proper_velocity
         return lambda u: radius / np.sqrt(1.0 + (u @ w) ** 2)
@@ -213,7 +213,7 @@ class BoostedSchwarzschild(OneHole):
         return self.lorentz_factor * np.array(self.velocity)
 
     def _at_rest(self, x: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-        """Points from the hole (n, 3) and their isotropic radii (n,), over M; psi (n,), and the lapse N (n,).
+        """Points relative to the hole (n, 3) and isotropic radii (n,), over M; psi (n,) and lapse N (n,).
 
         N is negative beyond the throat.
         """
@@ -226,20 +226,20 @@ class BoostedSchwarzschild(OneHole):
 
 @dataclass(frozen=True)
 class Superposed(AnalyticGeometry):
-    """Several slices added: ``gamma = delta + sum (gamma_k - delta)``, ``K = sum K_k``.  No solution.
+    """Superposition of slices: ``gamma = delta + sum (gamma_k - delta)``, ``K = sum K_k``.
 
-    The constraints of Einstein's equations are violated by products of what the holes do to one another: of
-    the order M^2 / d^4 at a distance d from them.  For demonstrations on surfaces around holes in motion.
+    This is not a solution of the constraints of Einstein's equations, which are violated by products of the
+    fields of the holes, of the order M^2 / d^4 at a distance d.  For demonstrations with moving holes.
 
     Attributes
     ----------
     holes : sequence of AnalyticGeometry
-        Such as `BoostedSchwarzschild`.
+        Slices of single holes, such as `BoostedSchwarzschild`.
 
     Raises
     ------
     InvalidParameter
-        There is none.
+        There are no holes.
     """
 
     holes: Sequence[AnalyticGeometry]

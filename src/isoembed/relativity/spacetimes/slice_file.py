@@ -3,7 +3,7 @@
 One slice is arrays of one shape (nx, ny, nz), [i, j, k] being the point ``origin + spacing * (i, j, k)``:
 ``gxx gxy gxz gyy gyz gzz`` and, unless the slice is time-symmetric, ``kxx kxy kxz kyy kyz kzz``; besides
 ``origin``, three numbers, and ``spacing``, three or one; and maybe ``time`` and ``iteration``, a number each.
-In HDF5 they are data sets of the root group, and all but the first twelve may be attributes of it.
+In HDF5 they are data sets of the root group; all but the first twelve may be attributes.
 
 T slices of an evolution have an axis of time in front: ``time`` (T,), and maybe ``iteration`` (T,), beside
 arrays (T, nx, ny, nz).  ``origin`` is (3,), or (T, 3) of a grid that moves, and ``spacing`` one number, (3,),
@@ -39,21 +39,21 @@ GAMMA = ("gxx", "gxy", "gxz", "gyy", "gyz", "gzz")
 K = ("kxx", "kxy", "kxz", "kyy", "kyz", "kzz")
 INSTANT = ("time", "iteration")
 SLICE_ENDINGS = (".npz", *HDF5_ENDINGS)
-AROUND = 10  # spacings read around a box: five points for the interpolation, the rest to spare
+AROUND = 10  # margin in spacings around a box: five points for the interpolation, the rest as reserve
 
 
 @dataclass(frozen=True)
 class Instant:
-    """Time of a slice of a file.
+    """Time of a slice in a file.
 
     Attributes
     ----------
     iteration : int or None
-        Of the simulation, where the file says it.
+        Iteration of the simulation, if in the file.
     time : float or None
-        As the file says it.
+        Time, if in the file.
     index : int or None
-        Its position on the axis of time, if there is one.
+        Index along the time axis, if there is one.
     """
 
     iteration: int | None
@@ -66,21 +66,21 @@ def read_cartesian_grid(
     index: int | None = None,
     box: tuple[Floats, Floats] | None = None,
 ) -> CartesianGrid:
-    """Slice from an .npz or HDF5 file; the module's description says how it is laid out.
+    """Read a slice from an .npz or HDF5 file, with the layout described in the module.
 
     Parameters
     ----------
     path : path
     index : int, optional
-        Which slice of a file with several.
+        Index of the slice in a file with several.
     box : pair of ndarray, each of shape (3,), optional
-        The lower and the upper corner of a box: no more is read than what surfaces in it need.
+        Lower and upper corner of a box; only the part needed by surfaces inside is read.
 
     Raises
     ------
     FileError
-        The file cannot be read, or lacks something; there are several slices, or the grid does not cover the
-        box.  The message says what.
+        The file cannot be read or is incomplete, there are several slices, or the grid does not cover the
+        box; the message gives the reason.
     """
     with _open_sets(path) as sets:
         _check(path, sets)
@@ -100,9 +100,9 @@ def read_cartesian_grid(
 
 
 def slice_arrays(path: str | os.PathLike[str], index: int | None) -> Iterator[tuple[str, NDArray[Any]]]:
-    """All arrays of one slice by their names, one after the other.
+    """Iterate over the names and arrays of a slice.
 
-    Raises `FileError`: as of `read_cartesian_grid`.
+    Raises `FileError`: see `read_cartesian_grid`.
     """
     with _open_sets(path) as sets:
         _check(path, sets)
@@ -113,9 +113,9 @@ def slice_arrays(path: str | os.PathLike[str], index: int | None) -> Iterator[tu
 
 
 def instants(path: str | os.PathLike[str]) -> list[Instant]:
-    """Times of the slices of a file, in its order; empty if it has none.
+    """Times of the slices in a file, in their order; empty if it has none.
 
-    Raises `FileError`: the file cannot be read, or its times are not those of its slices.
+    Raises `FileError`: the file cannot be read, or its times do not match its slices.
     """
     check_ending(path, SLICE_ENDINGS)
     with InputFile(path) as file:
@@ -143,7 +143,7 @@ def instants(path: str | os.PathLike[str]) -> list[Instant]:
 
 @contextlib.contextmanager
 def _open_sets(path: str | os.PathLike[str]) -> Iterator[Mapping[str, Any]]:
-    """Arrays of a file by their names; of HDF5 its data sets, which are read when they are asked for."""
+    """Arrays of a file by name; data sets of HDF5 are read lazily."""
     check_ending(path, SLICE_ENDINGS)
     wanted = (*PLACE, *INSTANT, *GAMMA, *K)
     with InputFile(path) as given:
@@ -157,7 +157,7 @@ def _open_sets(path: str | os.PathLike[str]) -> Iterator[Mapping[str, Any]]:
 
 
 def _check(path: str | os.PathLike[str], sets: Mapping[str, Any]) -> None:
-    """Refuse a file in which something is missing or does not fit."""
+    """Check that a file is complete and consistent."""
     needed = (*PLACE, *GAMMA, *(K if any(name in sets for name in K) else ()))
     if missing := [name for name in needed if name not in sets]:
         raise FileError(f"{path} has no {' and no '.join(missing)}")
@@ -169,7 +169,7 @@ def _check(path: str | os.PathLike[str], sets: Mapping[str, Any]) -> None:
 
 
 def _place(path: str | os.PathLike[str], sets: Mapping[str, Any], index: int | None) -> tuple[Floats, Floats]:
-    """The origin and the spacing, three numbers each, of one slice."""
+    """Origin and spacing, three numbers each, of a slice."""
     shape = sets["gxx"].shape
     if index is None and len(shape) == 4:
         raise FileError(
@@ -199,8 +199,8 @@ def _slab(
     spacing: Floats,
     box: tuple[Floats, Floats] | None,
 ) -> list[slice]:
-    """The part of the grid that a box needs, along each axis."""
-    if box is None or not (spacing > 0).all():  # the grid refuses such a spacing
+    """Part of the grid needed for a box, along each axis."""
+    if box is None or not (spacing > 0).all():  # the grid rejects such a spacing
         return [slice(0, n) for n in shape]
     low, high = ((corner - origin) / spacing for corner in box)
     last = np.array(shape) - 1
@@ -215,7 +215,7 @@ def _slab(
 
 
 def _part(path: str | os.PathLike[str], name: str, data: Any, where: tuple[int | slice, ...]) -> NDArray[Any]:
-    """The part of an array that is asked for."""
+    """Selected part of an array."""
     if hasattr(data, "id"):
         lengths = [
             len(range(n)[along]) if isinstance(along, slice) else 1

@@ -33,9 +33,9 @@ LAYOUT = ("total_extents", "bases", "quadratures")
 
 
 def volume_times(path: str | os.PathLike[str]) -> list[float]:
-    """Times at which a file has the metric of a slice on elements, in order; none of files of another kind.
+    """Times in increasing order at which a file has the metric on elements; empty for other files.
 
-    Raises `FileError`: it cannot be read.
+    Raises `FileError`: the file cannot be read.
     """
     with InputFile(path) as given, given.hdf5() as file:
         return sorted(time for time, _ in _observations(file))
@@ -44,22 +44,22 @@ def volume_times(path: str | os.PathLike[str]) -> list[float]:
 def read_spectre_volume(
     paths: Sequence[str | os.PathLike[str]], time: float, box: tuple[Floats, Floats] | None = None
 ) -> ElementGrid:
-    """Slice at a time.
+    """Read the slice at a time.
 
     Parameters
     ----------
     paths : sequence of paths
-        All files of the run that have elements at this time.
+        All files of the run with elements at this time.
     time : float
-        One of those that `volume_times` gives.
+        Time from `volume_times`.
     box : pair of ndarray, each of shape (3,), optional
-        The lower and the upper corner of a box: only elements that may be in it are read.
+        Lower and upper corner of a box; only elements that may intersect it are read.
 
     Raises
     ------
     FileError
-        A file cannot be read, or lacks something; no element is in the box; or elements have bases that are
-        no polynomials in all three directions.
+        A file cannot be read or is incomplete, no element is in the box, or the basis of an element is not
+        polynomial in all three directions.
     """
     elements = [element for path in paths for element in _elements(path, time, box)]
     if not elements:
@@ -69,9 +69,9 @@ def read_spectre_volume(
 
 
 def volume_arrays(path: str | os.PathLike[str], time: float) -> Iterator[tuple[str, NDArray[Any]]]:
-    """All arrays of a slice in one file by their names, one after the other.
+    """Iterate over the names and arrays of a slice in one file.
 
-    Raises `FileError`: as of `read_spectre_volume`.
+    Raises `FileError`: see `read_spectre_volume`.
     """
     with InputFile(path) as given, given.hdf5() as file:
         group = _at(file, time, path)
@@ -159,13 +159,13 @@ def _values(group: Any, name: str, stops: NDArray[np.int64], path: str | os.Path
 def _component(
     group: Any, name: str, pair: str, stops: NDArray[np.int64], path: str | os.PathLike[str]
 ) -> Floats:
-    """A component of a symmetric tensor, which may be called xy or yx."""
+    """Component of a symmetric tensor, named xy or yx."""
     turned = name + pair[::-1]
     return _values(group, turned if turned in group else name + pair, stops, path)
 
 
 def _is_near(points: list[Floats], low: Floats, high: Floats) -> bool:
-    """Whether an element may be in a box."""
+    """Whether an element may intersect a box."""
     least, most = (np.array([end(axis) for axis in points]) for end in (np.min, np.max))
     room = BULGE * (most - least)
     return bool(((most + room >= low) & (least - room <= high)).all())
@@ -205,4 +205,4 @@ NODES: dict[tuple[str, str], Callable[[int], Floats]] = {
     ("Chebyshev", "Gauss"): lambda n: -np.cos((2 * np.arange(n) + 1) * np.pi / (2 * n)),
     ("Chebyshev", "GaussLobatto"): lambda n: -np.cos(np.arange(n) * np.pi / (n - 1)),
 }
-"""Nodes between -1 and 1, in order."""
+"""Nodes between -1 and 1, in increasing order."""

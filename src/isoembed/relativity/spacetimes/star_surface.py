@@ -1,4 +1,4 @@
-"""Star-shaped surfaces in a slice: the radius by direction in spherical harmonics."""
+"""Star-shaped surfaces in a slice, with the radius in spherical harmonics."""
 
 from __future__ import annotations
 
@@ -28,22 +28,21 @@ from isoembed.surface.estimate import percent
 @short_repr
 @dataclass(frozen=True, eq=False)
 class StarSurface(Surface):
-    """The surface ``X(u) = center + r(u) u``, u the unit vectors.
+    """Star-shaped surface ``X(u) = center + r(u) u`` over unit vectors u.
 
     Attributes
     ----------
     center : three floats
     harmonics : Harmonics
     coefficients : ndarray, shape (harmonics.size,)
-        Those of r, lengths.
+        Coefficients of r, lengths.
     misfit : float
-        How far r is from what it was made from, a length, root-mean-square: from the function at directions
-        that were not used, or from the points.
+        Root-mean-square difference of r from the given function at other directions, or from the points.
     deviations : ndarray, shape (N, size), optional
-        Of points: by what the coefficients may be off, drawn at random, in the harmonics of
-        `isoembed.smooth.scattered_fit.deviating`; without them, noise of the size of the misfit.
+        Random samples of the error of the coefficients of a fit to points, in the harmonics of
+        `isoembed.smooth.scattered_fit.deviating`; by default noise of the size of the misfit.
     notes : tuple of str
-        Which points were left out, for reports.
+        Notes on omitted points, for reports.
 
     Raises
     ------
@@ -72,7 +71,7 @@ class StarSurface(Surface):
 
     @classmethod
     def sphere(cls, center: Sequence[float], radius: float) -> StarSurface:
-        """The coordinate sphere with this center and radius."""
+        """Coordinate sphere with a given center and radius."""
         positive_number("the radius", radius)
         return cls(center, Harmonics(0, 0), np.array([radius * np.sqrt(4.0 * np.pi)]))
 
@@ -85,18 +84,18 @@ class StarSurface(Surface):
         Parameters
         ----------
         radius : callable
-            Takes unit vectors u (n, 3) and returns r (n,); smooth.
+            Smooth function that takes unit vectors u (n, 3) and returns r (n,).
         center : three floats
 
         Raises
         ------
         InvalidParameter
-            A radius is not positive, or harmonics up to degree 128 miss it by more than a millionth; the
+            A radius is not positive, or the relative error exceeds 1e-6 with harmonics up to degree 128; the
             message says which.
 
         Notes
         -----
-        What is missed, where it is more than rounding, is the ``misfit``.
+        The truncation error, if larger than rounding, is the ``misfit``.
         """
         if not callable(radius):
             raise InvalidParameter(
@@ -110,7 +109,7 @@ class StarSurface(Surface):
     def from_angles(
         cls, radius: Callable[[Floats, Floats], ArrayLike], center: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> StarSurface:
-        """Projection of a radius that is given by angles; see `from_radius`.
+        """Projection of a radius given as a function of angles; see `from_radius`.
 
         Parameters
         ----------
@@ -133,23 +132,23 @@ class StarSurface(Surface):
     def from_points(
         cls, points: ArrayLike, center: Sequence[float], faces: Indices | None = None
     ) -> StarSurface:
-        """Least squares fit of harmonics to points, weighted by the solid angles that they stand for.
+        """Least-squares fit of harmonics to points, weighted by their solid angles.
 
-        The degree is the one of least generalized cross-validation, at most 40.  Single outliers are left
-        out, and named in the ``notes``; see `isoembed.smooth.scattered_fit.fitted`.
+        The degree, at most 40, is chosen by generalized cross-validation.  Isolated outliers are omitted and
+        named in the ``notes``; see `isoembed.smooth.scattered_fit.fitted`.
 
         Parameters
         ----------
         points : array_like, shape (m, 3)
-            One on each ray from the center; points given twice do no harm.
+            Points, one on each ray from the center; duplicates are allowed.
         center : three floats
         faces : ndarray of int, shape (F, 3), optional
-            The convex hull of the directions from the center, if it is at hand.
+            Convex hull of the directions from the center, if already computed.
 
         Raises
         ------
         InvalidParameter
-            The points are too few, not finite, at the center, or do not surround it.
+            There are too few points, one is not finite or at the center, or they do not surround it.
         """
         c = vector("the center", center)
         x = checked_points(points)
@@ -166,11 +165,11 @@ class StarSurface(Surface):
 
     @property
     def mean_radius(self) -> float:
-        """The mean of the radius over all directions."""
+        """Mean of the radius over all directions."""
         return float(self.coefficients[0] / np.sqrt(4.0 * np.pi))
 
     def radius(self, u: Floats) -> Floats:
-        """The radius (n,) in the directions u (n, 3)."""
+        """Radius (n,) in the directions u (n, 3)."""
         return self.harmonics.derivatives(as_directions(u), self.coefficients)[0]
 
     def data(
@@ -185,9 +184,9 @@ class StarSurface(Surface):
         Raises
         ------
         InvalidMetric
-            See there.
+            See `Surface.data`.
         InvalidParameter
-            The surface passes through a black hole of the slice: no node may fall on it.
+            The surface passes through a black hole of the slice.
         """
         check_geometry(geometry)
         for _, position in geometry.black_holes:

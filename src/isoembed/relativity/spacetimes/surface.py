@@ -22,24 +22,24 @@ from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.two_metric import angle_frame
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
 
-ON_SURFACE = 1e-9  # relative distance of a black hole that is on the surface
+ON_SURFACE = 1e-9  # largest relative distance of a black hole on the surface
 
 
 class Surface(ABC):
-    """A closed surface X(u), u the unit vectors: a smooth map of the unit sphere with the outside outside.
+    """Closed surface X(u) over unit vectors u: a smooth orientation-preserving map of the unit sphere.
 
     Attributes
     ----------
     center : three floats
-        About which torques are.
+        Center for torques.
     harmonics : Harmonics
-        In which it is given.
+        Harmonics of its representation.
     misfit : float
-        How far it is from what it was made from, a length, root-mean-square.
+        Root-mean-square distance from the data that it represents.
     deviations : ndarray, shape (N, ...), optional
-        By what its coefficients may be off, drawn at random; without them, noise of the size of the misfit.
+        Random samples of the error of its coefficients; by default noise of the size of the misfit.
     notes : tuple of str
-        For reports.
+        Notes for reports.
     """
 
     center: Sequence[float]
@@ -51,34 +51,34 @@ class Surface(ABC):
     @property
     @abstractmethod
     def mean_radius(self) -> float:
-        """Size in the coordinates of the slice, a length."""
+        """Mean radius in slice coordinates."""
 
     @abstractmethod
     def jet(self, u: Floats) -> Jet:
-        """The map to second order in the directions u (n, 3)."""
+        """Second-order jet of the map in the directions u (n, 3)."""
 
     @abstractmethod
     def deviating(self, u: Floats) -> Iterator[Jet]:
-        """Maps that this one might be, for errors."""
+        """Jets of random samples of the surface within its errors."""
 
     def points(self, u: Floats) -> Floats:
-        """The points X (n, 3) in the directions u (n, 3)."""
+        """Points X (n, 3) in the directions u (n, 3)."""
         return self.jet(as_directions(u)).x
 
     def differential(self, u: Floats) -> Floats:
-        """The differential dX (n, 3, 3): ``dX @ v`` is the derivative of X along a tangent vector v."""
+        """Differential dX (n, 3, 3): ``dX @ v`` is the derivative of X along a tangent vector v."""
         u = as_directions(u)
         return np.einsum("nai,naj->nij", self.jet(u).first, np.stack(angle_frame(u), axis=1))
 
     def local_geometry(self, geometry: ThreeGeometry, u: Floats) -> LocalGeometry:
-        """The local geometry of the surface in a slice, in the directions u (n, 3)."""
+        """Local geometry of the surface in a slice, in the directions u (n, 3)."""
         check_geometry(geometry)
         jet = self.jet(as_directions(u))
         check_members(geometry, jet.x)
         return LocalGeometry.of(geometry, jet)
 
     def metric(self, geometry: ThreeGeometry) -> InducedMetric:
-        """The metric that the geometry induces on the surface."""
+        """Induced metric of the surface."""
         return InducedMetric(self, geometry)
 
     def mean_curvature(self, geometry: ThreeGeometry, u: Floats) -> Floats:
@@ -94,20 +94,20 @@ class Surface(ABC):
         return self.local_geometry(geometry, u).normal_momentum()
 
     def expansion(self, geometry: ThreeGeometry, u: Floats) -> Floats:
-        """``theta_+ = k - p`` (n,) of the light rays that leave outward; zero on an apparent horizon."""
+        """``theta_+ = k - p`` (n,), the expansion of outgoing light rays; zero on an apparent horizon."""
         return self.local_geometry(geometry, u).expansion
 
     def angular_momentum(self, geometry: ThreeGeometry, axis: Sequence[float]) -> float:
         """``J = 1 / (8 pi) int K_ij phi^i n^j dA``, a length squared, with ``phi = axis x (x - center)``.
 
-        It means something where phi is a symmetry of the surface, or nearly so.  The axis is found by
-        `isoembed.relativity.find_spin`.
+        It is meaningful if phi is an approximate symmetry of the surface; see `isoembed.relativity.find_spin`
+        for the axis.
 
         Parameters
         ----------
         geometry : ThreeGeometry
         axis : three floats
-            Of any length but zero.
+            Nonzero vector.
         """
         a, center = np.array(_unit("the axis", axis)), np.array(self.center)
         n, before = self.harmonics.degree + 8, np.inf
@@ -116,7 +116,7 @@ class Surface(ABC):
             local = self.local_geometry(geometry, u)
             density = local.torque(center) @ a * weights * local.density / (8.0 * np.pi)
             J, size = float(density.sum()), float(np.abs(density).sum())
-            if abs(J - before) <= 1e-13 * size or n > 128:  # change with more nodes
+            if abs(J - before) <= 1e-13 * size or n > 128:  # converged in the number of nodes
                 return J
             n, before = 2 * n, J
 
@@ -127,20 +127,19 @@ class Surface(ABC):
         marginal: bool = False,
         name: str = "",
     ) -> SurfaceData:
-        """Data of which quasi-local energies are computed.
+        """Data for quasi-local energies.
 
-        Their errors are what the misfit makes, and what the geometry says of its own.
+        Their errors include those from the misfit of the surface and from the geometry.
 
         Parameters
         ----------
         geometry : ThreeGeometry
         axis : three floats, optional
-            The axis that the angular momentum is asked about.  By default it is found: see
-            `isoembed.relativity.find_spin`.
+            Axis of the angular momentum; by default determined by `isoembed.relativity.find_spin`.
         marginal : bool
-            The surface is a horizon: the mean curvature vector is null by definition.
+            Whether the surface is a horizon, so that the mean curvature vector is null by definition.
         name : str
-            For reports.
+            Name for reports.
 
         Raises
         ------
@@ -182,14 +181,14 @@ class Surface(ABC):
 
 @dataclass(frozen=True)
 class InducedMetric:
-    """The metric that a slice induces on a surface; a `isoembed.smooth.TwoMetric`.
+    """Induced metric of a surface in a slice; a `isoembed.smooth.TwoMetric`.
 
     Attributes
     ----------
     surface : Surface
     geometry : ThreeGeometry
     error : Uncertainty
-        Of lengths, relative.
+        Relative errors of lengths.
     """
 
     surface: Surface
@@ -201,7 +200,7 @@ class InducedMetric:
         return self.surface.local_geometry(self.geometry, u).q
 
     def deviations(self, u: Floats) -> tuple[Floats, ...]:
-        """Changes (N, n, 3, 3) of the tensor that the surface's deviations and the slice's error make.
+        """Changes (N, n, 3, 3) of the tensor from deviations of the surface and errors of the slice.
 
         See `isoembed.smooth.uncertain_curvature.DeviatingMetric`.
         """
@@ -215,7 +214,7 @@ class InducedMetric:
 
 
 def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:
-    """A vector of length one along a given one."""
+    """Unit vector along a given vector."""
     x = np.array(vector(what, given))
     if not x.any():
         raise InvalidParameter(f"{what} must not be zero")
@@ -225,7 +224,7 @@ def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:
 
 
 def as_directions(u: ArrayLike) -> Floats:
-    """The directions as an array (n, 3); `InvalidParameter` if they are not directions."""
+    """Checked directions (n, 3).  Raises `InvalidParameter`: they are not directions."""
     array = numbers(u)
     if array.ndim != 2 or array.shape[1] != 3:
         raise InvalidParameter(f"directions must be unit vectors (n, 3), not an array {array.shape}")

@@ -1,4 +1,4 @@
-"""Energy data of a surface: induced metric, mean curvature, momentum."""
+"""Data of a surface for quasi-local energies: induced metric, mean curvature, momentum."""
 
 from __future__ import annotations
 
@@ -24,63 +24,62 @@ from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
 @short_repr
 @dataclass(frozen=True)
 class SurfaceData:
-    """A closed surface in a slice of spacetime, as functions of the direction u on the unit sphere.
+    """Closed surface in a slice of spacetime, as functions of the direction u on the unit sphere.
 
-    Functions that are `UncertainFunction` bring their errors, which reach the energies; others count as
-    exact.  On a grid, arrays (n, m) at its nodes do instead of functions.
+    Errors of functions of type `UncertainFunction` are propagated to the energies; others are treated as
+    exact.  For a metric on a grid, arrays (n, m) at its nodes may replace functions.
 
     Attributes
     ----------
     metric : TwoMetric
-        The metric that the slice induces on the surface.
+        Induced metric of the surface.
     mean_curvature : callable, optional
         Takes u (n, 3) and returns ``k = k1 + k2`` (n,) of the surface in the slice, for the outward normal:
         2 / r for a sphere in flat space.
     momentum : callable, optional
         Takes u and returns ``p = K_ij (gamma^ij - n^i n^j)`` (n,), the trace over the surface of the slice's
-        extrinsic curvature; the mean curvature vector has the norm ``sqrt(k^2 - p^2)``.  Only its square
-        matters.  None where the slice is time-symmetric or p vanishes for another reason.
+        extrinsic curvature; the mean curvature vector has the norm ``sqrt(k^2 - p^2)``.  The sign of p is
+        irrelevant.  None if p vanishes, as in a time-symmetric slice.
     normal_momentum : callable, optional
         Takes u and returns ``j = K(., n)``, n the outward normal in the slice, as tangent vectors (n, 3)
-        whose products with velocities of u are its values; on a grid, the components (2, n, m) for theta and
-        phi.  None where it vanishes or is not known.  The spin is made of it; of the energies only the
-        Christodoulou mass and that of Wang and Yau depend on it.
+        whose products with velocities of u are its values; on a grid, the components (2, n, m) along theta
+        and phi.  None if it vanishes or is not known.  It determines the spin; among the energies only the
+        Christodoulou mass and the Wang-Yau energy depend on it.
     angular_momentum : float, optional
-        J, in units of length^2, where it is known: otherwise it is found from ``normal_momentum``, by
+        J, in units of length^2, if known; otherwise it is computed from ``normal_momentum`` by
         `isoembed.relativity.find_spin`.
     charge : float
         Q, in units of length.
     marginal : bool
-        The surface is a horizon: k^2 = p^2 by definition, whatever the two are by computation.
+        Whether the surface is a horizon: k^2 = p^2 by definition, whatever their computed values.
     doubtful : bool
-        The surface is marginal, but may also be none: what k^2 - p^2 is by computation is its error.
+        Whether a marginal surface may not be a horizon, so that the computed k^2 - p^2 counts as its error.
     displacement : float
-        Of a marginal surface, which may be a little off: by how much lengths on the horizon itself may
-        differ, over the lengths.
+        Relative error of lengths from the displacement of a marginal surface from the horizon.
     relative_error : float, optional
-        By how much lengths are uncertain in the mean, over the lengths; by default what a grid says of
-        itself, and nothing for other metrics.
+        Relative mean error of lengths; by default the error estimate of a metric on a grid, and 0 for other
+        metrics.
     shape : callable, optional
-        Takes u and returns the points (n, 3) of the surface in coordinates of the slice that are nearly
-        Cartesian: the embedded surface is turned onto them.  None where they are not known: it is turned onto
-        the directions.
+        Takes u and returns the points (n, 3) of the surface in nearly Cartesian coordinates of the slice,
+        with which the embedded surface is aligned.  None if not known; it is then aligned with the
+        directions.
     gaussian_curvature : callable, optional
-        Takes u and returns K (n,) as others than the metric tell it, to be compared with that of the metric:
-        see `isoembed.relativity.CurvatureCheck`.
+        Takes u and returns K (n,) from a source other than the metric, for comparison; see
+        `isoembed.relativity.CurvatureCheck`.
     name : str
-        For reports.
+        Name for reports.
     notes : tuple of str
-        What must be known to read the numbers; handed on to the energies.
+        Remarks on the interpretation of the numbers, passed on to the energies.
     axis : three floats, optional
-        A unit vector: the axis that J was asked about, ``angular_momentum`` being that.  By default the axis
-        is found.
+        Unit vector of a requested axis for J, which is then ``angular_momentum``.  By default the axis is
+        computed.
     torque : callable, optional
         Takes u and returns ``K(e x (X - center), n)`` (n, 3), e the unit vectors along the coordinates x, y
-        and z of the slice: 8 pi times the densities of the angular momenta about these axes.  None where
-        there are no such coordinates.
+        and z of the slice: 8 pi times the angular momentum densities about these axes.  None without such
+        coordinates.
     electromagnetic_angular_momentum : float, optional
-        The electromagnetic part of J about the axis of the spin, ``int (A . phi) *F / 4 pi``, where it is
-        known: ``normal_momentum`` gives the part of K_ij only.  Without a charge it is taken for zero.
+        Electromagnetic part of J about the axis of the spin, ``int (A . phi) *F / 4 pi``, if known, as
+        ``normal_momentum`` gives the part of K_ij only.  Zero without charge.
 
     Raises
     ------
@@ -88,7 +87,7 @@ class SurfaceData:
         k, p or K(., n) is not a function, and the metric is not on a grid; or the relative error is negative
         or not a number.
     InvalidMetric
-        Arrays do not fit the grid, hold what is not finite, or their grid is too coarse for them.
+        Arrays do not match the grid or are not finite, or the grid is too coarse for them.
     """
 
     metric: TwoMetric
@@ -140,25 +139,25 @@ class SurfaceData:
         *,
         name: str = "",
     ) -> SurfaceData:
-        """A surface whose metric, k, p and K(., n) are known at the nodes of a grid, with their errors.
+        """Surface with metric, k, p and K(., n) at the nodes of a grid, with their errors.
 
         Parameters
         ----------
         theta, phi : array_like, shapes (n,), (m,)
             See `isoembed.smooth.GridMetric`.
         q : three array_like, shape (n, m)
-            The components q_tt, q_tp and q_pp of the metric.
+            Components q_tt, q_tp and q_pp of the metric.
         k, p : array_like, shape (n, m), optional
             See ``mean_curvature`` and ``momentum``.
         j : two array_like, shape (n, m), optional
-            The components of K(., n) for theta and phi.
+            Components of K(., n) along theta and phi.
         name : str
-            For reports.
+            Name for reports.
 
         Raises
         ------
         InvalidMetric
-            Arrays do not fit together, hold what is not finite or no metric, or the grid is too coarse.
+            Arrays do not match, are not finite or not a metric, or the grid is too coarse.
 
         Examples
         --------
@@ -198,7 +197,7 @@ class SurfaceData:
 
     @property
     def _metric_error(self) -> Uncertainty:
-        """Error of the lengths that the metric itself states, as on grids and for surfaces in slices."""
+        """Error of lengths estimated by the metric itself, as on grids and for surfaces in slices."""
         error = getattr(self.metric, "error", None)
         return error if isinstance(error, Uncertainty) else EXACT
 
@@ -221,7 +220,7 @@ class SurfaceData:
         return self.metric.one_form(meridional, azimuthal, name)
 
     def _check_resolved(self) -> None:
-        """Refuse functions whose grid is too coarse for them."""
+        """Check that the grid resolves the functions."""
         errors = {
             "k": error_of(self.mean_curvature).pointwise,
             "p": error_of(self.momentum).pointwise,
@@ -244,7 +243,7 @@ def _composed(
     function: Callable[[Floats], Floats] | None,
     change: Callable[[Callable[[Floats], Floats], Floats], Floats],
 ) -> Callable[[Floats], Floats] | None:
-    """``change(function, .)``, which keeps the errors of the function, if there is one."""
+    """``change(function, .)`` with the errors of the function, or None without a function."""
     if function is None:
         return None
     if isinstance(function, UncertainFunction):
@@ -253,16 +252,16 @@ def _composed(
 
 
 def values_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
-    """The values (n,) of a function at unit vectors u (n, 3).
+    """Checked values (n,) of a function at unit vectors u (n, 3).
 
-    Raises `InvalidParameter`: they have another shape, or one is not finite; the message calls the function
-    by the name.
+    Raises `InvalidParameter`: the values have a wrong shape, or one is not finite; the message contains
+    the name.
     """
     return _checked(function, u, name, (len(u),))
 
 
 def vectors_of(function: Callable[[Floats], ArrayLike], u: Floats, name: str) -> Floats:
-    """The values (n, 3) of a function at unit vectors u (n, 3); see `values_of`."""
+    """Checked values (n, 3) of a function at unit vectors u (n, 3); see `values_of`."""
     return _checked(function, u, name, u.shape)
 
 
@@ -278,5 +277,5 @@ def _checked(function: Callable[[Floats], ArrayLike], u: Floats, name: str, shap
 
 
 def error_of(function: Callable[[Floats], Floats] | None) -> Uncertainty:
-    """The errors of a function, where it brings some."""
+    """Errors of a function, zero if it has none."""
     return function.error if isinstance(function, UncertainFunction) else EXACT

@@ -14,22 +14,22 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.uncertain import Uncertainty
 
-SURE = 3.0  # standard deviations, in a stated error
+SURE = 3.0  # stated errors in standard deviations
 
 
 @dataclass(frozen=True)
 class SurfaceErrors:
-    """Uncertainty of the data of a surface by that of the surface or its slice.
+    """Errors of the data of a surface, from errors of the surface or its slice.
 
     Attributes
     ----------
     lengths : Uncertainty
-        Relative.
+        Relative errors of lengths.
     mean_curvature, momentum, normal_momentum : Uncertainty
-        Those of k, of p and of K(., n).
+        Errors of k, p and K(., n).
     torque : Uncertainty
-        That of the torques of `SurfaceData`.  In the mean over the surface they are much better known: around
-        a symmetry J does not change with the surface.
+        Errors of the torques of `SurfaceData`.  Their means over the surface are much more accurate, as J
+        about a symmetry axis is independent of the surface.
     """
 
     lengths: Uncertainty
@@ -42,18 +42,18 @@ class SurfaceErrors:
     def of_surface(
         cls, local: LocalGeometry, deviating: Iterable[Jet], center: Floats, weights: Floats
     ) -> SurfaceErrors:
-        """Errors from surfaces that it might be.
+        """Errors from random samples of the surface.
 
         Parameters
         ----------
         local : LocalGeometry
-            At the nodes of a quadrature over the unit sphere.
+            Local geometry at the nodes of a quadrature over the unit sphere.
         deviating : iterable of Jet
-            Of surfaces that it might be, drawn at random, in the same directions.
+            Random samples of the surface within its errors, in the same directions.
         center : ndarray, shape (3,)
-            About which torques are.
+            Center for torques.
         weights : ndarray, shape (n,)
-            Of the quadrature.
+            Weights of the quadrature.
         """
         unit, geometry = _area_unit(local), _geometry(local)
         base = _quantities(local, center, unit)
@@ -62,9 +62,9 @@ class SurfaceErrors:
 
     @classmethod
     def of_slice(cls, local: LocalGeometry, center: Floats, weights: Floats) -> SurfaceErrors:
-        """Errors from what the slice says of its own, with arguments as of `of_surface`.
+        """Errors from those of the slice, with parameters as in `of_surface`.
 
-        Noise on a grid averages out as samples of it show; of other errors averages are wrong by a part.
+        Errors of averages come from samples of the noise on a grid, and from a fraction of other errors.
         """
         unit, own = _area_unit(local), _geometry(local)
 
@@ -73,7 +73,7 @@ class SurfaceErrors:
 
         errors = cls._of(
             *(local, own.error(quantities)[None], weights, unit),
-            averaged=0.3,  # errors of truncation average out in part
+            averaged=0.3,  # truncation errors average out in part
             scattered=0.03,
         )
         base = _quantities(local, center, unit)
@@ -93,9 +93,9 @@ class SurfaceErrors:
     ) -> SurfaceErrors:
         """Errors from changes (N, 9, n) of the quantities at the nodes of a quadrature.
 
-        Averages are wrong by a share of those of the changes, and of their sizes at least.
+        Errors of averages are the larger of given fractions of the averaged and root-mean-square changes.
         """
-        harmonics = Harmonics(2, 2)  # smoother averages are less wrong
+        harmonics = Harmonics(2, 2)  # weights of the averages
         smooth = weights[:, None] * harmonics.values(local.jet.u)
         # Each degree has half the weight of the one below.
         smooth *= 0.5 ** harmonics.labels[0] / np.sqrt(4.0 * np.pi)
@@ -130,12 +130,12 @@ def _geometry(local: LocalGeometry) -> ThreeGeometry:
 
 
 def _area_unit(local: LocalGeometry) -> float:
-    """The mean area over that of the unit sphere: squares of densities would under- or overflow."""
+    """Mean area density as a unit, to avoid overflow and underflow of squared densities."""
     return float(local.density.mean())
 
 
 def _quantities(local: LocalGeometry, center: Floats, unit: float) -> Floats:
-    """Logarithms of lengths, k, p, K(., n) and the densities of torques of a surface, (9, n)."""
+    """Logarithms of lengths, k, p, K(., n) and torque densities of a surface, (9, n)."""
     density = local.density / unit
     lengths = 0.5 * np.log(density)
     if _geometry(local).time_symmetric:

@@ -28,18 +28,17 @@ from isoembed.relativity.spacetimes.differences import (
 from isoembed.smooth.given_functions import array_of, called
 
 Numbers = NDArray[Any]
-"""Real, or complex for derivatives by the complex step."""
+"""Real arrays, or complex ones for complex-step derivatives."""
 
-CHECKED = 32  # points at which members of a user's class are compared, of many
-COMPLEX_STEP = 1e-30  # its square is nothing beside 1
+CHECKED = 32  # largest number of points at which members of a user-defined class are checked
+COMPLEX_STEP = 1e-30  # its square is negligible
 
 
 class ThreeGeometry(ABC):
-    """A spacelike slice, in Cartesian coordinates x, y, z of any kind.
+    """Spacelike slice in Cartesian coordinates x, y, z of any kind.
 
-    Classes of slices are derived from it.  They define `time_symmetric`, `metric`, `gradient`,
-    `extrinsic_curvature` and `error`; the other members have defaults, for slices without black holes at
-    known positions, without a boundary and without a grid.
+    Derived classes define `time_symmetric`, `metric`, `gradient`, `extrinsic_curvature` and `error`; the
+    other members default to a slice without known black holes, without a boundary and without a grid.
     """
 
     @property
@@ -49,17 +48,17 @@ class ThreeGeometry(ABC):
 
     @property
     def black_holes(self) -> tuple[tuple[float, Sequence[float]], ...]:
-        """The mass and the position of each black hole; by default none are known.
+        """Mass and position of each black hole; by default none are known.
 
-        Searches for horizons begin at spheres around them, and surfaces may not pass through them.
+        Searches for horizons start from spheres around them, and surfaces may not pass through them.
         """
         return ()
 
     @property
     def box(self) -> tuple[Floats, Floats] | None:
-        """Lower and upper corner, each (3,), of the box in which the slice is given; None: there is none.
+        """Lower and upper corner, each (3,), of the domain of the slice; None if unbounded.
 
-        Without black holes, searches for horizons begin at the largest sphere in it.
+        Without black holes, searches for horizons start from the largest sphere in it.
         """
         return None
 
@@ -87,13 +86,13 @@ class ThreeGeometry(ABC):
 
     @abstractmethod
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        """Errors of a quantity that is computed from the slice, with their signs as far as they are known.
+        """Errors of a quantity computed from the slice, with their signs if known.
 
         Parameters
         ----------
         quantity : callable
-            Takes a slice, this one or the same to another accuracy, and returns an array (c, n): c quantities
-            at n points.
+            Takes a slice, this one or an approximation of different accuracy, and returns an array (c, n) of
+            c quantities at n points.
 
         Returns
         -------
@@ -101,19 +100,19 @@ class ThreeGeometry(ABC):
         """
 
     def deviating(self, x: Floats) -> Iterator[ThreeGeometry]:
-        """Samples of the slice, near the points x (n, 3), under the noise of its data; by default none."""
+        """Random samples of the slice within the noise of its data, near x (n, 3); by default none."""
         yield from ()
 
     def least_diameter(self, x: Floats) -> float:
-        """The diameter, in coordinates, of the smallest horizon that a grid resolves at the points x (n, 3).
+        """Coordinate diameter of the smallest horizon resolved by a grid at the points x (n, 3).
 
-        By default 0: there is no grid.  Failed searches for smaller horizons say that the grid is too coarse.
+        By default 0, without a grid.  It is used to explain failed searches for smaller horizons.
         """
         return 0.0
 
 
 def check_geometry(given: object) -> None:
-    """Refuse with an `InvalidParameter` what is no slice, such as a function."""
+    """Check that an object is a slice.  Raises `InvalidParameter`: it is not, but a function, for example."""
     if not isinstance(given, ThreeGeometry):
         advice = (
             "AnalyticCallable and CallableGeometry make one of a function"
@@ -124,13 +123,13 @@ def check_geometry(given: object) -> None:
 
 
 def check_members(geometry: ThreeGeometry, x: Floats) -> None:
-    """Check a slice of a class outside this package at some of the points x (n, 3).
+    """Check a slice of a user-defined class at some of the points x (n, 3).
 
     Raises
     ------
     InvalidParameter
-        An array has another shape, the gradient is not that of the metric, or a slice that is said to be
-        time-symmetric has an extrinsic curvature.
+        An array has a wrong shape, the gradient is not that of the metric, or a slice declared time-symmetric
+        has a nonzero extrinsic curvature.
     """
     kind = type(geometry)
     if kind.__module__.split(".")[0] == __name__.split(".")[0]:
@@ -160,7 +159,7 @@ def check_members(geometry: ThreeGeometry, x: Floats) -> None:
 
 
 class AnalyticGeometry(ThreeGeometry):
-    """A slice whose metric is a formula that holds for complex coordinates: it has exact derivatives."""
+    """Slice with a metric that accepts complex coordinates, for exact derivatives."""
 
     @property
     def time_symmetric(self) -> bool:
@@ -185,7 +184,7 @@ class AnalyticGeometry(ThreeGeometry):
 
 
 class DerivedGeometry(ThreeGeometry):
-    """Slice on a grid with another interpolation, and with the other properties of the grid."""
+    """Slice on a grid with another interpolation and otherwise the same properties."""
 
     grid: ThreeGeometry
 
@@ -200,7 +199,7 @@ class DerivedGeometry(ThreeGeometry):
 
 
 class _Callables(ThreeGeometry):
-    """A slice given by functions of x (n, 3)."""
+    """Slice given by functions of x (n, 3)."""
 
     gamma: Callable[[Numbers], ArrayLike]
     K: Callable[[Floats], ArrayLike] | None
@@ -229,15 +228,15 @@ class _Callables(ThreeGeometry):
 
 @dataclass(frozen=True)
 class AnalyticCallable(_Callables, AnalyticGeometry):
-    """A slice given by functions, of which that of the metric takes complex coordinates, too.
+    """Slice given by functions, with a metric that accepts complex coordinates.
 
-    No absolute value, norm, real part, maximum, conjugate or ``arctan2`` may occur in it, nor an array of
-    floats that it fills: write ``np.sqrt((x**2).sum(axis=1))`` for a radius, and make arrays of ``x.dtype``.
+    The metric must not use absolute values, norms, real parts, maxima, conjugates or ``arctan2``, or fill
+    arrays of floats: write ``np.sqrt((x**2).sum(axis=1))`` for a radius, and create arrays of ``x.dtype``.
 
     Raises
     ------
     InvalidParameter
-        The derivatives of the metric differ from central differences, which are taken at a few points.
+        The derivatives of the metric differ from central differences at a few points.
 
     Attributes
     ----------
@@ -266,25 +265,24 @@ class AnalyticCallable(_Callables, AnalyticGeometry):
 
 @dataclass(frozen=True)
 class CallableGeometry(_Callables):
-    """A slice given by any functions, differentiated by central differences of sixth order.
+    """Slice given by arbitrary functions, differentiated by central differences of sixth order.
 
     Attributes
     ----------
     gamma : callable
         Takes x (n, 3) and returns ``gamma_ij`` (n, 3, 3).
     length : float
-        The distance to the nearest hole, or over which the metric varies otherwise: steps are 1/256 of it,
-        and the gradient of ``1 + length / r`` at r = length is right to a few 1e-14.  With a tenth of it the
-        rounding is ten times as large, and so are the errors of energies; with ten times it, the differences
-        reach across the hole.
+        Distance to the nearest hole, or another length scale of the metric.  Steps are 1/256 of it, and the
+        gradient of ``1 + length / r`` at r = length is accurate to a few 1e-14.  With a tenth of this length,
+        rounding and errors of energies are ten times as large; with ten times this length, the differences
+        extend across the hole.
     K : callable, optional
         Takes x (n, 3) and returns ``K_ij`` (n, 3, 3); without it the slice is time-symmetric.
 
     Raises
     ------
     InvalidParameter
-        The length is not positive, or the gradient differs from those of shorter steps, which are
-        taken at a few points.
+        The length is not positive, or the gradient differs from that with shorter steps at a few points.
     """
 
     gamma: Callable[[Floats], ArrayLike]
@@ -298,7 +296,7 @@ class CallableGeometry(_Callables):
     def gradient(self, x: Floats) -> Floats:
         """See `ThreeGeometry`."""
         gradient = self._differentiated(x, SIXTH)
-        # Finer steps alone: beside them coarser ones may be right where noise is large.
+        # Finer steps only, as coarser ones may agree for large noise.
         wrong = disagreement(self.metric, x, gradient, relative=1e-3, step=self._step / 8.0)
         if wrong:
             raise InvalidParameter(
@@ -308,7 +306,7 @@ class CallableGeometry(_Callables):
         return gradient
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        """See `ThreeGeometry`: what differences of eighth order tell, of noise and rounding a tenth."""
+        """See `ThreeGeometry`: change to eighth-order differences, a tenth of noise and rounding."""
         eighth = _EighthOrder(self.gamma, self.length, self.K)
         return np.asarray(10.0 * (quantity(eighth) - quantity(self)))
 
@@ -317,7 +315,7 @@ class CallableGeometry(_Callables):
 
     @property
     def _step(self) -> float:
-        return self.length / 256.0  # truncation is as large as rounding
+        return self.length / 256.0  # balances truncation and rounding
 
 
 class _EighthOrder(CallableGeometry):
@@ -341,7 +339,7 @@ def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
     Returns
     -------
     ndarray, shape (n, 3, ...)
-        The derivative in the k-th coordinate at [:, k].
+        Derivative with respect to the k-th coordinate at [:, k].
 
     References
     ----------
@@ -355,7 +353,7 @@ def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
 def stationary_curvature(
     gradient: Floats, metric: Floats, lapse: Floats, shift: Floats, d_shift: Floats
 ) -> Floats:
-    """``K_ij = (D_i beta_j + D_j beta_i) / (2 alpha)`` (n, 3, 3) of a slice that does not change with time.
+    """``K_ij = (D_i beta_j + D_j beta_i) / (2 alpha)`` (n, 3, 3) of a stationary slice.
 
     Parameters
     ----------
@@ -363,7 +361,7 @@ def stationary_curvature(
         ``d_k gamma_ij`` (n, 3, 3, 3) and ``gamma_ij`` (n, 3, 3).
     lapse : ndarray, shape (n,)
     shift : ndarray, shape (n, 3)
-        ``beta_i``, the index below.
+        ``beta_i``, with lowered index.
     d_shift : ndarray, shape (n, 3, 3)
         ``d_i beta_j``.
 

@@ -15,7 +15,7 @@ from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry
 
 
 class _Transformed(ThreeGeometry):
-    """A slice made of another one, ``geometry``; the messages of that name its own points."""
+    """Transformation of another slice, ``geometry``, whose messages name points in its own coordinates."""
 
     geometry: ThreeGeometry
 
@@ -72,7 +72,7 @@ class _Transformed(ThreeGeometry):
         return self.geometry.least_diameter(self._there(x))
 
     def _of(self, geometry: ThreeGeometry) -> Self:
-        """The same transformation of another slice."""
+        """Same transformation of another slice."""
         return replace(self, geometry=geometry)  # type: ignore[type-var] # subclasses are dataclasses
 
     @abstractmethod
@@ -81,17 +81,18 @@ class _Transformed(ThreeGeometry):
 
     @abstractmethod
     def _here(self, x: Floats) -> Floats:
-        """A point (3,) of the other slice in the coordinates of this one."""
+        """Point (3,) of the other slice in the coordinates of this one."""
 
 
 @dataclass(frozen=True)
 class Translated(_Transformed):
-    """A slice that is moved: what was at the origin is at a center.
+    """Translated slice, with the original origin at a center.
 
     Attributes
     ----------
     geometry : ThreeGeometry
-        Such as `KerrSchild`, whose hole is at the origin.  Its messages name points from there.
+        Slice to translate, such as `KerrSchild` with the hole at the origin.  Its messages name points
+        relative to the center.
     center : three floats
     """
 
@@ -110,7 +111,7 @@ class Translated(_Transformed):
 
 @dataclass(frozen=True, eq=False)
 class RotatedFrame(_Transformed):
-    """A slice in rotated and translated coordinates y, with ``x = origin + rotation y`` its own.
+    """Slice in rotated and translated coordinates y, with original coordinates ``x = origin + rotation y``.
 
     Attributes
     ----------
@@ -126,7 +127,7 @@ class RotatedFrame(_Transformed):
 
     @property
     def box(self) -> tuple[Floats, Floats] | None:
-        """See `ThreeGeometry`: the cube in the largest sphere of the other box."""
+        """See `ThreeGeometry`: the cube inscribed in the largest sphere of the other box."""
         if self.geometry.box is None:
             return None
         low, high = np.asarray(self.geometry.box, dtype=np.float64)
@@ -157,7 +158,7 @@ class RotatedFrame(_Transformed):
 
 @dataclass(frozen=True)
 class ScaledCurvature(_Transformed):
-    """The metric of a slice with ``factor * K_ij``, for continuation from a time-symmetric one."""
+    """Metric of a slice with ``factor * K_ij``, for continuation from a time-symmetric slice."""
 
     geometry: ThreeGeometry
     factor: float
