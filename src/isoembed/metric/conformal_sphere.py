@@ -234,7 +234,7 @@ class _Plane:
         return self._extended(np.concatenate([[0], np.cumsum(steps)[:-1]]), weights)
 
     def tutte(self) -> Points:
-        """Tutte embedding in a regular polygon, with vertices at means of their neighbors, for any lengths."""
+        """Tutte embedding in a regular polygon, vertices at means of their neighbors, for any lengths."""
         corners = np.exp(2j * np.pi * np.arange(len(self.ring)) / len(self.ring))
         return self._extended(corners, np.ones(self.triangulation.n_edges))
 
