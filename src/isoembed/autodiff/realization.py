@@ -60,7 +60,7 @@ class Linearized:
         return self._aligned(self.derivatives.boundary_jvp(changes))
 
     def boundary_vjp(self, gradient: Floats) -> Floats:
-        """Derivatives with respect to the boundary data, in their shape, from those by the vertices, (V, 3)."""
+        """Derivatives with respect to the boundary data, in its shape, from those by the vertices, (V, 3)."""
         if not isinstance(self.derivatives, SheetDerivatives):
             return np.zeros(0)
         return self.derivatives.boundary_vjp(self._unaligned(gradient))

@@ -1,7 +1,7 @@
 """Newton's method and the Gauss-Newton method on arrays: residual, linear solve, step.
 
-Newton's method solves ``J d = r`` for the step ``x - d``.  If there are more equations than unknowns, d is the
-least-squares solution (Gauss-Newton); if there are fewer, the minimum-norm solution.
+Newton's method solves ``J d = r`` for the step ``x - d``.  If there are more equations than unknowns, d is
+the least-squares solution (Gauss-Newton); if there are fewer, the minimum-norm solution.
 """
 
 from collections.abc import Callable

@@ -1,10 +1,10 @@
 """Space of constant curvature, and its points.
 
 A point is ``X = (x, w)`` on the hyperboloid ``w^2 = 1 - k |x|^2`` in Minkowski space, or on the sphere with
-this equation in R^4; it is stored as x, which is a length.  A point at distance r from the origin in direction
-u has ``x = sn(r) u`` and ``w = cs(r)``.  In Euclidean space k = 0, w = 1 and x is the point itself, and all
-formulas tend to this case, to rounding, as k tends to zero.  For the sphere, x represents the open hemisphere
-about the origin.
+this equation in R^4; it is stored as x, which is a length.  A point at distance r from the origin in
+direction u has ``x = sn(r) u`` and ``w = cs(r)``.  In Euclidean space k = 0, w = 1 and x is the point itself,
+and all formulas tend to this case, to rounding, as k tends to zero.  For the sphere, x represents the open
+hemisphere about the origin.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ class Space:
         d = x - y
         if self.is_euclidean:
             return np.linalg.norm(d, axis=-1)
-        # Conformal coordinates have the least cancellation for points far from the origin of hyperbolic space.
+        # Conformal coordinates have the least cancellation far from the origin of hyperbolic space.
         here, there = self.heights(x), self.heights(y)
         drop = self.curvature * np.einsum("...i,...i->...", d, x + y) / (here + there)
         moved = (1 + there)[..., None] * d + drop[..., None] * y
