@@ -1,7 +1,8 @@
 """Derivative of the bending forces with respect to edge lengths, by central differences of local fits.
 
-The fit at a vertex depends on the edges between vertices of its chart.  Edges in disjoint charts are changed
-together (graph coloring): some fifty assemblies of the energy in either direction, for any number of vertices.
+The fit at a vertex depends on the edges between vertices of its chart.  Edges without a common chart are
+changed together (graph coloring): some fifty assemblies of the energy in either direction, for any number of
+vertices.
 """
 
 from __future__ import annotations

@@ -48,8 +48,8 @@ FLAT = 1e-6  # thickness over size below which a curve is planar
 def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterator[tuple[Floats, float]]:
     """Initial surfaces, (V, 3), each with the first epsilon over the area.
 
-    First the harmonic one, with every inner vertex at the mean of its neighbors; then surfaces with bumps, and
-    with a bump beside a dent.
+    First the harmonic one, with every inner vertex at the mean of its neighbors; then surfaces with bumps,
+    and with a bump beside a dent.
     """
     t = lengths.triangulation
     laplacian = csr_array(diags_array(t.degrees.astype(np.float64)) - t.adjacency)

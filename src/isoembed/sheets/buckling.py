@@ -1,9 +1,9 @@
 """Buckling modes of a flat sheet: initial surfaces with two, three and more waves.
 
-A sheet constrained to a plane is stretched in some places and compressed in others.  With decreasing thickness
-it buckles into successive modes: for a displacement w normal to the plane, the stretching forces are ``L w``,
-the bending forces ``2 epsilon Q w``, and they balance if ``-L w = 2 epsilon Q w``.  On a round disc with K <
-0 the modes are pairs of equal epsilon that differ by a rotation, with two, three, ... waves.
+A sheet constrained to a plane is stretched in some places and compressed in others.  With decreasing
+thickness it buckles into successive modes: for a displacement w normal to the plane, the stretching forces
+are ``L w``, the bending forces ``2 epsilon Q w``, and they balance if ``-L w = 2 epsilon Q w``.  On a round
+disc with K < 0 the modes are pairs of equal epsilon that differ by a rotation, with two, three, ... waves.
 """
 
 from __future__ import annotations

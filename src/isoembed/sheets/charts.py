@@ -18,8 +18,8 @@ class Charts:
     """Plane coordinates of the neighbors of each vertex, which is at the origin.
 
     The triangles at a vertex are flattened: inside the surface, angles are scaled to sum to a full turn.
-    Each triangle beyond one of them is unfolded and, at a boundary, where neighbors are on one side only, each
-    triangle beyond those.  Rows are sorted by center.
+    Each triangle beyond one of them is unfolded and, at a boundary, where neighbors are on one side only,
+    each triangle beyond those.  Rows are sorted by center.
 
     Attributes
     ----------
