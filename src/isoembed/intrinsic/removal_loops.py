@@ -168,9 +168,7 @@ def _thin_out(v: Int, mesh: Mesh, carried: Tracked) -> cython.bint:
         h = carried.leaving[v]
         surplus = edges = degree(h, mesh.twins, mesh.twins.shape[0])
         for _ in range(edges):
-            if surplus > MAX_DEGREE and flip_tracked(
-                h, mesh, carried, thinnest
-            ):  # h still leaves v
+            if surplus > MAX_DEGREE and flip_tracked(h, mesh, carried, thinnest):  # h still leaves v
                 surplus -= 1
             h = mesh.twins[preceding(h)]
         if surplus < edges:
