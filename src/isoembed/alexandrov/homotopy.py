@@ -369,7 +369,7 @@ def _unit(start: int, deficits: Floats) -> Floats | float:
     """Scale of the curvatures on the path from this start."""
     if start < len(START_RADII):
         return 1.0
-    return np.sqrt(np.maximum(deficits, 1e-6 * deficits.max()))
+    return np.sqrt(np.maximum(deficits, 1e-6 * deficits.max()))  # smaller ones need no scale of their own
 
 
 def _norm(curvatures: Floats, unit: Floats | float) -> float:

@@ -337,7 +337,7 @@ def _polyhedron(
         if isinstance(found, Solution):
             return found
         if isinstance(found, Stalled):
-            if found.polytope.radii.size <= 4_000:
+            if found.polytope.radii.size <= 4_000:  # vertices of a body that is not large
                 body = relaxed_polytope(found.polytope, work)
                 if body is not None and body.is_sure:
                     return body

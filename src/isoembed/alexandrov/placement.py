@@ -51,7 +51,7 @@ def around_apex(solution: Solution) -> Floats:
     p = solution.polytope
     directions = np.zeros((p.radii.size, 3))
     directions[solution.pins] = np.eye(3)
-    directions += solution.solve(p.times_jacobian(directions), 1e-12)[0]
+    directions += solution.solve(p.times_jacobian(directions), 1e-12)[0]  # residual for a kernel
     # These are the directions up to a linear map B: fit G = B B^T to |x_i| = sn(r_i) and |x_i - x_j|.
     i, j, lengths = _edges(p)
     lengths = ambient_lengths(p.space, lengths, p.radii[i], p.radii[j])

@@ -117,7 +117,7 @@ class MetricMesh:
             if beyond < least:
                 best, least = mesh.copy(), beyond
             much = spent > MAX_GEODESICS * len(mesh.tables.corners) / 2.0
-            if bad == 0 or stale == 40 or much:
+            if bad == 0 or stale == 40 or much:  # sweeps without progress
                 break
             # after every eight sweeps without progress, vertices one edge farther away move, too
             moved = mesh._about(beyond_each > 0.0, RINGS + stale // 8) & everywhere

@@ -105,7 +105,7 @@ def _minimized(energy: _Distortion, u: Floats) -> Floats:
             if length < 1e-10:  # no descent
                 return u
         memory.add(v - u, new_slope - slope)
-        settled = value - new <= 1e-5 * value
+        settled = value - new <= 1e-5 * value  # negligible decrease
         u, value, slope = v, new, new_slope
         if settled:
             break

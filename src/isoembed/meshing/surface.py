@@ -81,7 +81,7 @@ def vertex_density(surface: Surface, u: Floats) -> Floats:
     and none takes them from the rest; a sphere stays uniform.
     """
     K, _ = surface._curvatures(u)
-    return 1.0 + 0.1 * np.abs(K) * surface._radius**2
+    return 1.0 + 0.1 * np.abs(K) * surface._radius**2  # weight of curvature relative to area
 
 
 def spread_directions(surface: Surface, square: Floats) -> Floats:

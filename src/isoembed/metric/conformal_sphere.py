@@ -81,7 +81,7 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
         x = _centered(_projected(plane.lay_out(u), plane.pole), weights)
         a, b = metric.edges.T
         # Metrics so long and thin that neighbors coincide on the sphere within rounding have no layout.
-        if (np.linalg.norm(x[a] - x[b], axis=1) > 1e-12).all():
+        if (np.linalg.norm(x[a] - x[b], axis=1) > 1e-12).all():  # neighbors are distinct
             return ConformalSphere(x, True)
     return ConformalSphere(_centered(_projected(plane.tutte(), plane.pole), weights), False)
 
@@ -261,7 +261,7 @@ def _flattened(plane: _Plane, u: Floats, recorder: StageRecorder) -> tuple[_Plan
         if np.abs(g).max() < 1e-10:  # deficits within rounding
             return plane, u, not broken
         if broken:  # degenerate triangles have no second derivative: keep the matrix definite
-            weights = weights + 1e-3
+            weights = weights + 1e-3  # degenerate triangles have zero cotangents
         try:
             step = plane.solve(weights, -g[:, None], zero)[:, 0]
         except SingularMatrix:  # needles
@@ -305,7 +305,7 @@ def _centered(x: Floats, weights: Floats) -> Floats:
     """
     for _ in range(100):
         mean = weights @ x
-        if np.linalg.norm(mean) < 1e-12:
+        if np.linalg.norm(mean) < 1e-12:  # the points are centered
             break
         rapidity = -np.linalg.solve(np.eye(3) - (weights[:, None] * x).T @ x, mean)
         size = float(np.linalg.norm(rapidity))

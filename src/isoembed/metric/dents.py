@@ -80,7 +80,7 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
 
 def _vanishes(total: float, caps: float) -> bool:
     """Whether the total curvature of a patch is that of a dent, given that of its caps."""
-    least, most = np.multiply((-0.5, 0.2), caps)
+    least, most = np.multiply((-0.5, 0.2), caps)  # range of the total curvature relative to the caps
     return bool(least <= total <= most)
 
 
