@@ -1,4 +1,4 @@
 """Alexandrov's theorem: the exact convex polyhedron of a convex metric, and its proof.
 
-Every convex polyhedral metric on the sphere is the surface of one convex polyhedron.
+Every convex polyhedral metric on the sphere is realized by a unique convex polyhedron.
 """

@@ -1,8 +1,8 @@
 """Euclidean pyramids equivalent to those of hyperbolic and spherical space (projective model).
 
 A point at distance r from the apex in direction u has ambient coordinates ``sn(r) u``: those of a Euclidean
-pyramid with the same dihedral angles at its radii.  Coordinates about the apex are conformal ones,
-``2 tn(r / 2) u``, which of the sphere leave out the antipode of the apex only.
+pyramid with the same dihedral angles at its radii.  Coordinates about the apex are conformal,
+``2 tn(r / 2) u``; on the sphere they cover all points but the antipode of the apex.
 """
 
 import numpy as np
@@ -18,9 +18,9 @@ def ambient_lengths(space: Space, lengths: Floats, a: Floats, b: Floats) -> Floa
     ----------
     space : Space
     lengths : ndarray
-        Their distances.
+        Distances of the points.
     a, b : ndarray
-        Their distances from the apex.
+        Distances of the points from the apex.
     """
     if space.is_euclidean:
         return lengths
@@ -29,12 +29,12 @@ def ambient_lengths(space: Space, lengths: Floats, a: Floats, b: Floats) -> Floa
 
 
 def conformal_radii(space: Space, radii: Floats) -> Floats:
-    """``2 tn(r / 2)`` of distances r from the apex."""
+    """Conformal radii ``2 tn(r / 2)`` for distances r from the apex."""
     return 2 * space.sn(radii / 2) / space.cs(radii / 2)
 
 
 def distances_from_apex(space: Space, about: Floats) -> Floats:
-    """Distances of the apex from vertices about it, shape (V, 3)."""
+    """Distances from the apex of vertices in coordinates about it, shape (V, 3)."""
     sizes = np.linalg.norm(about, axis=1)
     if space.is_euclidean:
         return sizes
@@ -43,10 +43,10 @@ def distances_from_apex(space: Space, about: Floats) -> Floats:
 
 
 def away_from_apex(space: Space, about: Floats) -> Floats:
-    """Ambient coordinates about a center of the body, shape (V, 3), of vertices about the apex.
+    """Ambient coordinates about a center of the body, shape (V, 3), from coordinates about the apex.
 
-    In Euclidean space they stay where they are.  On the sphere the center is nearly that of the least ball
-    around the body, without which it might not be in the half that has ambient coordinates.
+    In Euclidean space they are unchanged.  On the sphere the center approximates that of the smallest
+    enclosing ball, so that the body is in the hemisphere represented by ambient coordinates.
     """
     if space.is_euclidean:
         return about
@@ -54,7 +54,7 @@ def away_from_apex(space: Space, about: Floats) -> Floats:
     part = k * np.einsum("ij,ij->i", about, about) / 4
     x, w = about / (1 + part)[:, None], (1 - part) / (1 + part)
     center, height = x.mean(axis=0), w.mean()
-    for n in range(1, 200 if k > 0 else 0):  # each brings the center nearer to the farthest vertex
+    for n in range(1, 200 if k > 0 else 0):  # each moves the center toward the farthest vertex
         size = np.sqrt(height * height + k * (center @ center))
         far = int(np.argmin(w * height + k * (x @ center)))
         center = (n * center / size + x[far]) / (n + 1)

@@ -13,27 +13,27 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 
 
 def attempted(metric: PolyhedralMetric, core: Indices, nearest: Polytope | None, work: Work) -> Floats:
-    """Vertices on the given triangles, shape (V, 3), which are not a solution.
+    """Approximate vertices for the given triangles, shape (V, 3), after a failed search.
 
     Parameters
     ----------
     metric : PolyhedralMetric
     core : ndarray of int
-        The vertices of the polytope.
+        Vertices of the polytope.
     nearest : Polytope or None
-        That with the least curvatures; without one, the vertices are spread over a sphere.
+        Polytope with the smallest curvatures; without one, the vertices are spread over a sphere.
     work : Work
-        Counts factorizations.
+        Counter of factorizations.
     """
     n = metric.triangulation.n_vertices
     vertices = np.empty((n, 3))
     known = np.zeros(n, dtype=np.bool_)
     known[core] = True
     found = _spread(core.size) if nearest is None else _placed(nearest, work)
-    if metric.curvature > 0:  # all of it in the half of the sphere that has coordinates
+    if metric.curvature > 0:  # within the hemisphere covered by the coordinates
         found = found * min(1.0, 0.5 * metric.space.radius / float(np.abs(found).max()))  # radii of curvature
     vertices[core] = found
-    if not known.all():  # each of the others at the mean of its neighbors
+    if not known.all():  # other vertices at the means of their neighbors
         adjacency = metric.triangulation.adjacency
         rest = (diags_array(metric.triangulation.degrees.astype(np.float64)) - adjacency).tocsr()[~known]
         right = adjacency[~known][:, known] @ vertices[known]

@@ -1,20 +1,21 @@
 """Derivatives of the convex polyhedron of a metric in R^3 with respect to the lengths.
 
-A given edge is a straight path over the polyhedron, whose length follows those of the edges of the polyhedron
-(`path_derivatives`); solved for the latter, that is what intrinsic flips make of changes of the lengths.  The
-vertices follow them by the rigidity matrix J.
+A given edge is a geodesic path on the polyhedron, whose length depends on those of the polyhedron's edges
+(`path_derivatives`); solving for the latter gives the effect of intrinsic flips on changes of the lengths.
+The derivatives of the vertices follow from the rigidity matrix J.
 
-A vertex inside a face is flat, and may move across the face without a change of lengths.  A change that gives
-it a positive deficit lifts it by the root of that, and a negative one leaves no convex polyhedron: there is a
-derivative along changes that keep it flat.  Along these it stays in its face,
+A vertex inside a face is flat, and may move normal to the face without changing lengths to first order.  A
+change that gives it a positive deficit lifts it by the square root of the deficit, and with a negative one
+there is no convex polyhedron: derivatives exist only along changes that keep it flat.  Along these it stays
+in its face,
 
     [ J  W ] [ dx ]   [ dl ]
     [ N  0 ] [  0 ] = [ 0  ],
 
 where the columns of W are the derivatives of the deficits of such vertices, which are orthogonal to all J dx,
-and the rows of N say that a vertex remains in the plane of three corners of its face.  Six more rows hold the
-polyhedron.  Faces with more corners may break, along a diagonal that depends on the sign of the change; to
-first order the lengths do not know of that, but vertices inside do.
+and the rows of N keep a vertex in the plane of three corners of its face.  Six more rows fix the rigid
+motions.  Faces with more corners may break along a diagonal that depends on the sign of the change; to first
+order this does not affect the lengths, but it does affect vertices inside.
 """
 
 from __future__ import annotations
@@ -35,48 +36,48 @@ from isoembed.metric.variation import deficit_derivative
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows
 
-ROUNDING = 1e-7  # relative velocity of a corner out of its face that is rounding
+ROUNDING = 1e-7  # relative normal velocity of a corner of a face attributed to rounding
 
 
 @dataclass(frozen=True, eq=False)
 class GivenLengthDerivatives:
-    """Derivatives of a convex polyhedron in R^3 by the given lengths, all in the normalized unit.
+    """Derivatives of a convex polyhedron in R^3 with respect to the given lengths, in the normalized unit.
 
     Attributes
     ----------
     flat : ndarray of int
-        The flat vertices.
+        Flat vertices.
     inside : ndarray of int
-        Those inside faces.
+        Flat vertices inside faces.
     """
 
     flat: Indices
     inside: Indices
-    _paths: SuperLU  # given lengths by own ones
+    _paths: SuperLU  # derivatives of given lengths by own ones
     _motion: SuperLU
-    _deficits: sp.csr_array  # of the flat vertices, by own lengths
-    _planes: sp.csr_array  # (k, 3V): how far those inside are from three corners of their faces
-    _faces: sp.csr_array  # how far other corners are from these three, (m, 3V)
-    _broken: Indices  # the vertex inside that needs each of these
+    _deficits: sp.csr_array  # derivatives at the flat vertices by own lengths
+    _planes: sp.csr_array  # (k, 3V): heights of those inside over three corners of their faces
+    _faces: sp.csr_array  # heights of the other corners over these three, (m, 3V)
+    _broken: Indices  # the vertex inside that requires each of these
     _rigid: Floats
 
     @classmethod
     def of(cls, body: Polyhedron, paths: EdgePaths, flat: Mask) -> GivenLengthDerivatives:
-        """Factor what is needed.
+        """Factor the matrices.
 
         Parameters
         ----------
         body : Polyhedron
         paths : EdgePaths
-            The given edges on its triangles.
+            Paths of the given edges on its triangles.
         flat : ndarray of bool, shape (V,)
 
         Raises
         ------
         InvalidParameter
-            The polyhedron is not in R^3, or has another number of edges than were given.
+            The polyhedron is not in R^3, or its number of edges differs from that of the given ones.
         SingularMatrix
-            It is too thin for floats.
+            The polyhedron is too thin for floats.
         """
         metric, t = body.metric.normalized, body.triangulation
         if not metric.space.is_euclidean:
@@ -130,7 +131,7 @@ class GivenLengthDerivatives:
         """
         dl = self.own_changes(changes)
         rates, sizes = self._deficits @ dl, abs(self._deficits) @ np.abs(dl)
-        bent = np.abs(rates) > 1e-7 * sizes  # relative change of the angle at a flat vertex that is rounding
+        bent = np.abs(rates) > 1e-7 * sizes  # smaller relative changes of the angle are rounding errors
         if bent.any():
             k = int(np.argmax(bent))
             raise InvalidParameter(
@@ -147,14 +148,14 @@ class GivenLengthDerivatives:
         return dx.reshape(-1, 3)
 
     def vjp(self, gradient: Floats) -> Floats:
-        """Derivatives by the given lengths, (E,), from those by the vertices, (V, 3).
+        """Derivatives with respect to the given lengths, (E,), from those by the vertices, (V, 3).
 
-        They hold along changes that keep flat vertices flat.
+        They are valid along changes that keep flat vertices flat.
 
         Raises
         ------
         InvalidParameter
-            A vertex is moved out of a face that may break.
+            The gradient has a normal component at a vertex inside a face that may break.
         """
         g = gradient.ravel() - self._rigid @ (self._rigid.T @ gradient.ravel())
         for k, v in enumerate(self._broken):
@@ -176,9 +177,9 @@ class GivenLengthDerivatives:
 def _planes(
     body: Polyhedron, x: Floats, flat: Mask, inside: Indices
 ) -> tuple[sp.csr_array, sp.csr_array, Indices]:
-    """Rows (., 3V): heights of vertices inside faces, and of other corners, over three corners each.
+    """Rows (., 3V) of heights over three corners of faces: of vertices inside, and of other corners.
 
-    With them, the vertex inside for which each of the other corners is looked at.
+    Also returns the vertex inside for each of the other corners.
     """
     t = body.triangulation
     face_of = np.zeros(len(x), dtype=np.int64)
@@ -200,7 +201,7 @@ def _planes(
 
 
 def _height(v: int, corners: Indices, x: Floats, normal: Floats) -> sp.csr_array:
-    """The row of the height of a vertex over the plane through three corners, which is zero."""
+    """Row (1, 3V) of the (zero) height of a vertex over the plane through three corners."""
     system = np.vstack([x[corners].T - x[v][:, None] + normal[:, None], np.ones(3)])
     shares = np.linalg.lstsq(system, np.append(normal, 1.0), rcond=None)[0]
     vertices, weights = np.append(v, corners), np.append(1.0, -shares)
@@ -211,7 +212,7 @@ def _height(v: int, corners: Indices, x: Floats, normal: Floats) -> sp.csr_array
 
 
 def _spread(points: Floats) -> list[int]:
-    """Three points that are far from one line."""
+    """Indices of three points far from collinear."""
     a = int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))
     b = int(np.argmax(np.linalg.norm(points - points[a], axis=1)))
     along = (points[b] - points[a]) / np.linalg.norm(points[b] - points[a])
@@ -220,14 +221,14 @@ def _spread(points: Floats) -> list[int]:
 
 
 def _matrix(edges: Indices, rows: Floats, n: int) -> sp.csr_array:
-    """J, (E, 3V)."""
+    """Rigidity matrix J, (E, 3V)."""
     columns = (3 * edges[:, :, None] + np.arange(3)).ravel()
     entries = np.stack([rows, -rows], axis=1).ravel()
     return sp.csr_array((entries, columns, np.arange(0, columns.size + 1, 6)), shape=(len(edges), 3 * n))
 
 
 def _pins(x: Floats) -> sp.csr_array:
-    """Rows (6, 3V) that hold three vertices: the first, the second on a line, the third in a plane."""
+    """Rows (6, 3V) that fix the first of three vertices, the second to a line, and the third to a plane."""
     a, b, c = _spread(x)
     along = x[b] - x[a]
     up = np.cross(along, x[c] - x[a])

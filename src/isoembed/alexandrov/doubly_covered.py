@@ -1,7 +1,7 @@
-"""Doubly covered polygons: the flat bodies among Alexandrov's polyhedra.
+"""Doubly covered polygons: the degenerate polyhedra of Alexandrov's theorem.
 
-On the way to one the pyramids shrink to nothing and Newton's method never takes over; but their triangles
-already lie on the two sheets, and the polygon can be read off.
+On the path to such a polygon the pyramids degenerate and Newton's method does not converge; but the triangles
+are already those of the two sheets, and determine the polygon.
 """
 
 from dataclasses import dataclass
@@ -20,23 +20,23 @@ from isoembed.mesh.components import components
 from isoembed.metric.triangles import Triangles
 from isoembed.space import Space
 
-THIN = 1e-4  # squared radii: a body whose apex is lower may turn flat
-FLAT_IN_FLOATS = 1e-13  # mean edge lengths: error of the lengths of a polygon up to rounding
-ROUNDING = 1e-7  # radians, or relative: angles of the two sheets agree, and the polygon closes
+THIN = 1e-4  # relative to squared radii: with a lower apex, the body may become flat
+FLAT_IN_FLOATS = 1e-13  # error of the lengths of a polygon due to rounding, in mean edge lengths
+ROUNDING = 1e-7  # tolerance of the sheets' angles (radians) and of the closing of the polygon (relative)
 
 
 @dataclass(frozen=True, eq=False)
 class DoublyCovered:
-    """A plane convex polygon, covered twice.
+    """Doubly covered convex polygon in the plane.
 
     Attributes
     ----------
     tables : HalfEdges
-        Triangles of the two sheets that never join the same two vertices twice, if there are more than three.
+        Triangles of the two sheets, without multiple edges if there are more than three vertices.
     vertices : ndarray, shape (V, 3)
-        In the plane z = 0.
+        Vertices in the plane z = 0.
     error : float
-        The largest of a length of the metric, in mean edge lengths: thin bodies are polygons nearly.
+        Largest error of a length of the metric, in mean edge lengths, which is small also for thin bodies.
     """
 
     tables: HalfEdges
@@ -45,30 +45,30 @@ class DoublyCovered:
 
 
 def flat_limit(p: Polytope) -> DoublyCovered | None:
-    """Read the polygon off a polytope that is turning flat; None if it is not one."""
+    """Determine the polygon from a polytope close to flat; None if there is none."""
     weights, cosine = delaunay_weights(p.space, p.radii)
     feet = cosine * tilts(p.tables.views, weights)[0]
     other = feet[p.tables.twins]
-    # An apex right above a flat edge has both feet on it, up to rounding and to how flat the body is by now.
-    # Edge lengths: rounding, and the height of a body that is not yet flat.
+    # Both feet of an apex above a flat edge are on it, up to rounding and the height of a body not yet flat,
+    # in edge lengths.
     on_edge = (1e-8 + 30.0 * p.lowest) * p.tables.lengths
-    # The feet of the apex beside an edge add up to 1 at a fold, to 0 at a flat edge.
+    # The relative sum of the feet beside an edge is 1 at a fold and 0 at a flat edge.
     least = 0.5 * (np.abs(feet) + np.abs(other)) + on_edge
     return doubly_covered(p.tables, feet + other > least)
 
 
 def doubly_covered_triangle(core: HalfEdges) -> DoublyCovered | None:
-    """Lay out the triangle that a metric on three vertices is, covered twice; None if rounding hides it."""
+    """Lay out the doubly covered triangle of a metric on three vertices; None if it is lost to rounding."""
     tables = core.copy()
     make_delaunay(tables, np.zeros(3))
     loops = np.flatnonzero(tables.corners == tables.corners[tables.twins])
-    if loops.size:  # instead of the side across from an obtuse angle
+    if loops.size:  # replaces the side opposite to an obtuse angle
         flip(int(loops[0]), tables.views, 0.0)
     return doubly_covered(tables, np.ones(6, dtype=np.bool_))
 
 
 def doubly_covered(tables: HalfEdges, folds: Mask) -> DoublyCovered | None:
-    """Lay out the polygon whose boundary is given; None if these edges bound no doubly covered polygon.
+    """Lay out the polygon with the given boundary; None if these edges bound no doubly covered polygon.
 
     Parameters
     ----------
@@ -101,16 +101,16 @@ def doubly_covered(tables: HalfEdges, folds: Mask) -> DoublyCovered | None:
 
 
 def _laid_out(space: Space, sides: Floats, exterior: Floats) -> Floats | None:
-    """Corners of a polygon of these sides and exterior angles, shape (n, 2); None if it does not close."""
+    """Corners of a polygon with these sides and exterior angles, shape (n, 2); None if it does not close."""
     whole = sides.sum()
     if space.is_euclidean:
         heading = np.cumsum(exterior) - exterior[0]
         steps = sides[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
         if np.abs(steps.sum(axis=0)).max() > ROUNDING * whole:
             return None
-        steps -= sides[:, None] * steps.sum(axis=0) / whole  # what rounding left open
+        steps -= sides[:, None] * steps.sum(axis=0) / whole  # distributes the rounding error
         return np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)[:-1]])
-    # Columns of a motion: images of the two axes and of the origin, whose last coordinate is a cosine.
+    # Columns of a motion are the images of the two axes and of the origin; the last coordinate is a cosine.
     motion, places = np.eye(3), np.empty((sides.size + 1, 3))
     cosines, sines = space.cs(sides), space.sn(sides)
     for i in range(sides.size):
@@ -131,13 +131,13 @@ def _laid_out(space: Space, sides: Floats, exterior: Floats) -> Floats | None:
 
 
 def _sheet(tables: HalfEdges, folds: Mask) -> Indices:
-    """Side of the folds that each face is on, shape (F,)."""
+    """Sheet of each face, as separated by the folds, shape (F,)."""
     inside = np.flatnonzero(~folds)
     return components(inside // 3, tables.twins[inside] // 3, tables.corners.size // 3)
 
 
 def _boundary(tables: HalfEdges, folds: Mask) -> Indices | None:
-    """The folds' half-edges on sheet 0 in order around it, if they are one cycle through all vertices."""
+    """Half-edges of the folds on sheet 0 in cyclic order, if they form one cycle through all vertices."""
     n = tables.corners.size // 6 + 2
     sheet = _sheet(tables, folds)
     if not np.array_equal(folds, folds[tables.twins]) or folds.sum() != 2 * n or sheet.max() != 1:
@@ -157,7 +157,7 @@ def _boundary(tables: HalfEdges, folds: Mask) -> Indices | None:
 
 
 def _fans(tables: HalfEdges, boundary: Indices, points: Floats) -> HalfEdges:
-    """Triangulate the front from the first vertex and the back from the second: no diagonal is in both."""
+    """Triangulate the front from the first vertex and the back from the second, without common diagonals."""
     n = len(points)
     i = np.arange(1, n - 1)
     front = np.stack([np.zeros_like(i), i, i + 1], axis=1)
@@ -174,7 +174,7 @@ def _fans(tables: HalfEdges, boundary: Indices, points: Floats) -> HalfEdges:
     corners = tables.corners[boundary][a]
     fans = HalfEdges(corners, twins, lengths, np.zeros(a.size), space.curvature)
     set_directions(fans.views)
-    # The boundary's half-edges kept their directions.
+    # The half-edges of the boundary keep their directions.
     kept = np.flatnonzero((b == (a + 1) % n) & (np.arange(a.size) < front.size))
     offset = np.empty(n)
     offset[corners[kept]] = tables.directions[boundary[a[kept]]] - fans.directions[kept]

@@ -1,12 +1,12 @@
-"""Homotopy from large equal radii to the polyhedron: the curvatures of the generalized polytope go to zero.
+"""Homotopy from large equal radii to the polyhedron: curvatures of the generalized polytope tend to zero.
 
-Bobenko and Izmestiev start from equal radii so large that every curvature nearly is the deficit of its
-vertex, and follow ``kappa(t) = (1 - t) kappa(0)``.  Here the radii are moderate from the beginning, the
-curvatures are led along ``epsilon delta``, delta being the deficits, and a step need not stay on that path:
-it is accepted if it brings the curvatures nearer to where it aims.  Steps are even in the log odds of
-epsilon: the polytope over a long body opens like a wedge of angle ``2 pi (1 - epsilon)``, and its aspect goes
-with that angle.  One factorization preconditions the whole path, unless a step meets the boundary of what
-polytopes there are; a second one serves Newton's method and the placement.
+Bobenko and Izmestiev start from equal radii so large that every curvature is nearly the deficit of its
+vertex, and follow ``kappa(t) = (1 - t) kappa(0)``.  Here the initial radii are moderate, the curvatures
+follow ``epsilon delta`` with the deficits delta, and a step need not stay on that path: it is accepted if it
+brings the curvatures closer to its target.  Steps are uniform in the log odds of epsilon: the polytope over a
+long body opens like a wedge of angle ``2 pi (1 - epsilon)``, and its aspect ratio depends on that angle.  One
+factorization preconditions the whole path, unless a step meets the boundary of the domain of polytopes; a
+second one serves Newton's method and the placement.
 """
 
 from __future__ import annotations
@@ -31,53 +31,53 @@ from isoembed.nonlinear.acceptance import LineSearch
 from isoembed.progress.stages import StageRecorder
 
 START_RADII = (2.0, 16.0, 64.0, 256.0)
-"""Radii of starts in least radii, tried in turn until a path arrives; then with scaled curvatures.
+"""Initial radii in units of the least one, tried in turn until a path arrives; then with scaled curvatures.
 
-The deficits around the middle of a needle are so small against those at its tips that a sum of squares
+The deficits around the middle of a needle are so small compared to those at its tips that a sum of squares
 neglects their curvatures.
 """
-FORCING = 0.03  # relative residual of the linear equations on the way
-EXACT = 1e-4  # the same after a step that was too short: small deficits need it
+FORCING = 0.03  # relative residual of the linear equations along the path
+EXACT = 1e-4  # the same after a step that was too short, as needed for small deficits
 TOO_SHORT = 4  # halvings with a fresh factorization after which the equations are solved again
-SHORTEST_STEP = 1e-3  # log odds: a path that needs a shorter step is given up
-MOST_ODDS = 1e9  # of epsilon, where it is near 1 or beyond
-NEWTON_CURVATURE = 3e-3  # largest deficits: curvatures from which Newton's method is tried
+SHORTEST_STEP = 1e-3  # log odds: a path that needs shorter steps is abandoned
+MOST_ODDS = 1e9  # upper limit of the odds of epsilon close to 1 or beyond
+NEWTON_CURVATURE = 3e-3  # in largest deficits: curvatures at which Newton's method is tried
 CONVEX = 1
-"""Negative eigenvalues of ``-d kappa / d r`` of convex polytopes, by the Alexandrov-Fenchel inequalities.
+"""Number of negative eigenvalues of ``-d kappa / d r`` of convex polytopes (Alexandrov-Fenchel inequalities).
 
-With three radii pinned they are as many where the curvatures vanish.
+It is the same with three radii pinned where the curvatures vanish.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class Waypoint:
-    """Point of the path with a fresh factorization: what follows depends on nothing before it.
+    """Restart point of the path with a fresh factorization, independent of the preceding steps.
 
     Attributes
     ----------
     polytope : Polytope
     start : int
-        The number of the start on the ladder.
+        Index of the start in `START_RADII`.
     close : float
         Largest curvature at which Newton's method is tried, over the largest deficit.
     step : float
-        Log odds by which the next step is to lower epsilon.
+        Log odds by which the next step lowers epsilon.
     count : int
-        Steps since the path began.
+        Number of steps since the start.
     odds, norm : float
-        Of epsilon and of the curvatures where creeping was last looked for.
+        Odds of epsilon and norm of the curvatures at the last check for slow progress.
     target : float
-        The epsilon that the last step did not reach; not a number if the next one sets its own.
+        Target epsilon not yet reached; NaN if the next step sets a new one.
     way : float
-        Norm of what was missing when it was set.
+        Norm of the missing curvatures when the target was set.
     residual : float
-        Of the linear equations.
+        Relative residual of the linear equations.
     """
 
     polytope: Polytope
     start: int
     close: float
-    step: float = 1.0  # log odds, by which the first step is to lower epsilon
+    step: float = 1.0  # log odds by which the first step lowers epsilon
     count: int = 0
     odds: float = np.inf
     norm: float = np.inf
@@ -87,7 +87,7 @@ class Waypoint:
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Waypoint | None:
-        """The waypoint of what `arrays` gave."""
+        """Waypoint restored from the result of `arrays`."""
         polytope = Polytope.of_arrays(arrays)
         if polytope is None:
             return None
@@ -103,7 +103,7 @@ class Waypoint:
 
 @dataclass(frozen=True, eq=False)
 class Stalled:
-    """Point from which Newton's method did not converge: the path goes on from here.
+    """Point at which Newton's method did not converge and the path continues.
 
     Attributes
     ----------
@@ -122,25 +122,25 @@ def follow_path(
     near: Floats | None = None,
     analyses: Analyses | None = None,
 ) -> Iterator[Polytope | Stalled | Solution]:
-    """Yield the polytopes of the path, where it stalled, and at last, if one start arrives, the solution.
+    """Yield the polytopes of the path, points where it stalled, and finally the solution if it is reached.
 
     Parameters
     ----------
     tables : HalfEdges
         Any triangulation of the metric.
     deficits : ndarray, shape (V,)
-        All positive; V is at least 4.
+        Positive deficits; V is at least 4.
     recorder : StageRecorder
-        Counts steps and factorizations.
+        Counter of steps and factorizations.
     keep : callable, optional
-        Takes every waypoint, before the work that follows it.
+        Called with every waypoint, before continuing from it.
     resumed : Waypoint, optional
-        To go on from, exactly as the path that kept it.
+        Waypoint to continue from, exactly like the original path.
     near : ndarray, shape (V,), optional
-        Curvatures to which the path is followed before Newton's method begins, if need be some way beyond
-        `NEWTON_CURVATURE`; that may then end at a share of them.
+        Curvatures to reach before Newton's method begins, possibly somewhat beyond `NEWTON_CURVATURE`;
+        Newton's method may then end at a fraction of them.
     analyses : Analyses, optional
-        Of triangulations of this metric, or of one nearby.
+        Analyses for triangulations of this metric or of a nearby one.
     """
     analyses = analyses or Analyses.of(tables, recorder.work)
     tables = tables.copy()
@@ -170,29 +170,29 @@ def follow_path_without_flips(
     near: Floats,
     resumed: Waypoint | None = None,
 ) -> Polytope | None:
-    """Lead the curvatures over triangles as they are to where Newton's method begins.
+    """Follow the path on fixed triangles to the start of Newton's method.
 
-    Edges may be reflex on the way and in the end, and deficits negative.  The path ends where a factor has
+    Edges may be reflex along the path and at its end, and deficits negative.  The path ends if a factor has
     more negative pivots than that of a convex polytope.
 
     Parameters
     ----------
     tables : HalfEdges
     deficits : ndarray, shape (V,)
-        Some positive.
+        Deficits, some of them positive.
     recorder : StageRecorder
-        Counts steps and factorizations, and keeps every waypoint.
+        Counter of steps and factorizations; stores every waypoint.
     analyses : Analyses
-        Of these triangles.
+        Analyses for these triangles.
     near : ndarray, shape (V,)
-        Curvatures to which the path is followed, positive.
+        Positive curvatures to reach.
     resumed : Waypoint, optional
-        To go on from, exactly as the path that kept it.
+        Waypoint to continue from, exactly like the original path.
 
     Returns
     -------
     Polytope or None
-        None where anything is in the way: triangles that are far from a Delaunay triangulation, say.
+        None if the path fails, for example on triangles far from a Delaunay triangulation.
 
     Raises
     ------
@@ -210,14 +210,15 @@ def follow_path_without_flips(
 
 
 def _start(p: Polytope, number: int, deficits: Floats) -> Waypoint:
-    """Start of a path, and in hyperbolic space also its first target.
+    """Start of a path, in hyperbolic space including its first target.
 
-    The deficits sum to 4 pi - k A, but the curvatures of radii that grow to 4 pi at most, where k < 0: an aim
-    must not sum to more, or the radii run away.  Those of equal radii do not become like the deficits, but
-    tend to those of the triangles of the plane with the chords for sides, some of which may be negative.
-    Higher starts make them alike first: those of other large radii are of discretely conformal triangles,
-    among which are some with any share of the deficits (Bobenko, Pinkall and Springborn, Discrete conformal
-    maps and ideal hyperbolic polyhedra, Geometry and Topology 19, 2015).
+    The deficits sum to 4 pi - k A, but for k < 0 the sum of the curvatures tends to at most 4 pi with growing
+    radii: a target with a larger sum makes the radii diverge.  Curvatures of equal radii do not approach
+    multiples of the deficits, but the deficits of plane triangles with the chords as sides, some of which may
+    be negative.  Starts with larger radii first make them proportional: curvatures of other large radii are
+    those of discretely conformal triangles, among which there are some with any multiple of the deficits
+    (Bobenko, Pinkall and Springborn, Discrete conformal maps and ideal hyperbolic polyhedra, Geometry and
+    Topology 19, 2015).
     """
     here = Waypoint(p, number, NEWTON_CURVATURE)
     if p.tables.curvature >= 0:
@@ -226,7 +227,7 @@ def _start(p: Polytope, number: int, deficits: Floats) -> Waypoint:
     if number == 0 and _lowered(_share(p.curvatures, deficits), here.step) <= target:
         return here
     way = _norm(p.curvatures - target * deficits, _unit(number, deficits))
-    # The part unlike the deficits falls to a tenth, in hyperbolic space after a failure.
+    # After a failure in hyperbolic space, the part not proportional to the deficits is reduced to a tenth.
     return replace(here, target=target, way=way * (0.1 if number else 1.0))
 
 
@@ -238,23 +239,23 @@ def _attempt(
     keep: Callable[[Waypoint], None],
     near: Floats | None,
 ) -> Generator[Polytope | Stalled | Solution, None, bool]:
-    """Go on to the solution, trying Newton's method whenever it may work; return if it did."""
+    """Continue to the solution, trying Newton's method when it may converge; return whether it did."""
     while here.close >= 1e-9:  # largest deficits
         path = _path(here, deficits, analyses, recorder, keep)
         for p in path:
             yield p
             largest, close = np.abs(p.curvatures).max(), here.close * deficits.max()
             if largest <= close and (
-                # Where the path is to be followed farther, a hundredth of `close` ends it.
+                # With `near`, the path ends at the latest at a hundredth of `close`.
                 near is None or largest <= 0.01 * close or (np.abs(p.curvatures) <= near).all()
             ):
                 break
         else:
             if near is None or largest > close:
                 return False
-        path.close()  # lets its factor go, which is as large as the next one
+        path.close()  # frees its factor, which is as large as the next one
         keep(Waypoint(p, here.start, here.close))
-        # Newton's method may end at a hundredth of the curvatures where the path may.
+        # Newton's method may end at a hundredth of the curvatures at the end of the path.
         solution = newton(p, deficits, analyses, recorder, None if near is None else 0.01 * near)
         if solution is not None:
             yield solution
@@ -273,7 +274,7 @@ def _path(
     *,
     flips: bool = True,
 ) -> Generator[Polytope, None, None]:
-    """Lead the curvatures toward zero along ``epsilon delta``; without flips, while factors allow."""
+    """Follow the curvatures toward zero along ``epsilon delta``; without flips, while factors permit."""
     p = here.polytope
     unit = _unit(here.start, deficits)
     epsilon = _share(p.curvatures, deficits)
@@ -287,9 +288,9 @@ def _path(
             inverse, fresh = _factor(p, analyses), True
             if not flips and inverse.negative_pivots != CONVEX:
                 return
-        if count % 50 == 0:  # steps in which the odds or the norm have to fall
+        if count % 50 == 0:  # steps within which the odds or the norm must decrease
             odds, norm = _odds(epsilon), _norm(p.curvatures, unit)
-            if odds > 0.9 * here.odds and norm > 0.999 * here.norm:  # a path that creeps is given up
+            if odds > 0.9 * here.odds and norm > 0.999 * here.norm:  # progress too slow
                 return
             here = replace(here, odds=odds, norm=norm)
         if np.isnan(here.target):
@@ -300,8 +301,8 @@ def _path(
         if iterations > STALE and not fresh:
             inverse = None
             continue
-        # Less is allowed after a step, with the same factorization, that was halved itself.
-        # With an older factorization two steps in a row are halved three times together; later none is.
+        # With a stale factorization, fewer halvings are allowed after a halved step: three in two successive
+        # steps, and none later.
         stale = max(3 - halving, 1) if count < 20 else 1
         goal, most = here.target * deficits, 30 if fresh else stale
         stepped = _halved(p, dr, goal, unit, most, flips)
@@ -323,16 +324,16 @@ def _path(
         fraction = 0.5**halving
         p, fresh = q, False
         epsilon = _share(p.curvatures, deficits)
-        if left <= 0.6 * here.way:  # share of the way that may be left when the next epsilon is set
-            # A step accepted whole is followed by a longer one.
+        if left <= 0.6 * here.way:  # close enough to the target to set the next epsilon
+            # A full step is followed by a longer one.
             step, target = here.step * (1.5 if halving == 0 else 2 * fraction), np.nan
         else:
-            # Share of a step that is kept for another try.
+            # The step is shortened for another try.
             step, target = here.step * max(fraction, 0.7), here.target
         step = min(max(step, SHORTEST_STEP), 2.5)
         here = replace(here, step=step, target=target)
         recorder.iterations += 1
-        # Share of the work that is done where Newton's method begins.
+        # Newton's method begins after 70 % of the work.
         done = np.log(max(epsilon, NEWTON_CURVATURE)) / np.log(NEWTON_CURVATURE) * 0.7
         shown = min(shown, epsilon)
         recorder.show(t=shown, residual=float(np.abs(p.curvatures).max()), done=float(done))
@@ -365,10 +366,10 @@ class _Step(NamedTuple):
 
 
 def _unit(start: int, deficits: Floats) -> Floats | float:
-    """Unit of curvatures on the path from this start."""
+    """Scale of the curvatures on the path from this start."""
     if start < len(START_RADII):
         return 1.0
-    return np.sqrt(np.maximum(deficits, 1e-6 * deficits.max()))  # smaller ones are met by the way
+    return np.sqrt(np.maximum(deficits, 1e-6 * deficits.max()))  # smaller ones need no scale of their own
 
 
 def _norm(curvatures: Floats, unit: Floats | float) -> float:
@@ -378,7 +379,7 @@ def _norm(curvatures: Floats, unit: Floats | float) -> float:
 def _halved(
     p: Polytope, dr: Floats, goal: Floats, unit: Floats | float, most: int, flips: bool
 ) -> _Step | None:
-    """The step to these curvatures, halved until they come nearer; None if none of so many does."""
+    """Step toward these curvatures, halved until they are closer; None if `most` halvings fail."""
     size = _norm(p.curvatures - goal, unit)
     search = LineSearch(DECREASE, shortest=2.0 ** (1 - most))
     for halving, fraction in enumerate(search.parameters()):
@@ -391,7 +392,7 @@ def _halved(
 
 
 def _solved(p: Polytope, inverse: Factor, b: Floats, residual: float) -> tuple[Floats, int]:
-    """``(-d kappa / d r)^-1 b``, roughly, preconditioned by the factor of a polytope nearby."""
+    """Approximate ``(-d kappa / d r)^-1 b`` by GMRES, preconditioned by the factor of a nearby polytope."""
     return gmres(
         lambda v: -p.times_jacobian(v),
         lambda v: inverse.solve(v, sweeps=0),
@@ -402,5 +403,5 @@ def _solved(p: Polytope, inverse: Factor, b: Floats, residual: float) -> tuple[F
 
 
 def _share(curvatures: Floats, deficits: Floats) -> float:
-    """The epsilon for which ``epsilon delta`` is nearest to the curvatures."""
+    """Least-squares epsilon for ``epsilon delta`` as an approximation of the curvatures."""
     return float(curvatures @ deficits / (deficits @ deficits))

@@ -10,7 +10,7 @@ from isoembed.space.models import to_model
 
 
 def worst_length(tables: HalfEdges, vertices: Floats) -> float:
-    """The largest error of a length, over the mean length."""
+    """Largest error of a length, over the mean length."""
     return worst_of_conformal(tables, to_model(Space(tables.curvature), vertices, "conformal"))
 
 
@@ -21,7 +21,7 @@ def worst_of_conformal(tables: HalfEdges, vertices: Floats) -> float:
 
 
 def rounding_size(space: Space, vertices: Floats) -> float:
-    """The largest coordinate; on the sphere over the least height, by which rounding is magnified."""
+    """Scale of rounding errors: largest coordinate, on the sphere divided by the least height."""
     size = float(np.abs(vertices).max())
     return size if space.curvature <= 0 else size / float(space.heights(vertices).min())
 

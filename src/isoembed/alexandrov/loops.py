@@ -15,7 +15,7 @@ PI = cython.declare(cython.double, 3.141592653589793)
 
 
 def built(corners: ConstInt[::1], twins: ConstInt[::1], lengths: ConstReal[::1], r: ConstReal[::1]):
-    """Unit vectors from the apex, shape (V, 3), pyramid built on pyramid, breadth first."""
+    """Unit vectors from the apex, shape (V, 3), by placing pyramid after pyramid, breadth first."""
     x: Real[:, ::1] = np.zeros((r.shape[0], 3))
     placed: Flag[::1] = np.zeros(r.shape[0], dtype=np.bool_)
     seen: Flag[::1] = np.zeros(corners.shape[0] // 3, dtype=np.bool_)
@@ -54,7 +54,7 @@ def built(corners: ConstInt[::1], twins: ConstInt[::1], lengths: ConstReal[::1],
 def _foot(
     h: Int, corners: ConstInt[::1], twins: ConstInt[::1], lengths: ConstReal[::1], r: ConstReal[::1]
 ) -> Real:
-    """Distance along half-edge i -> j of the point nearest to the apex."""
+    """Distance along half-edge i -> j of the foot of the perpendicular from the apex."""
     a, b = r[corners[h]], r[corners[twins[h]]]
     return (lengths[h] + (a - b) * (a + b) / lengths[h]) / 2
 
@@ -69,7 +69,7 @@ def _place_across(
     lengths: ConstReal[::1],
     r: ConstReal[::1],
 ) -> cython.void:
-    """Place the third corner of the face of a half-edge whose ends are placed, in a frame of the edge."""
+    """Place the third corner of a face, given the ends of a half-edge, in a frame of the edge."""
     e0: Real
     e1: Real
     e2: Real
@@ -90,7 +90,7 @@ def _place_across(
     w0, w1, w2 = w0 - part * e0, w1 - part * e1, w2 - part * e2
     distance = max(sqrt(w0 * w0 + w1 * w1 + w2 * w2), 1e-300)
     w0, w1, w2 = w0 / distance, w1 / distance, w2 / distance
-    # Where the apex is in the plane of the triangle, left of the edge: |x_k|^2 = r_k^2.
+    # The angle about the edge follows from |x_k|^2 = r_k^2; the plane contains the apex if the cosine is 0.
     reach = (along - foot) * (along - foot) + height * height + distance * distance - r[k] * r[k]
     sine = max(-1.0, min(1.0, reach / (2 * distance * max(height, 1e-300))))
     cosine = sqrt(1 - sine * sine)
@@ -121,7 +121,7 @@ def evaluated(
     n = r.shape[0]
     x: Real[::1] = np.ones(n)
     y: Real[::1] = np.zeros(n)
-    full: Real[::1] = np.ones(n)  # full turns that are left
+    full: Real[::1] = np.ones(n)  # remaining full turns
     kappa: Real[::1] = np.empty(n)
     slope: Real[::1] = np.empty(corners.shape[0])  # d / h
     diagonal: Real[::1] = np.zeros(n)
@@ -135,7 +135,7 @@ def evaluated(
         area = amplitudes[f // 3] if amplitudes.shape[0] else twice_area(a, b, c)
         if not area > 0:
             return np.asarray(kappa), np.asarray(slope), np.asarray(diagonal), -1.0
-        # Differences of squares, formed before they cancel.
+        # Differences of squares, without cancellation.
         ij = (r[i] - r[j]) * (r[i] + r[j])
         jm = (r[j] - r[m]) * (r[j] + r[m])
         mi = (r[m] - r[i]) * (r[m] + r[i])
@@ -152,7 +152,7 @@ def evaluated(
         d_ij = (a * c_im - c_ij * at_i / a) / area
         d_jm = (b * c_ji - c_jm * at_j / b) / area
         d_mi = (c * c_mj - c_mi * at_m / c) / area
-        # The squared height, from the corner where least is subtracted.
+        # The squared height, from the corner with the least subtraction.
         qi, qj, qm = s[i] * s[i], s[j] * s[j], s[m] * s[m]
         if qi <= qj and qi <= qm:
             h2, q = qi - c_ij / a * (c_ij / a) - d_ij * d_ij, qi
@@ -170,7 +170,7 @@ def evaluated(
         slope[f], slope[f + 1], slope[f + 2] = d_ij / h, d_jm / h, d_mi / h
     for i in range(n):
         kappa[i] = 2 * PI * full[i] - atan2(y[i], x[i])
-    # The half-edges below their twins, without a branch that is hard to foresee.
+    # Half-edges below their twins, without an unpredictable branch.
     lower: Int[::1] = np.empty(corners.shape[0] // 2 + 1, dtype=np.int64)
     count: Int = 0
     for e in range(corners.shape[0]):
@@ -183,7 +183,7 @@ def evaluated(
         c_ij = (a * a + (r[i] - r[j]) * (r[i] + r[j])) / 2 - k4 * (a * a) * (r[i] * r[i])
         w = (slope[e] + slope[t]) / (l * (s[i] * s[i] - c_ij / l * (c_ij / l)))
         slope[e] = slope[t] = w * s[i] * s[j]
-        # the product of the vectors from the apex to i and j
+        # scalar product of the vectors from the apex to i and j
         both = w * (s[i] * s[i] * (1 - 2 * k4 * (a * a)) - c_ij * (1 - 2 * k4 * (r[i] * r[i])))
         diagonal[i] -= both
         diagonal[j] -= both
@@ -193,7 +193,7 @@ def evaluated(
 @cython.cfunc
 @cython.exceptval(check=False)
 def _turn(i: Int, cosine: Real, sine: Real, x: Real[::1], y: Real[::1], full: Real[::1]) -> cython.void:
-    """Turn the vector of vertex i by the angle of these, whatever their size: by less than half a turn."""
+    """Rotate the vector of vertex i by the angle, less than pi, of this cosine and sine, not normalized."""
     size = sqrt(cosine * cosine + sine * sine)
     c, s = cosine / size, sine / size
     before = y[i]
@@ -208,7 +208,7 @@ def jacobian_product(
     for i in range(v.shape[0]):
         for c in range(v.shape[1]):
             result[i, c] = diagonal[i] * v[i, c]
-    for f in range(0, corners.shape[0], 3):  # every edge from both its faces, for one end each
+    for f in range(0, corners.shape[0], 3):  # each half-edge contributes to its start
         i, j, k = corners[f], corners[f + 1], corners[f + 2]
         for c in range(v.shape[1]):
             result[i, c] += coupling[f] * v[j, c]

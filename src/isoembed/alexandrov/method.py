@@ -1,4 +1,4 @@
-"""The method ``alexandrov``: entry point of Alexandrov's polyhedra, and their error messages."""
+"""The method ``alexandrov``: entry point for Alexandrov's polyhedra, and their error messages."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ from isoembed.surface.curvature import FLAT_ANGLE
 from isoembed.surface.measures import face_normals
 from isoembed.surface.placement import standard_position
 
-ANOTHER = 0.1  # relative change of a length beyond which a repaired metric is another one
-NEAREST = "nearest "  # before the names of its arrays
+ANOTHER = 0.1  # relative change of a length beyond which a repaired metric counts as a different one
+NEAREST = "nearest "  # prefix of array names
 
 ONLY_CONVEX = Evidence(
     "proved",
@@ -64,21 +64,21 @@ NOT_FOUND = Evidence(
 
 @dataclass(frozen=True)
 class Alexandrov(Method):
-    """The only convex polyhedron of a metric whose deficits are not negative.
+    """Unique convex polyhedron of a metric with nonnegative deficits.
 
     It is in the space of the metric's curvature: R^3, hyperbolic space or the sphere S^3.
-    The generalized polytope of Bobenko and Izmestiev is led to zero curvature, its triangulation being
-    flipped as it needs; what triangles the metric came in does not matter.  Vertices where the metric is flat
-    are left out on the way and put back on the result.
+    The curvatures of the generalized polytope of Bobenko and Izmestiev are reduced to zero, with flips of its
+    triangulation; the result does not depend on the triangulation of the metric.  Flat vertices are removed
+    before, and reinserted on the result.
 
     Parameters
     ----------
     repair : float
-        Deficits of no more than this, radians, are noise: vertices with them are made flat by the smallest
-        conformal change of the lengths, and the report says what changed.  Only negative ones are lifted to
-        zero where deficits only little above the noise show that so small ones belong to the body, and
-        where none is negative, or all are far smaller: noise leaves deficits of both signs.  By default only
-        rounding is forgiven.
+        Noise level in radians: vertices with smaller deficits are flattened by the smallest conformal change
+        of the lengths, and the changes are reported.  Only negative deficits are lifted to zero if there are
+        deficits only slightly above the noise, so that small ones belong to the body, or if none is negative,
+        or all negative ones are far smaller: noise leaves deficits of both signs.  By default only rounding
+        errors are tolerated.
 
     References
     ----------
@@ -100,14 +100,14 @@ class Alexandrov(Method):
             raise InvalidParameter(f"repair is {self.repair}, not a number of radians from 0 on")
 
     def run(self, metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log) -> Embedding:
-        """Find the polyhedron, a `ConvexPolyhedron`; the answer may miss the tolerance, and says so.
+        """Find the polyhedron, a `ConvexPolyhedron`; if it misses the tolerance, the message says so.
 
         Raises
         ------
         InvalidMetric
-            A deficit is negative by more than rounding, the tolerance, or what is to be repaired.
+            A deficit is negative beyond rounding, the tolerance, and `repair`.
         NotEmbedded
-            No polyhedron was found; the exception holds an attempt on the given triangles.
+            No polyhedron was found; the exception contains an attempt on the given triangles.
         """
         try:
             return convex_polyhedron(metric, tolerance, log, self.repair)
@@ -118,7 +118,7 @@ class Alexandrov(Method):
             raise NotEmbedded(f"{failure}{advice}", failure.embedding, failure.evidence) from None
 
     def _advice(self, metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log) -> str:
-        """The repair of small deficits, if it leads to a polyhedron."""
+        """Clause suggesting a repair of small deficits, if it leads to a polyhedron."""
         given = GluedMetric.of(metric)
         least = deficit_rounding(given)
         level = repair_level(given.deficits, least)
@@ -131,7 +131,7 @@ class Alexandrov(Method):
 def repair_that_succeeds(
     metric: PolyhedralMetric | GluedMetric, level: float, tolerance: float, log: Log
 ) -> str:
-    """Clause on a repair that leads to a polyhedron; empty if it does not, or changes the lengths by much."""
+    """Clause on a repair that leads to a polyhedron; empty if it fails or changes the lengths too much."""
     try:
         found = convex_polyhedron(metric, tolerance, log, level)
     except (InvalidMetric, NotEmbedded):
@@ -148,12 +148,12 @@ def repair_that_succeeds(
 def convex_polyhedron(
     metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log, noise: float = 0.0
 ) -> ConvexPolyhedron:
-    """Find the polyhedron of `Alexandrov`, with deficits up to this noise repaired, and give no advice.
+    """Find the polyhedron of `Alexandrov`, with deficits repaired up to this noise, without giving advice.
 
     Raises
     ------
     InvalidMetric, NotEmbedded
-        As `Alexandrov.run`.
+        See `Alexandrov.run`.
     """
     lifted, repair = repaired(metric, noise, tolerance)
     answer = _searched(lifted, repair, tolerance, log)
@@ -162,7 +162,7 @@ def convex_polyhedron(
     given = GluedMetric.of(lifted)
     flat = small_by_far(given.deficits, min(noise, largest_noise(GluedMetric.of(metric).deficits)))
     if repair.vertices.size and flat.any():
-        # Only now that the negative ones are lifted it shows which deficits are noise.
+        # Which deficits are noise is visible only after the negative ones are lifted.
         lifted, repair = repaired(metric, noise, tolerance, flat=flat)
         answer = _searched(lifted, repair, tolerance, log)
         if isinstance(answer, ConvexPolyhedron) and answer.converged:
@@ -173,10 +173,10 @@ def convex_polyhedron(
 def _searched(
     metric: PolyhedralMetric | GluedMetric, repair: Repair, tolerance: float, log: Log
 ) -> Embedding:
-    """The polyhedron of a metric without negative deficits, or an attempt."""
+    """Polyhedron of a metric without negative deficits, or an attempt."""
     given = GluedMetric.of(metric)
     rounding = deficit_rounding(given)
-    # A deficit within the tolerance can be told from none only by trying.
+    # Whether a deficit within the tolerance is zero can only be decided by trying.
     flat = None
     for least in (rounding, np.maximum(rounding, tolerance)):
         before, flat = flat, given.deficits <= least
@@ -198,9 +198,9 @@ def _searched(
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """The search for the polyhedron of a metric, some of whose vertices are taken for flat, shape (V,).
+    """Search for the polyhedron of a metric, treating the vertices of a mask, shape (V,), as flat.
 
-    Bodies of four vertices are made from their lengths, unless that is not asked for.
+    Bodies with four vertices are constructed directly from their lengths if `by_lengths` is set.
     """
 
     metric: PolyhedralMetric | GluedMetric
@@ -211,7 +211,7 @@ class _Search:
     by_lengths: bool = True
 
     def answer(self) -> Embedding:
-        """The polyhedron, or an attempt."""
+        """Polyhedron, or an attempt."""
         given, log = GluedMetric.of(self.metric), self.log
         original = given.half_edges()
         with log.stage("flat vertices") as recorder:
@@ -251,7 +251,7 @@ class _Search:
                 wanted = _one_halfedge_an_edge(self.metric)
                 paths = edge_paths(original, restored.tables, restored.polygons, wanted)
             result = metric_on(restored.tables).rounded_as(self.metric)
-        except InvalidMetric as error:  # not the given metric's fault: these are triangles of our own
+        except InvalidMetric as error:  # concerns the computed triangles, not the given metric
             message = f"the polyhedron was found, but no triangles on it with all vertices: {error}"
             return self._failure(curved, nearest, message)
         polyhedron = ConvexPolyhedron(
@@ -274,9 +274,9 @@ class _Search:
         return polyhedron
 
     def _from_nearest(self, nearest: Polytope) -> Relaxed | DoublyCovered | None:
-        """The body that the polytope with the least curvatures leads to, if any.
+        """Body obtained from the polytope with the smallest curvatures, if any.
 
-        A polygon whose lengths are right to twelve digits swells, and has dents where it should be flat.
+        Relaxation of a flat polygon, with lengths correct to twelve digits, inflates it and leaves dents.
         """
         body = relaxed_polytope(nearest, self.log.work)
         if body is not None and body.dent <= SHALLOW:
@@ -285,7 +285,7 @@ class _Search:
         return flat if flat is not None and flat.error <= most else body
 
     def _failure(self, core: Indices, nearest: Polytope | None, message: str) -> Embedding:
-        """The given triangles on the nearest polytope that there is."""
+        """Embedding of the given triangles by the nearest polytope found."""
         given = self.metric.simplicial() if isinstance(self.metric, GluedMetric) else self.metric
         with self.log.stage("attempt"):
             vertices = attempted(given, core, nearest, self.log.work)
@@ -301,21 +301,21 @@ class _Search:
 
 @dataclass(eq=False)
 class _Watch:
-    """Record of a path: how thin its polytopes became, and the one with the least curvatures."""
+    """Record of a path: threshold for thin polytopes, and the polytope with the smallest curvatures."""
 
     thin: float = THIN
     nearest: Polytope | None = None
 
     @classmethod
     def resumed(cls, kept: Mapping[str, NDArray[Any]] | None) -> _Watch:
-        """Record restored from the result of `arrays`, if there is one."""
+        """Record restored from the result of `arrays`, if given."""
         if kept is None:
             return cls()
         nearest = Polytope.of_arrays(kept, NEAREST) if f"{NEAREST}radii" in kept else None
         return cls(float(kept["thin"]), nearest)
 
     def arrays(self, here: Polytope) -> dict[str, ArrayLike]:
-        """Arrays for a checkpoint, beside those of this polytope."""
+        """Arrays for a checkpoint, in addition to those of this polytope."""
         nearest = {} if self.nearest is None or self.nearest is here else self.nearest.arrays(NEAREST)
         return {**nearest, "thin": self.thin}
 
@@ -323,10 +323,11 @@ class _Watch:
 def _polyhedron(
     core: HalfEdges, path: Iterator[Polytope | Stalled | Solution], watch: _Watch, work: Work
 ) -> Solution | Relaxed | DoublyCovered | Polytope | None:
-    """Solve, watching for a body that turns flat; failing that, the polytope with the least curvatures.
+    """Solve, checking for flat bodies; return the polytope with the smallest curvatures on failure.
 
-    The curvatures of thin bodies are lost in rounding before Newton's method takes over, their lengths are
-    not: where it stalls, these are tried.  On large bodies that costs more than to follow the path.
+    The curvatures of thin bodies are lost to rounding before Newton's method converges, but their lengths are
+    not: where it stalls, Newton's method on the lengths is tried, except on large bodies, where following the
+    path is cheaper.
     """
     if core.corners.size == 6:
         triangle = doubly_covered_triangle(core)
@@ -336,7 +337,7 @@ def _polyhedron(
         if isinstance(found, Solution):
             return found
         if isinstance(found, Stalled):
-            if found.polytope.radii.size <= 4_000:  # vertices: on larger bodies following the path is cheaper
+            if found.polytope.radii.size <= 4_000:  # vertices of a body that is not large
                 body = relaxed_polytope(found.polytope, work)
                 if body is not None and body.is_sure:
                     return body
@@ -364,16 +365,16 @@ def _diagnosis(nearest: Polytope | None, curved: Indices) -> str:
 
 def _placed(solution: Solution, recorder: StageRecorder) -> Floats:
     vertices, p = realized(solution, recorder), solution.polytope
-    # Rounding: no Newton step is needed.
+    # Within rounding, no Newton step is needed.
     if worst_length(p.tables, vertices) > (64 * 2.0**-52) * rounding_size(p.space, vertices):
         vertices = relaxed(p.tables, vertices, recorder.work)
     return vertices
 
 
 def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
-    """Half-edges at which the surface is bent, by its angle or its depth, shape (3F,).
+    """Half-edges at which the surface is bent, by angle or depth, shape (3F,).
 
-    A long edge that is bent by less than can be told from an angle may still leave the hull if it is flipped.
+    Flipping a long edge with a bend below the angle threshold may still leave the hull.
     """
     straight = to_model(Space(tables.curvature), vertices, "projective")
     normals = face_normals(tables.faces, straight)
@@ -382,15 +383,15 @@ def _creases(tables: HalfEdges, vertices: Floats) -> Mask:
     sine = np.linalg.norm(np.cross(here, there), axis=1)
     angles = np.arctan2(sine, np.einsum("ij,ij->i", here, there))
     along = straight[tables.faces] - straight[np.roll(tables.faces, -1, axis=1)]
-    with np.errstate(divide="ignore", invalid="ignore"):  # of ends that coincide: not a number, no crease
+    with np.errstate(divide="ignore", invalid="ignore"):  # NaN for coincident ends: no crease
         altitudes = np.linalg.norm(here, axis=1) / np.linalg.norm(along, axis=2).ravel()
     depths = angles * np.minimum(altitudes, altitudes[tables.twins])
-    # Extents: such an edge is hardly bent and yet is not flipped.
+    # The depth threshold, in extents, also protects edges with small angles.
     return (angles > FLAT_ANGLE) | (depths > 1e-10 * np.ptp(straight, axis=0).max())
 
 
 def _one_halfedge_an_edge(metric: PolyhedralMetric | GluedMetric) -> Indices:
-    """One half-edge of each edge, in the order of the metric's edges, or else the lower one, ascending."""
+    """One half-edge per edge, in the order of the metric's edges, or the lower one, ascending."""
     if isinstance(metric, PolyhedralMetric):
         return metric.triangulation.edge_halfedges[:, 0]
     return np.flatnonzero(np.arange(metric.twins.size) < metric.twins)

@@ -1,6 +1,6 @@
 """Newton's method on the radii with flips, from a nearly flat polytope to the polyhedron.
 
-Three radii are pinned, which fixes the apex: it may move, so the curvatures do not determine it.
+Three radii are pinned, which fixes the apex: the curvatures do not determine its position.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from isoembed.progress.stages import StageRecorder
 
 STALE = 10  # GMRES iterations: more cost as much as a fresh factorization
 GMRES_ITERATIONS = 30
-DECREASE = 0.25  # least decrease over that of the linear model
+DECREASE = 0.25  # least decrease relative to that of the linear model
 MAX_STEPS = 40
-LOOSEST = 1e-2  # largest residual of the linear equations, relative
-CREEPING = 0.9  # share of the curvatures that a step leaves: three such in a row end the iteration
+LOOSEST = 1e-2  # largest relative residual of the linear equations
+CREEPING = 0.9  # ratio of curvatures after and before a slow step: three in a row end the iteration
 
 
 @dataclass(eq=False)
 class Analyses:
-    """Analyses that factorizations of ``-d kappa / d r`` share while the triangles are flipped.
+    """Symbolic analyses shared by factorizations of ``-d kappa / d r`` on flipped triangulations.
 
     Attributes
     ----------
     dissection : Dissection
-        Of the vertices.
+        Nested dissection of the vertices.
     work : Work
-        Counts the factorizations.
+        Counter of factorizations.
     last : Solver or None
-        Of the last triangles.
+        Solver for the last triangulation.
     """
 
     dissection: Dissection
@@ -48,20 +48,20 @@ class Analyses:
 
     @classmethod
     def of(cls, tables: HalfEdges, work: Work) -> Analyses:
-        """Begin with any triangles of a metric."""
+        """Start from any triangulation of a metric."""
         ones = np.ones(tables.corners.size)
         count = int(tables.corners.max()) + 1
         return cls(dissect(vertex_matrix(tables.corners, tables.twins, ones, ones[:count])), work)
 
     def solver(self, matrix: csc_array) -> Solver:
-        """The solver of matrices like this one."""
+        """Solver for matrices with the pattern of this one."""
         last = self.last
         if last is None or not (
             np.array_equal(last.pattern.indptr, matrix.indptr)
             and np.array_equal(last.pattern.indices, matrix.indices)
         ):
             del last
-            self.last = None  # large bodies have no room for two
+            self.last = None  # memory does not suffice for two on large bodies
             order = self.dissection.order_of(matrix)
             self.last = last = analyze(matrix, order, definite=False, work=self.work)
         return last
@@ -69,29 +69,29 @@ class Analyses:
 
 @dataclass(eq=False)
 class Preconditioner:
-    """The last factor of ``-d kappa / d r`` nearby, rows and columns of the pins replaced by the identity's.
+    """Last factor of a nearby ``-d kappa / d r``, with rows and columns of the pins from the identity.
 
-    A new one takes its place: large bodies have no room for two.
+    It is replaced by new ones: memory does not suffice for two on large bodies.
     """
 
     solver: Solver
     factor: SymmetricFactor | None = None
 
     def renew(self, data: Floats) -> None:
-        """Factor another matrix of the same triangles; in double precision where single loses it."""
+        """Factor another matrix of the same triangulation; in double precision if single fails."""
         self.factor = None
         try:
             self.factor = self.solver.factor(data, single=True)
-        except SingularMatrix:  # pivots of both signs are not exchanged, and of large bodies some are small
+        except SingularMatrix:  # indefinite without pivoting: some pivots of large bodies are small
             self.factor = self.solver.factor(data)
 
     @property
     def negative_pivots(self) -> int:
-        """Negative eigenvalues of the last matrix."""
+        """Number of negative eigenvalues of the last matrix."""
         return self._last.negative_pivots
 
     def solve(self, b: Floats) -> Floats:
-        """Solution for b, (V,) or (V, n), with the last factor and no refinement."""
+        """Solution for b, (V,) or (V, n), by the last factor without refinement."""
         return self._last.solve(b, sweeps=0)
 
     @property
@@ -103,15 +103,15 @@ class Preconditioner:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A polytope without curvature, and the means to place it.
+    """Polytope without curvature, with the factor to place it.
 
     Attributes
     ----------
     polytope : Polytope
     pins : ndarray of int, shape (3,)
-        Vertices in independent directions from the apex.
+        Vertices in linearly independent directions from the apex.
     inverse : Preconditioner
-        Shared by all solutions that follow from one another without flips.
+        Factor shared by all solutions on the same triangulation.
     """
 
     polytope: Polytope
@@ -119,12 +119,12 @@ class Solution:
     inverse: Preconditioner
 
     def refactorized(self, p: Polytope) -> Solution:
-        """Factor another polytope of the same triangles, lengths and radii being others."""
+        """Factor another polytope on the same triangulation, with other lengths and radii."""
         self.inverse.renew(_pinned_matrix(p, self.pins).data)
         return replace(self, polytope=p)
 
     def solve(self, b: Floats, tolerance: float) -> tuple[Floats, int]:
-        """``(-d kappa / d r)^-1 b`` with the pins left at zero; and the iterations that it took.
+        """Solution ``(-d kappa / d r)^-1 b`` with zeros at the pins, and the number of iterations.
 
         Parameters
         ----------
@@ -158,12 +158,12 @@ def newton(
     Parameters
     ----------
     p : Polytope
-        Near to a solution.
+        Polytope near a solution.
     deficits : ndarray, shape (V,)
     analyses : Analyses
     recorder : StageRecorder
     enough : ndarray, shape (V,), optional
-        Curvatures at which it may end before they vanish.
+        Curvatures at which the iteration may end.
     """
     state, fresh = pinned(p, analyses), True
     forcing, done, creeping = LOOSEST, False, 0
@@ -171,7 +171,7 @@ def newton(
         if enough is not None and (np.abs(p.curvatures) <= enough).all():
             return state
         largest = float(np.abs(p.curvatures).max())
-        # Radians, and in units of the smallest deficit; 1e-13 is rounding.
+        # Tolerances in radians and relative to the smallest deficit; 1e-13 is rounding.
         done = largest <= min(1e-9, max(1e-4 * float(deficits.min()), 1e-13))
         size = float(np.linalg.norm(p.curvatures))
         if size == 0:
@@ -198,32 +198,32 @@ def newton(
             continue
         recorder.iterations += 1
         recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
-        if creeping == 3 and not done:  # large flat faces are cut anew at each step, which takes n^2 flips
+        if creeping == 3 and not done:  # large flat faces are retriangulated at each step by n^2 flips
             return None
     return state if done else None
 
 
 def forcing_term(ratio: float, loosest: float) -> float:
-    """Residual asked of Newton's linear equations: they converge as it does (Eisenstat and Walker).
+    """Forcing term of inexact Newton: relative residual of the linear equations (Eisenstat and Walker).
 
     Parameters
     ----------
     ratio : float
-        Of the curvatures after a step and before it.
+        Ratio of the curvatures after and before a step.
     loosest : float
     """
     return float(np.clip(ratio**2, 1e-6, loosest))
 
 
 def pinned(p: Polytope, analyses: Analyses, directions: Floats | None = None) -> Solution:
-    """Pin three radii of a polytope and factor what is left, whatever its curvatures.
+    """Pin three radii of a polytope, of any curvatures, and factor the remaining matrix.
 
     Parameters
     ----------
     p : Polytope
     analyses : Analyses
     directions : ndarray, shape (V, 3), optional
-        Of the vertices from the apex, if they are known.
+        Directions of the vertices from the apex, if known.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """Placement of the vertices of a polytope without curvature.
 
-The apex may move, so ``x_i / r_i``, the unit vectors from the apex, are a kernel of ``d kappa / d r``: three
-columns that one factor gives for all vertices alike.  Building the body up pyramid by pyramid instead would
-lose all digits on large ones.
+As the apex may move, the unit vectors from the apex, ``x_i / r_i``, span the kernel of ``d kappa / d r``:
+three columns obtained for all vertices from one factorization.  Building the body pyramid by pyramid instead
+would lose all digits on large ones.
 """
 
 import numpy as np
@@ -23,13 +23,13 @@ ROUGH = 1e-4  # relative residual of linear equations for a correction
 
 
 def realized(solution: Solution, recorder: StageRecorder) -> Floats:
-    """Vertices, shape (V, 3), as exact as floats allow; in Euclidean space the apex is the origin.
+    """Vertices, shape (V, 3), to floating-point accuracy; in Euclidean space the apex is the origin.
 
     Parameters
     ----------
     solution : Solution
     recorder : StageRecorder
-        Counts the rounds of the polish.
+        Counter of refinement steps.
     """
     about = around_apex(solution)
     for _ in range(3):
@@ -47,12 +47,12 @@ def placed(solution: Solution) -> Floats:
 
 
 def around_apex(solution: Solution) -> Floats:
-    """Vertices around the apex, which is the origin, in conformal coordinates, shape (V, 3)."""
+    """Vertices in conformal coordinates with the apex as the origin, shape (V, 3)."""
     p = solution.polytope
     directions = np.zeros((p.radii.size, 3))
     directions[solution.pins] = np.eye(3)
     directions += solution.solve(p.times_jacobian(directions), 1e-12)[0]  # residual for a kernel
-    # They are so up to a linear map B: fit G = B B^T to |x_i| = sn(r_i) and |x_i - x_j|, known from l_ij.
+    # These are the directions up to a linear map B: fit G = B B^T to |x_i| = sn(r_i) and |x_i - x_j|.
     i, j, lengths = _edges(p)
     lengths = ambient_lengths(p.space, lengths, p.radii[i], p.radii[j])
     raw = directions * p.space.sn(p.radii)[:, None]
@@ -60,26 +60,26 @@ def around_apex(solution: Solution) -> Floats:
     g, *_ = np.linalg.lstsq(products, np.ones(len(products)), rcond=None)
     values, vectors = np.linalg.eigh(g[SYMMETRIC])
     raw = directions * conformal_radii(p.space, p.radii)[:, None]
-    return raw @ (vectors * np.sqrt(np.abs(values)))  # all positive, if the polytope has no curvature
+    return raw @ (vectors * np.sqrt(np.abs(values)))  # all positive if the polytope has no curvature
 
 
 def polished(solution: Solution, about: Floats) -> Floats:
-    """One more Newton step, on the lengths: the errors that rounding left in the placement go.
+    """Refine the vertices by a Newton step on the lengths, which removes rounding errors of the placement.
 
-    The vertices are an exact polytope of nearly right lengths, without curvature and with its directions for
-    a kernel.  What changes when the lengths are put right is linear in their errors, so these may be
-    magnified before the curvatures, which are differences of nearly equal numbers, are evaluated.
+    The vertices define an exact polytope with nearly correct lengths, without curvature and with its
+    directions as the kernel.  The correction is linear in the length errors, so these may be magnified before
+    the curvatures, which are differences of nearly equal numbers, are evaluated.
 
     Parameters
     ----------
     solution : Solution
     about : ndarray, shape (V, 3)
-        Vertices from `around_apex`, or from a polish before.
+        Vertices from `around_apex` or a previous refinement.
 
     Returns
     -------
     ndarray, shape (V, 3)
-        The argument itself where that is not an improvement.
+        Refined vertices; the argument itself if there is no improvement.
     """
     tables, space = solution.polytope.tables, solution.polytope.space
     radii = distances_from_apex(space, about)
@@ -88,7 +88,7 @@ def polished(solution: Solution, about: Floats) -> Floats:
     error = float(np.abs(missing).max())
     if error == 0:
         return about
-    # Mean edge lengths, to which errors are lifted above rounding.
+    # Errors are magnified to 1e-6 mean edge lengths, above rounding.
     scale = 1e-6 * float(tables.lengths.mean()) / error
     wrong = tables._replace(lengths=actual + scale * missing)
     p = Polytope.on(wrong, radii)
@@ -102,7 +102,7 @@ def polished(solution: Solution, about: Floats) -> Floats:
     turned = directions + solution.solve(q.times_jacobian(directions), ROUGH)[0] / scale
     radii = radii + dr / scale
     moved = turned * space.sn(radii)[:, None]
-    # Up to a linear map again, which now is near the identity.
+    # Again up to a linear map, now near the identity.
     i, j, lengths = _edges(solution.polytope)
     lengths = ambient_lengths(space, lengths, radii[i], radii[j])
     chords = moved[i] - moved[j]
@@ -119,14 +119,14 @@ SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
 
 
 def _products(v: Floats) -> Floats:
-    """The coefficients of ``v^T S v`` in the six entries of a symmetric S, shape (n, 6)."""
+    """Coefficients of ``v^T S v`` in the six entries of a symmetric S, shape (n, 6)."""
     x, y, z = v.T
     return np.stack([x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z], axis=1)
 
 
 def _edges(p: Polytope) -> tuple[Indices, Indices, Floats]:
-    """Ends and lengths of the edges, or of an even sample of them."""
+    """Ends and lengths of the edges, or of an evenly spaced sample of them."""
     tables = p.tables
     h = np.flatnonzero(np.arange(tables.twins.size) < tables.twins)
-    h = h[:: -(-h.size // 20_000)]  # edges that determine the six numbers of a linear map
+    h = h[:: -(-h.size // 20_000)]  # enough edges for the six numbers of a linear map
     return tables.corners[h], tables.corners[tables.twins[h]], tables.lengths[h]

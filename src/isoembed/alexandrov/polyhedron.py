@@ -1,4 +1,4 @@
-"""Convex polyhedra as embeddings, on triangles that need not be those of the input."""
+"""Convex polyhedra as embeddings, on triangulations that may differ from the input."""
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
@@ -25,12 +25,12 @@ from isoembed.surface.surface import Surface
 
 
 def metric_on(tables: HalfEdges) -> PolyhedralMetric:
-    """The metric of triangles that are a simplicial complex.
+    """Metric of triangles that form a simplicial complex.
 
     Raises
     ------
     InvalidMetric
-        They are not valid, or rounding broke one of them.
+        The triangles are invalid, or rounding broke one of them.
     """
     triangulation = Triangulation(tables.faces)
     lengths = np.empty(triangulation.n_edges)
@@ -46,7 +46,7 @@ class GluedSurface(Surface):
     ----------
     given : GluedMetric
     edge_paths : EdgePaths
-        Its edges on the triangles of the polyhedron.
+        Paths of its edges on the triangles of the polyhedron.
     """
 
     _: KW_ONLY
@@ -55,7 +55,7 @@ class GluedSurface(Surface):
 
     @cached_property
     def seams(self) -> Segments:
-        """The sides of the paper that the metric was glued from; those that were found."""
+        """Sides of the glued sheets of paper, as far as their paths were found."""
         given, paths = self.given, self.edge_paths
         halfedges = np.flatnonzero(np.arange(given.twins.size) < given.twins)
         which = np.flatnonzero(given.seams[halfedges])
@@ -66,29 +66,29 @@ class GluedSurface(Surface):
 class ConvexPolyhedron(Polyhedron):
     """Alexandrov's polyhedron of a metric.
 
-    Its `metric` is the given one on triangles of the polyhedron, which use every given vertex; those at which
-    the metric is flat lie inside its faces and edges.  A triangle covered twice whose flat vertices are all
-    on its sides has one vertex more, the last: without it, both sheets would need the same edges.
+    Its `metric` is the given one on triangles of the polyhedron, with all given vertices; flat ones are
+    inside its faces and edges.  A doubly covered triangle with all flat vertices on its sides has one more
+    vertex, the last: otherwise both sheets would need the same edges.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        On triangles of the polyhedron.
+        Metric on triangles of the polyhedron.
     vertices : array_like of float, shape (V, 3)
     given : GluedMetric
-        The metric as it was given, or as it was repaired.
+        Given metric, possibly repaired.
     edge_paths : EdgePaths
-        Its edges on the triangles of the polyhedron, in the order of `PolyhedralMetric.edges` or of the lower
-        half-edges of a `GluedMetric`; their lengths are in the unit of the normalized metric.
+        Paths of its edges on the triangles of the polyhedron, in the order of `PolyhedralMetric.edges` or of
+        the lower half-edges of a `GluedMetric`; their lengths are in the unit of the normalized metric.
     core : tuple of HalfEdges and ndarray, or None
-        Triangles that use only the vertices with a deficit, in order, and the positions of these, both in the
-        unit of the metric's lengths; None if the body is flat.
+        Triangulation with only the vertices with a deficit, in order, and their positions, both in the unit
+        of the metric's lengths; None if the body is flat.
     flat_vertices : ndarray of int
-        The vertices without a deficit.
+        Vertices without deficit.
     repair : Repair or None
-        What was changed to make the metric convex.
+        Changes made to obtain a convex metric.
     tolerance, stages, message, uniqueness
-        As of an `Embedding`.
+        See `Embedding`.
     """
 
     _: KW_ONLY
@@ -104,28 +104,28 @@ class ConvexPolyhedron(Polyhedron):
         super().__post_init__()
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
-        """Return the same polyhedron, found for the `normalized` of a metric, in the unit of that metric."""
+        """Return the same polyhedron, computed for the `normalized` of a metric, in that metric's unit."""
         own = GluedMetric.of(given) if self.repair is None else self.given.scaled(given.unit)
         core = self.core and (
             self.core[0]._replace(lengths=given.unit * self.core[0].lengths, curvature=given.curvature),
             frozen(given.unit * self.core[1]),
         )
-        # First these: where floats cannot hold the vertices, `path_residuals` are measured anew.
+        # These first: if the conversion rounds the vertices, `path_residuals` are recomputed.
         changed = self._with(given=own, core=core)
         changed.__dict__.pop("_certificate", None)  # its distance has a unit
         return super(ConvexPolyhedron, changed)._in_unit_of(given)
 
     @property
     def residual(self) -> float:
-        """The largest of `residuals` and `path_residuals`."""
+        """Maximum of `residuals` and `path_residuals`."""
         return max(float(self.residuals.max()), float(self.path_residuals.max()))
 
     @cached_property
     def path_residuals(self) -> Floats:
-        """Given lengths against those of `edge_paths` as drawn on the surface, over the mean edge length.
+        """Differences of given lengths from those of `edge_paths` on the surface, over the mean edge length.
 
-        They measure the triangles of the polyhedron by the edges of the input, in the order of `edge_paths`;
-        infinite where an edge was not found.
+        They compare the triangles of the polyhedron with the edges of the input, in the order of
+        `edge_paths`; infinite if an edge was not found.
         """
         paths = self.edge_paths
         unit = np.exp2(np.rint(np.log2(self.given.mean_length / paths.lengths.mean())))
@@ -134,7 +134,7 @@ class ConvexPolyhedron(Polyhedron):
 
     @cached_property
     def dents(self) -> Floats:
-        """The `dent_depths` of the edges, in mean edge lengths, shape (E,)."""
+        """Depths of dents at the edges (`dent_depths`), in mean edge lengths, shape (E,)."""
         depths = dent_depths(
             self.triangulation, self.vertices / self.metric.unit, self.metric.normalized.space
         )
@@ -188,7 +188,7 @@ class ConvexPolyhedron(Polyhedron):
 
     @property
     def _reported(self) -> Mapping[str, Any]:
-        """Entries of the report that only polyhedra have."""
+        """Entries of the report specific to polyhedra."""
         return {
             "input": {
                 "vertices": self.given.n_vertices,

@@ -1,15 +1,16 @@
 """Generalized convex polytopes: pyramids with a common apex over the triangles of a metric.
 
-Every vertex i has a radius r_i, its distance from the apex.  The pyramids fit around the apex except for the
-curvatures kappa_i = 2 pi - (sum of the dihedral angles at the edge from i to the apex), and bound a convex
-body if no edge of the triangulation is reflex.  When all kappa_i vanish, the body is the polyhedron.
+Every vertex i has a radius r_i, its distance from the apex.  The pyramids fit together around the apex except
+for the curvatures kappa_i = 2 pi - (sum of the dihedral angles at the edge from i to the apex), and form a
+convex body if no edge of the triangulation is reflex.  If all kappa_i vanish, the body is the polyhedron.
 
 Notation and formulas: Bobenko and Izmestiev, Alexandrov's theorem, weighted Delaunay triangulations, and
 mixed volumes, Annales de l'Institut Fourier 58 (2008).  For half-edge i -> j with third corner k let
-``c_ij = (l_ij^2 + r_i^2 - r_j^2) / 2`` be the product of the vectors from i to j and to the apex; d the
-distance of the apex from the line ij, seen along the normal of the plane ijk, and h its height above that
-plane.  In hyperbolic and spherical space these are the sines ``sn`` of distances, lengths and radii that are
-squared are chords, and ``c_ij = sn(l_ij) sn(r_i) cos(rho_ij)``, by the law of cosines; all else is the same.
+``c_ij = (l_ij^2 + r_i^2 - r_j^2) / 2`` be the scalar product of the vectors from i to j and to the apex; d
+the distance of the apex from the line ij, as seen along the normal of the plane ijk, and h its height above
+that plane.  In hyperbolic and spherical space these are the sines ``sn`` of distances, squared lengths and
+radii become squared chords, and ``c_ij = sn(l_ij) sn(r_i) cos(rho_ij)``, by the law of cosines; everything
+else is unchanged.
 """
 
 from __future__ import annotations
@@ -34,21 +35,21 @@ from isoembed.space import Space
 
 @dataclass(frozen=True, eq=False)
 class Polytope:
-    """A generalized polytope: its triangles, radii, and what follows from them.
+    """Generalized polytope: triangles, radii, curvatures and their derivatives.
 
     Attributes
     ----------
     tables : HalfEdges
-        A weighted Delaunay triangulation for the squared radii, or triangles with edges that may be reflex.
+        Weighted Delaunay triangulation for the squared radii, or triangles with possibly reflex edges.
     radii : ndarray, shape (V,)
     curvatures : ndarray, shape (V,)
-        kappa.
+        Curvatures kappa.
     coupling : ndarray, shape (3F,)
-        ``d kappa_i / d r_j`` by half-edge i -> j.
+        Derivatives ``d kappa_i / d r_j`` by half-edge i -> j.
     diagonal : ndarray, shape (V,)
-        The part of ``d kappa_i / d r_i`` that does not come from loops.
+        Part of ``d kappa_i / d r_i`` not due to loops.
     lowest : float
-        The least squared height of the apex above a triangle, over the squared radius, or sines of these;
+        Smallest squared height of the apex above a triangle, over the squared radius (or sines of these);
         positive.
     """
 
@@ -63,12 +64,12 @@ class Polytope:
     def over(cls, tables: HalfEdges, radii: Floats, *, flips: bool = True) -> Polytope | None:
         """Flip a copy of the triangles until no edge is reflex; None if no polytope has these radii.
 
-        Without flips the triangles stay as they are, and any edges of theirs may be reflex.
+        Without flips the triangles are unchanged, and edges may be reflex.
         """
         space = Space(tables.curvature)
-        if not radii.min() > 0:  # not a number is not a radius either
+        if not radii.min() > 0:  # also excludes NaN
             return None
-        # Radii of curvature: hyperbolic sines of longer radii overflow.
+        # The limit is in radii of curvature: hyperbolic sines of longer radii overflow.
         if not radii.max() * space.root < (np.pi if space.curvature > 0 else 100.0):
             return None
         if not flips:
@@ -84,7 +85,7 @@ class Polytope:
 
     @classmethod
     def on(cls, tables: HalfEdges, radii: Floats) -> Polytope | None:
-        """Put pyramids over the triangles as they are; None if one of them does not exist."""
+        """Construct pyramids over the given triangles; None if one of them does not exist."""
         space, lengths, amplitudes = Space(tables.curvature), tables.lengths, np.empty(0)
         chords = sines = lengths
         r = s = radii
@@ -102,7 +103,7 @@ class Polytope:
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]], prefix: str = "") -> Polytope | None:
-        """The polytope of what `arrays` gave."""
+        """Polytope restored from the result of `arrays`."""
         tables = HalfEdges._make(arrays[prefix + name] for name in HalfEdges._fields)
         tables = tables._replace(curvature=float(tables.curvature))
         return cls.on(tables, arrays[f"{prefix}radii"])
@@ -115,35 +116,35 @@ class Polytope:
 
     @property
     def space(self) -> Space:
-        """The space that it is in."""
+        """Ambient space."""
         return Space(self.tables.curvature)
 
     def times_jacobian(self, v: Floats) -> Floats:
-        """``(d kappa / d r) v`` for v of shape (V,) or (V, n)."""
+        """Product ``(d kappa / d r) v`` for v of shape (V,) or (V, n)."""
         tables, columns = self.tables, v.reshape(len(v), -1)
         product = jacobian_product(tables.corners, self.coupling, self.diagonal, columns)
         return product.reshape(v.shape)
 
     def jacobian(self) -> csc_array:
-        """``d kappa / d r`` as a sparse matrix, (V, V), symmetric, with its whole diagonal."""
+        """Jacobian ``d kappa / d r`` as a sparse symmetric matrix, (V, V), with its full diagonal."""
         return vertex_matrix(self.tables.corners, self.tables.twins, self.coupling, self.diagonal)
 
 
 def delaunay_weights(space: Space, radii: Floats) -> tuple[Floats, float]:
-    """Weights of the Delaunay triangulation of a polytope: squared radii less a constant, or the like.
+    """Weights of the Delaunay triangulation of a polytope: squared radii minus a constant, or their analog.
 
-    The polytope is convex where the cosines of the radii, extended to a linear function over each triangle,
-    are.  Such functions may be scaled: by the cosine of a mean radius, so that equal radii have no weight.
+    In curved space, the polytope is convex where the cosines of the radii, extended to a linear function over
+    each triangle, are.  They are scaled by the cosine of a mean radius, so that equal radii have no weight.
 
     Returns
     -------
     ndarray, float
-        The weights; and the cosine by which tilts of this scale are to be multiplied.
+        Weights, and the cosine by which tilts must be multiplied to undo the scaling.
     """
     mean = float(radii.mean())
     if space.is_euclidean:
         return (radii - mean) * (radii + mean), 1.0
-    if space.curvature > 0:  # and well below pi / 2, where the cosine vanishes
+    if space.curvature > 0:  # well below pi / 2, where the cosine vanishes
         mean = min(mean, space.radius)
     cosine = float(space.cs(mean))
     return space.chord(radii - mean) * space.chord(radii + mean) / cosine, cosine

@@ -1,7 +1,6 @@
 """Newton's method on the lengths with flips, for the last part of the homotopy.
 
-Nearly flat vertices leave ``d kappa / d r`` nearly singular; their places are determined by the lengths all
-the same.
+For nearly flat vertices ``d kappa / d r`` is nearly singular, but the lengths determine their positions.
 """
 
 from collections.abc import Iterator
@@ -29,22 +28,22 @@ from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 
 MAX_STEPS = 20  # of Newton's method on the lengths
-DENTED = 1e-8  # mean edge lengths: deeper dents are never rounding
-SHALLOW = 1e-13  # mean edge lengths: less deep dents are always rounding
-RELAXED = 1e-12  # mean edge lengths: error of the lengths of a solution
+DENTED = 1e-8  # mean edge lengths: deeper dents are never due to rounding
+SHALLOW = 1e-13  # mean edge lengths: shallower dents are always due to rounding
+RELAXED = 1e-12  # mean edge lengths: length error of a solution
 
 
 def relaxed(tables: HalfEdges, vertices: Floats, work: Work) -> Floats:
-    """Newton's method on the lengths, where nearly flat vertices leave ``d kappa / d r`` nearly singular.
+    """Newton's method on the lengths, for nearly flat vertices with nearly singular ``d kappa / d r``.
 
     Returns
     -------
     ndarray, shape (V, 3)
-        The best on the way.
+        Best iterate.
     """
     try:
         triangulation = Triangulation(tables.faces)
-    except InvalidMetric:  # flat bodies may have repeated edges, and no Newton step either
+    except InvalidMetric:  # flat bodies may have multiple edges, and no Newton step either
         return vertices
     lengths = np.empty(triangulation.n_edges)
     lengths[triangulation.face_edges.ravel()] = tables.lengths
@@ -56,14 +55,14 @@ def relaxed(tables: HalfEdges, vertices: Floats, work: Work) -> Floats:
 
     def worst(p: Point) -> float:
         inside = (space.curvature * np.einsum("ij,ij->i", p.x, p.x) < 1).all()
-        return worst_length(tables, p.x) if inside else np.inf  # out of the half of the sphere
+        return worst_length(tables, p.x) if inside else np.inf  # outside the hemisphere
 
     return newton(
         vertices,
         lambda x: length_residuals(triangulation, x, lengths, space),
         solve,
         norm=worst,
-        # The rounding floor; where the body is thin, each step halves the errors, at least.
+        # Rounding floor; on thin bodies, each step at least halves the errors.
         converged=lambda _, error, before: (
             (next(steps) >= MAX_STEPS or before <= RELAXED) and not error < before / 2
         ),
@@ -73,14 +72,14 @@ def relaxed(tables: HalfEdges, vertices: Floats, work: Work) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Relaxed:
-    """A surface that has the lengths of a metric, and is convex but for dents.
+    """Surface with the lengths of a metric that is convex except for dents.
 
     Attributes
     ----------
     tables : HalfEdges
     vertices : ndarray, shape (V, 3)
     dent : float
-        Depth of the deepest dent, in mean edge lengths; no flip mends it.
+        Depth of the deepest dent, in mean edge lengths, that no flip removes.
     """
 
     tables: HalfEdges
@@ -89,33 +88,33 @@ class Relaxed:
 
     @property
     def is_sure(self) -> bool:
-        """Whether it has no dents, and is not a doubly covered polygon, which would miss its lengths."""
+        """Whether the surface has no dents and is not a doubly covered polygon."""
         centered = self.vertices - self.vertices.mean(axis=0)
         normal = np.linalg.svd(centered, full_matrices=False)[2][2]
         flattened = worst_length(self.tables, self.vertices - (centered @ normal)[:, None] * normal)
         error = max(worst_length(self.tables, self.vertices), FLAT_IN_FLOATS)
-        # Errors of the lengths, by which a body that is not a polygon misses them when flattened.
+        # Flattening a body that is not a polygon causes significant length errors.
         return self.dent <= DENTED and flattened > 10.0 * error
 
 
 def relaxed_polytope(nearest: Polytope, work: Work) -> Relaxed | None:
-    """Solve for the lengths where the curvatures get small but not to zero, and flip concave edges.
+    """Solve for the lengths if the curvatures become small but do not vanish, and flip concave edges.
 
     Parameters
     ----------
     nearest : Polytope
-        With small curvatures.
+        Polytope with small curvatures.
     work : Work
-        Counts factorizations.
+        Counter of factorizations.
 
     Returns
     -------
     Relaxed or None
-        None if no triangles and vertices are found that have the lengths of the metric.  They may have dents.
+        Surface with the lengths of the metric, possibly with dents; None if there is none.
     """
     try:
         solution = pinned(nearest, Analyses.of(nearest.tables, work))
-        with np.errstate(invalid="ignore"):  # many radii of curvature wide, and far from a polyhedron
+        with np.errstate(invalid="ignore"):  # bodies many radii of curvature wide, far from a polyhedron
             vertices = placed(solution)
     except SingularMatrix:
         return None
@@ -129,10 +128,10 @@ def relaxed_polytope(nearest: Polytope, work: Work) -> Relaxed | None:
 
 
 def relaxed_without_dents(tables: HalfEdges, vertices: Floats, work: Work) -> Relaxed | None:
-    """Relax and flip in turn, as long as that mends dents; None if lengths are missed."""
+    """Alternate relaxation and flips as long as this removes dents; None if the lengths are not met."""
     best = None
     for _ in range(MAX_STEPS):
-        if repeated(tables).size:  # made by flips on both sides of what is nearly flat
+        if repeated(tables).size:  # due to flips on both sides of a nearly flat body
             break
         vertices = relaxed(tables, vertices, work)
         if not worst_length(tables, vertices) <= RELAXED:
@@ -147,14 +146,14 @@ def relaxed_without_dents(tables: HalfEdges, vertices: Floats, work: Work) -> Re
 
 
 def _simplicial(tables: HalfEdges) -> Iterator[HalfEdges]:
-    """The triangles, or those that are left without repeated edges where one of these is kept.
+    """Yield the triangulation or, if it has multiple edges, versions that keep one of these.
 
-    Nearly flat bodies have the same diagonal on both sides until their path ends, and not on both there.
+    Nearly flat bodies may have the same diagonal on both sides along the path, but not at its end.
     """
     edges = repeated(tables)
     if not edges.size:
         yield tables.copy()
-    for h in edges[:8]:  # repeated edges that are kept one after the other
+    for h in edges[:8]:  # multiple edges that are kept in turn
         mesh, kept = tables.copy(), np.zeros(tables.corners.size, dtype=np.bool_)
         kept[[h, tables.twins[h]]] = True
         remove_multi_edges(mesh, kept)

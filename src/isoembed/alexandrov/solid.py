@@ -23,11 +23,11 @@ class Solid:
     Attributes
     ----------
     vertices, edges, faces : int
-        A doubly covered polygon has two faces.
+        Numbers of corners, edges and faces; a doubly covered polygon has two faces.
     name : str
-        Such as ``"cube"`` or ``"pentahedron"``.
+        Name such as ``"cube"`` or ``"pentahedron"``.
     distances : ndarray
-        All distances between two corners, ascending: the same for congruent solids and mirror images.
+        All distances between two corners, ascending: equal for congruent solids and mirror images.
     """
 
     vertices: int
@@ -38,7 +38,7 @@ class Solid:
 
     @classmethod
     def of(cls, polyhedron: ConvexPolyhedron) -> Solid:
-        """The solid of a polyhedron."""
+        """Create the solid of a polyhedron."""
         corner = np.ones(len(polyhedron.vertices), dtype=np.bool_)
         corner[polyhedron.flat_vertices] = False
         loops = [[v for v in polygon if corner[v]] for polygon in polyhedron.polygons]
@@ -55,7 +55,7 @@ class Solid:
         return f"{self.name}: {self.vertices} vertices, {self.edges} edges, {self.faces} faces"
 
     def is_congruent(self, other: Solid) -> bool:
-        """Whether the two are the same up to motions and mirror images, as far as distances tell."""
+        """Whether two solids agree up to motions and reflections, as judged by their distances."""
         return len(self.distances) == len(other.distances) and np.allclose(
             self.distances, other.distances, rtol=0, atol=SAME * self.distances[-1]
         )

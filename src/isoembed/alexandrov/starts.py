@@ -12,10 +12,10 @@ EPS = 2.0**-52
 
 
 def equal_radii(tables: HalfEdges, ladder: tuple[float, ...]) -> list[float]:
-    """The radii of the starts, by multiples of the least, over a Delaunay triangulation or what is like one.
+    """Initial radii as multiples of the least one, over a Delaunay triangulation or an approximation of one.
 
-    The polytope of equal radii R exists if every circle around a triangle is smaller; and its curvatures sum
-    to about ``4 pi - A / sn(R)^2``.
+    The polytope of equal radii R exists if R exceeds all circumradii of triangles; its curvatures sum to
+    about ``4 pi - A / sn(R)^2``.
     """
     space = Space(tables.curvature)
     k = space.curvature
@@ -23,9 +23,9 @@ def equal_radii(tables: HalfEdges, ladder: tuple[float, ...]) -> list[float]:
     chords = space.chord(tables.face_lengths)
     tangent = float((chords.prod(axis=1) / (2 * (triangles.amplitudes * triangles.unit**2))).max())
     sine = float(np.sqrt((triangles.areas * triangles.unit**2).sum() / (4 * np.pi)))
-    if k > 0:  # no sine is longer than the radius of curvature: a ladder of tangents
+    if k > 0:  # sines are bounded by the radius of curvature: multiples of tangents
         least = max(tangent, sine / math.sqrt(max(1 - k * sine * sine, EPS)))
         return [math.atan(factor * least * space.root) / space.root for factor in ladder]
-    # Circles of a Delaunay triangulation end before infinity, but for rounding.
+    # Circumradii of a Delaunay triangulation are finite, up to rounding.
     least = max(tangent / math.sqrt(max(1 + k * tangent * tangent, EPS)), sine)
     return [float(space.asn(factor * least)) for factor in ladder]

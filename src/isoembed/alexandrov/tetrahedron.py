@@ -1,7 +1,7 @@
 """Tetrahedra from six lengths.
 
-Four cone points have many triangulations, of which one is the tetrahedron's.  It is looked for by flips from
-the Delaunay one: any that gives a tetrahedron gives a convex body, and there is only one.
+Four cone points have many triangulations, one of which is that of the tetrahedron.  It is searched by flips
+from the Delaunay triangulation: any tetrahedron found is a convex body, which is unique.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from isoembed.intrinsic.delaunay import make_delaunay
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import flip
 
-FLAT = 1e-5  # longest edges: a lower body may be a polygon but for rounding
+FLAT = 1e-5  # in longest edges: a lower body may be a polygon up to rounding
 
 
 @dataclass(frozen=True, eq=False)
 class Tetrahedron:
-    """A body of four vertices.
+    """Body with four vertices.
 
     Attributes
     ----------
@@ -50,11 +50,11 @@ def tetrahedron(core: HalfEdges) -> Tetrahedron | None:
 
 
 def _flipped(tables: HalfEdges) -> list[HalfEdges]:
-    """All triangulations that are one flip away."""
+    """All triangulations one flip away."""
     found = []
     for h in tables.edges.tolist():
         after = tables.copy()
-        if flip(h, after.views, 1e-3):  # longest sides: thinner triangles lose digits
+        if flip(h, after.views, 1e-3):  # in longest sides: thinner triangles lose digits
             found.append(after)
     return found
 

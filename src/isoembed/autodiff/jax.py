@@ -17,21 +17,21 @@ from isoembed.embedding.embedding import Embedding
 
 
 def realization(surface: Embedding) -> Callable[..., jax.Array]:
-    """Make the function from lengths to vertices near a surface, for JAX in double precision.
+    """Create a JAX function from lengths to vertices near a surface, in double precision.
 
     Parameters
     ----------
     surface : Embedding
-        Converged, in R^3: closed and of genus 0, or a `SheetEmbedding`.
+        Converged surface in R^3: closed and of genus 0, or a `SheetEmbedding`.
 
     Returns
     -------
     callable
-        Takes lengths (E,), in the order of the metric's edges, and returns vertices (V, 3), turned and moved
-        onto those of the surface, as `isoembed.autodiff.realization.Realization` does.  Where heights (B,) or
-        positions (B, 3) are given at a boundary, ``boundary=`` takes others.  It may be transformed by
-        `jax.jit`, `jax.grad` and `jax.vmap`, which goes through a batch one by one; derivatives are first
-        ones.  The factors of the last lengths are kept: a backward pass takes two solves.
+        Takes lengths (E,), in the order of the metric's edges, and returns vertices (V, 3), aligned with
+        those of the surface, like `isoembed.autodiff.realization.Realization`.  If heights (B,) or positions
+        (B, 3) are given at a boundary, ``boundary=`` replaces them.  The function supports `jax.jit`,
+        `jax.grad` and `jax.vmap` (sequentially), and first derivatives only.  The factors for the last
+        lengths are cached: a backward pass takes two solves.
 
     Raises
     ------

@@ -27,17 +27,17 @@ from isoembed.surface.rigidity import LengthSystem
 
 @dataclass(frozen=True, eq=False)
 class Linearized:
-    """A surface at some lengths, with what its derivatives need.
+    """Surface with given lengths, and its derivatives.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
     derivatives : LengthDerivatives or SheetDerivatives
     gauge : ndarray, shape (3 V, k)
-        Of the motions dx, those with ``gauge^T dx = 0`` leave the vertices aligned to the reference.
+        Constraints: motions dx with ``gauge^T dx = 0`` keep the vertices aligned with the reference.
     rigid : ndarray, shape (3 V, k)
-        The k = 6 rigid motions, of which ``gauge^T rigid = 1``; 3 horizontal ones of a surface with given
-        heights of its boundary, none of one with a given curve.
+        The k = 6 rigid motions, with ``gauge^T rigid = 1``; 3 horizontal ones for a surface with given
+        boundary heights, none for one with a given curve.
     """
 
     vertices: Floats
@@ -50,7 +50,7 @@ class Linearized:
         return self._aligned(self.derivatives.jvp(changes))
 
     def vjp(self, gradient: Floats) -> Floats:
-        """Derivatives by the lengths, (E,), from those by the vertices, (V, 3)."""
+        """Derivatives with respect to the lengths, (E,), from those by the vertices, (V, 3)."""
         return self.derivatives.vjp(self._unaligned(gradient))
 
     def boundary_jvp(self, changes: Floats) -> Floats:
@@ -60,7 +60,7 @@ class Linearized:
         return self._aligned(self.derivatives.boundary_jvp(changes))
 
     def boundary_vjp(self, gradient: Floats) -> Floats:
-        """Derivatives by what is given at the boundary, in its shape, from those by the vertices, (V, 3)."""
+        """Derivatives with respect to the boundary data, in its shape, from those by the vertices, (V, 3)."""
         if not isinstance(self.derivatives, SheetDerivatives):
             return np.zeros(0)
         return self.derivatives.boundary_vjp(self._unaligned(gradient))
@@ -76,22 +76,22 @@ class Linearized:
 
 @dataclass(frozen=True, eq=False)
 class Realization:
-    """The surface near a given one with other lengths, turned and moved onto it as near as may be.
+    """Surface near a given one with other lengths, aligned with it.
 
-    Its triangles are kept.  The vertices depend smoothly on the lengths, so that they can be differentiated.
-    With boundary they also depend on what is given there, and the surface is held as the given one was.
-    It is then moved horizontally only where heights are given, and not at all where a curve is; with a curve,
-    and with handles, lengths are met in least squares.
+    The triangles are unchanged.  The vertices are differentiable functions of the lengths.
+    With boundary they also depend on the boundary data, of the same kind as those of the given surface.
+    Alignment is then horizontal only if heights are given, and omitted if a curve is; with a curve,
+    and with handles, lengths are fitted in least squares.
 
     Parameters
     ----------
     surface : Embedding
-        In R^3: closed and of genus 0, or a `SheetEmbedding`.
+        Surface in R^3: closed and of genus 0, or a `SheetEmbedding`.
 
     Attributes
     ----------
     boundary : ndarray, shape (B,), (B, 3) or (0,)
-        What is given at the boundary of the surface: heights, positions, or nothing.
+        Boundary data of the surface: heights, positions, or none.
 
     Raises
     ------
@@ -120,7 +120,7 @@ class Realization:
         return np.zeros(0)
 
     def __call__(self, lengths: ArrayLike, boundary: ArrayLike | None = None) -> Floats:
-        """The vertices, (V, 3), with these lengths, (E,), in the order of the metric's edges.
+        """Vertices, (V, 3), for lengths (E,) in the order of the metric's edges.
 
         Parameters
         ----------
@@ -131,11 +131,11 @@ class Realization:
         Raises
         ------
         InvalidMetric
-            They are not lengths of a metric.
+            The lengths do not define a metric.
         NotEmbedded
             No surface with these lengths was found.
         InvalidParameter
-            The lengths or what is given at the boundary have another shape.
+            The lengths or boundary data have another shape.
         """
         if isinstance(self.surface, SheetEmbedding):
             return self._sheet(self.surface, lengths, boundary).vertices
@@ -144,7 +144,7 @@ class Realization:
         metric = given.metric.with_lengths(checked(lengths, (t.n_edges,), "lengths"))
         unit = metric.unit
         goal = metric.lengths / unit
-        # From lengths nearby a few steps suffice; otherwise they are embedded anew.  In mean edge lengths.
+        # For nearby lengths a few steps suffice; otherwise they are embedded from scratch.
         found = length_newton(
             LengthSystem(t),
             given.vertices / unit,
@@ -182,14 +182,14 @@ class Realization:
         return replace(found, vertices=aligned(found.vertices, surface.vertices))
 
     def linearized(self, lengths: ArrayLike, boundary: ArrayLike | None = None) -> Linearized:
-        """The surface with these lengths and this at its boundary, and its derivatives by them.
+        """Surface with these lengths and boundary data, and its derivatives with respect to them.
 
         Raises
         ------
         InvalidMetric, NotEmbedded
-            As the call.
+            See `__call__`.
         SingularMatrix
-            It is not infinitesimally rigid.
+            The surface is not infinitesimally rigid.
         """
         unit, motions = self.surface.metric.unit, np.arange(6)
         derivatives: LengthDerivatives | SheetDerivatives
@@ -202,14 +202,14 @@ class Realization:
             x = self(lengths, boundary)
             goal = np.asarray(lengths, dtype=np.float64) / unit
             derivatives = LengthDerivatives.of(self.surface.triangulation, x / unit, goal)
-        # Aligned means: the same centroid, and sum y x dx = 0 about it, y being the reference.
+        # Alignment: the same centroid, and sum y x dx = 0 about it, with the reference y.
         y = (self.surface.vertices - self.surface.vertices.mean(axis=0)) / unit
         constraints, rigid = (_rigid_fields(p)[:, motions] for p in (y, (x - x.mean(axis=0)) / unit))
         return Linearized(x, derivatives, constraints, rigid @ np.linalg.inv(constraints.T @ rigid))
 
 
 def _turned_level(x: Floats, y: Floats) -> Floats:
-    """Points (V, 3) turned about the vertical axis as near to others as may be."""
+    """Points (V, 3) rotated about the vertical axis for the best alignment with others."""
     angle = np.arctan2(np.sum(x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]), np.sum(x[:, :2] * y[:, :2]))
     c, s = np.cos(angle), np.sin(angle)
     return x @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -15,21 +15,21 @@ from isoembed.embedding.embedding import Embedding
 
 
 def realization(surface: Embedding) -> Callable[..., torch.Tensor]:
-    """Make the function from lengths to vertices near a surface, for PyTorch in double precision.
+    """Create a PyTorch function from lengths to vertices near a surface, in double precision.
 
     Parameters
     ----------
     surface : Embedding
-        Converged, in R^3: closed and of genus 0, or a `SheetEmbedding`.
+        Converged surface in R^3: closed and of genus 0, or a `SheetEmbedding`.
 
     Returns
     -------
     callable
         Takes lengths (..., E), doubles in the order of the metric's edges, and returns vertices (..., V, 3),
-        turned and moved onto those of the surface, as `isoembed.autodiff.realization.Realization` does.
-        Where heights (B,) or positions (B, 3) are given at a boundary, ``boundary=`` takes others, the same
-        for all lengths.  Derivatives are first ones; the forward pass keeps the
-        factors that they take, so that a backward pass takes two solves for each surface.
+        aligned with those of the surface, like `isoembed.autodiff.realization.Realization`.  If heights (B,)
+        or positions (B, 3) are given at a boundary, ``boundary=`` replaces them, for all lengths alike.
+        Only first derivatives are supported; the forward pass stores their factors, so that a backward pass
+        takes two solves per surface.
 
     Raises
     ------

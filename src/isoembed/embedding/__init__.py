@@ -1,1 +1,1 @@
-"""Embeddings, what `isoembed.embed` returns, with their reports, comparisons and sensitivities."""
+"""Embeddings, as returned by `isoembed.embed`, with their reports, comparisons and sensitivities."""

@@ -1,14 +1,15 @@
 """`isoembed.compare`: distance and curvature differences of two surfaces on one triangulation.
 
-Where both are proven to be near exact surfaces of the same lengths, no vertex a farther than D_a, all of it
-holds for these, with errors that are proven, too.  What depends on a motion of one of them is for the best in
-least squares.  With p and q the vertices of both about their means, after such a motion of the floats, and
+If both are proven to be near exact surfaces of the same lengths, within D_a at vertex a, the comparison holds
+for these, with proven errors.  Quantities that depend on a motion of one of them use the best motion in least
+squares.  With p and q the vertices of both about their means, after such a motion of the floats, and
 
     tau = sum of q_a x p_a,    m = the least eigenvalue of sum of (p_a . q_a) 1 - sym(p_a q_a^T),
 
-the rotation that is best for p and q turns by ``atan2(|tau|, m)`` at most: one by phi about a unit vector u
-makes the sum of ``p_a . q_a`` larger by ``sin(phi) u . tau``, and smaller by ``1 - cos(phi)`` times the sum
-of ``p_a . q_a - (u . p_a)(u . q_a)``.  For the exact vertices tau and m differ by what D allows.
+the angle of the best rotation for p and q is at most ``atan2(|tau|, m)``: a rotation by phi about a unit
+vector u increases the sum of ``p_a . q_a`` by ``sin(phi) u . tau``, and decreases it by ``1 - cos(phi)``
+times the sum of ``p_a . q_a - (u . p_a)(u . q_a)``.  The changes of tau and m for the exact vertices are
+bounded by D.
 """
 
 from __future__ import annotations
@@ -47,23 +48,23 @@ class Comparison:
     Attributes
     ----------
     difference : Changes
-        Dihedral angles, H, area, volume and int H dA of the second, less those of the first.  Of vertices and
-        normals the distances and angles between them, after the rigid motion of the second that is best in
-        least squares.  The volume of surfaces with boundary is NaN.
+        Dihedral angles, H, area, volume and int H dA of the second minus those of the first.  For vertices
+        and normals, distances and angles after the best rigid motion of the second in least squares.  The
+        volume of surfaces with boundary is NaN.
     error : Changes
-        Proven bounds on how far `difference` is from that of the exact surfaces; infinite if not `certified`.
+        Proven bounds on the error of `difference` for the exact surfaces; infinite if not `certified`.
     distance, distance_error : float
-        The largest of the distances of vertices, and its proven error, in mean edge lengths.
+        Largest distance of corresponding vertices and its proven error bound, in mean edge lengths.
     certified : bool
         Whether both are proven to be near exact surfaces with the same lengths.
     same : bool or None
-        Whether these are proven to be one (True) or two (False); None if neither is.
+        Whether the exact surfaces are proven to be identical (True) or different (False); None if undecided.
     isolation : float or None
-        If they are two, they are at least so far apart: the larger of their certificates'.
+        Minimum distance of the exact surfaces if they differ: the larger isolation of both certificates.
     fine_roughness : tuple of float
-        `Surface.fine_roughness` of the first and of the second: the smoother one has less.
+        `Surface.fine_roughness` of the first and of the second: smaller for the smoother one.
     reason : str
-        A sentence: what is proven of the two, or why nothing is.
+        Statement proven, or reason why nothing is.
     """
 
     difference: Changes
@@ -78,7 +79,7 @@ class Comparison:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Report of all fields; of arrays, root mean square and largest."""
+        """Report of all fields, with root mean square and maximum of arrays."""
         return {
             "certified": self.certified,
             "reason": self.reason,
@@ -93,22 +94,22 @@ class Comparison:
 
 
 def compare(first: Embedding, second: Embedding) -> Comparison:
-    """Compare two surfaces in R^3 of the same triangles: how the second differs from the first.
+    """Compare two surfaces in R^3 with the same triangles.
 
-    If both have the same lengths and a certificate (`certify`), it is the exact surfaces that are compared,
-    with proven errors.  That takes three factorizations more for each.  Surfaces are as `Embedding` has them,
-    turned over where the volume is negative: mirror images are one.  Of a surface with boundary, the second
-    is mirrored if this brings it nearer.  Nothing is proven of surfaces with boundary or handles.
+    If both have the same lengths and a certificate (`certify`), the exact surfaces are compared, with proven
+    error bounds.  This takes three additional factorizations for each.  As an `Embedding` is mirrored if its
+    volume is negative, mirror images are identical.  For surfaces with boundary, the second is mirrored if
+    this brings it nearer.  Nothing is proven for surfaces with boundary or handles.
 
     Parameters
     ----------
     first, second : Embedding
-        Of the same triangles, such as an embedding and one of its `others`.
+        Surfaces with the same triangles, such as an embedding and one of its `others`.
 
     Raises
     ------
     InvalidParameter
-        One is not an embedding, the triangles are others, or space is curved.
+        An argument is not an embedding, the triangles differ, or space is curved.
     """
     checked_embedding(first)
     if isinstance(second, np.ndarray):
@@ -133,12 +134,12 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
     )
     x, own = first.vertices / unit, second.vertices / unit
     y = aligned(own, x)
-    rounding = ROUNDING * float(max(np.abs(x).max(), np.abs(own).max()))  # of y as a rigid image
+    rounding = ROUNDING * float(max(np.abs(x).max(), np.abs(own).max()))  # error of y as a rigid image
     turned, moved = _misaligned(x, y, one.vertices / unit, other.vertices / unit + rounding)
     rotated = turned + turning_errors(t, x) + turning_errors(t, y)
     difference = differences(t, x, own)
     if not obstacle:
-        difference = replace(difference, area=0.0)  # lengths tell it
+        difference = replace(difference, area=0.0)  # determined by the lengths
     error = Changes(
         vertices=unit * moved,
         normals=one.normals + other.normals + rotated,
@@ -182,16 +183,16 @@ def compare(first: Embedding, second: Embedding) -> Comparison:
 
 
 def stated(value: float, error: float) -> str:
-    """A number and its proven error, to the digits that it leaves; the number alone if there is none."""
+    """Number with its proven error bound, to significant digits; the number alone if there is no bound."""
     if not np.isfinite(error):
         return f"{value:.6g}"
-    # Two digits of the error may be 5 % low, and the number is rounded: what is printed is to be proven, too.
+    # Two digits of the error may be 5 % low, and the number is rounded: the printed bound must hold, too.
     printed = Estimate(value, error).rounded
     return f"{printed} +- {1.06 * (error + abs(float(printed) - value)):.1e}"
 
 
 def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
-    """The `Comparison.difference` of surfaces in R^3 with the vertices x and y, each (V, 3)."""
+    """Return the `Comparison.difference` of surfaces in R^3 with vertices x and y, each (V, 3)."""
     t, moved = triangulation, aligned(y, x)
     return Changes(
         vertices=np.linalg.norm(moved - x, axis=1),
@@ -205,7 +206,7 @@ def differences(triangulation: Triangulation, x: Floats, y: Floats) -> Changes:
 
 
 def _obstacle(first: Embedding, second: Embedding) -> str:
-    """Reason why nothing is proven of two surfaces; empty if it is."""
+    """Reason why nothing is proven for two surfaces; empty if there is none."""
     if not first.triangulation.is_sphere:
         kind = "with handles" if first.triangulation.is_closed else "with boundary"
         return f"no proof is made for surfaces {kind}"
@@ -227,10 +228,10 @@ def _isolation(surface: Embedding) -> float:
 
 
 def _same(first: Embedding, distance: float, error: float, isolation: float) -> bool | None:
-    """Whether exact surfaces at this distance are one, if that is proven."""
+    """Whether exact surfaces at this distance are proven to be identical or different; None if undecided."""
     if distance > error:
         return False
-    # Isolation is for weighted least squares, by which a vertex may be farther off, by this factor at most.
+    # Isolation refers to weighted least squares, which may increase vertex distances by at most this factor.
     lengths = first.metric.normalized.lengths
     squares = np.bincount(first.metric.edges.ravel(), np.repeat(lengths**-2.0, 2))
     factor = GUARD * float(np.sqrt(squares.sum() / squares.min()))
@@ -238,7 +239,7 @@ def _same(first: Embedding, distance: float, error: float, isolation: float) -> 
 
 
 def _smoother(first: float, second: float) -> str:
-    if abs(first - second) <= 1e-6 * max(first, second):  # what rounding makes of equal surfaces is less
+    if abs(first - second) <= 1e-6 * max(first, second):  # above the rounding errors of equal surfaces
         return "; both are equally smooth"
     return f"; the {'second' if second < first else 'first'} is the smoother"
 
@@ -268,12 +269,12 @@ def _misaligned(x: Floats, y: Floats, first: Floats, second: Floats) -> tuple[fl
     Returns
     -------
     turned : float
-        The angle of its rotation, at most.
+        Bound on its rotation angle.
     moved : ndarray, shape (V,)
-        Bounds on the differences of the distances of exact vertices from those of x and y.
+        Bounds on the differences between the distances of exact vertices and those of x and y.
     """
     rounding = gamma(len(x) + 16)
-    mean = 4 * rounding * float(max(np.abs(x).max(), np.abs(y).max()))  # how far it is off
+    mean = 4 * rounding * float(max(np.abs(x).max(), np.abs(y).max()))  # error bound of the means
     p, q = x - x.mean(axis=0), y - y.mean(axis=0)
     size_p, size_q = (np.linalg.norm(z, axis=1) + mean for z in (p, q))
     off_p, off_q = (off + off.mean() + mean for off in (first, second))

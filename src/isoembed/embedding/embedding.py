@@ -1,6 +1,6 @@
-"""Embeddings: the metric, the surface in space, the residuals, and how it was found.
+"""Embeddings: metric, surface in space, residuals, and record of the computation.
 
-What is costly to compute, or slow to import, is computed and imported when it is asked for.
+Costly computations and slow imports are deferred until they are needed.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def checked_embedding(given: Any) -> Embedding:
 
 
 class _Message:
-    """The field `Embedding.message`: by default a sentence on the surface, made when it is read."""
+    """Descriptor of `Embedding.message`: by default a sentence on the surface, generated on access."""
 
     def __get__(self, embedding: Embedding | None, kind: type) -> str:
         if embedding is None:
@@ -72,24 +72,24 @@ class Embedding:
     Parameters
     ----------
     metric : PolyhedralMetric
-        What was to be realized.
+        Metric to be realized.
     vertices : array_like of float, shape (V, 3)
-        In the unit of the metric's lengths.  A closed surface with negative volume is mirrored.  In
-        hyperbolic and spherical space, the first three coordinates on hyperboloid or sphere.
+        Coordinates in the unit of the metric's lengths.  A closed surface with negative volume is mirrored.
+        In hyperbolic and spherical space, the first three coordinates on the hyperboloid or sphere.
     method : str
-        The name of the method that found them.
+        Name of the method that computed the vertices.
     tolerance : float
         Largest residual that counts as converged.
     stages : sequence of Stage
-        How they were found.
+        Stages of the computation.
     message : str
-        What the method has to say; by default a sentence on the residual.
+        Message of the method; by default a sentence on the residual.
     others : sequence of Embedding
-        Other realizations of the same lengths that were met: the metric has more than one.
+        Other realizations of the same lengths that were found.
     uniqueness : Evidence, optional
-        Evidence that there are no realizations but this one and `others`; None if none were sought.
+        Evidence that there are no other realizations than this one and `others`; None if none were sought.
     length_errors : ndarray, shape (E,), optional
-        Standard deviations of the lengths, if they are known (`with_length_errors`).
+        Standard deviations of the lengths, if known (`with_length_errors`).
 
     Attributes
     ----------
@@ -99,8 +99,8 @@ class Embedding:
     Raises
     ------
     ValueError
-        The vertices have another shape, are not finite, or on the sphere not in the open half about the
-        origin.
+        The vertices have another shape, are not finite, or on the sphere not in the open hemisphere about
+        the origin.
     """
 
     metric: PolyhedralMetric
@@ -126,13 +126,13 @@ class Embedding:
             object.__setattr__(self, name, value)
 
     def _oriented(self, points: Floats) -> Floats:
-        """Normalized vertices or their mirror image: that with positive volume, if the surface is closed."""
+        """Normalized vertices, mirrored if the surface is closed and its volume negative."""
         if not self.triangulation.is_closed:
             return points
         return measures.outward(self.metric.faces, points, self.metric.normalized.space)
 
     def distance(self, other: Embedding | ArrayLike) -> float:
-        """Largest distance of a vertex from another surface's, rigid motions aside, in mean edge lengths.
+        """Largest distance of corresponding vertices, up to a rigid motion, in mean edge lengths.
 
         Parameters
         ----------
@@ -142,7 +142,7 @@ class Embedding:
         Raises
         ------
         ValueError
-            There are other than V vertices, or one is not finite.
+            The number of vertices is not V, or one is not finite.
         """
         normalized, unit = self.metric.normalized, self.metric.unit
         given = other.vertices if isinstance(other, Embedding) else other
@@ -158,21 +158,21 @@ class Embedding:
         return self._with(stages=tuple(stages))
 
     def _with_others(self, others: Sequence[Embedding], uniqueness: Evidence | None = None) -> Self:
-        """Return the same embedding with other realizations beside it, which the message then names."""
+        """Return the same embedding with other realizations, which the default message then mentions."""
         return self._with(others=tuple(others), uniqueness=uniqueness, message="")
 
     def with_length_errors(self, errors: ArrayLike) -> Self:
-        """Return the same surface with errors of its lengths, of which the report makes error bars.
+        """Return the same surface with length errors, from which the report computes error bars.
 
         Parameters
         ----------
         errors : float or array_like, shape (E,)
-            Standard deviations of the lengths, in their unit, as of `Sensitivity.deviation`.
+            Standard deviations of the lengths, in their unit, as in `Sensitivity.deviation`.
 
         Raises
         ------
         InvalidParameter, InvalidMetric
-            As `Sensitivity.integral_deviation`.
+            See `Sensitivity.integral_deviation`.
         """
         from isoembed.embedding.sensitivity import OF_A_NUMBER
 
@@ -180,14 +180,14 @@ class Embedding:
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
     def _shaped(self, vertices: Floats, message: str) -> Embedding:
-        """Return a surface that was not solved for, on the same triangles, for pictures."""
+        """Return an intermediate surface on the same triangles, for pictures."""
         return Embedding(self.metric, vertices, method="", tolerance=1.0, message=message)
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
-        """Return the same surface, found for the `normalized` of a metric, in the unit of that metric.
+        """Return the same surface, computed for the `normalized` of a metric, in the unit of that metric.
 
-        What was measured is not measured again.  Where floats cannot hold so small a surface, the unit moves
-        its vertices, and all is measured anew.
+        Cached measures are kept.  If the conversion rounds the vertices of tiny surfaces, everything is
+        recomputed.
         """
         own = isinstance(given, PolyhedralMetric) and self.metric is given.normalized
         vertices = vertex_array(self.triangulation, given.unit * self.vertices)
@@ -219,39 +219,39 @@ class Embedding:
 
     @property
     def triangulation(self) -> Triangulation:
-        """The triangles that the lengths belong to."""
+        """Triangulation of the metric."""
         return self.metric.triangulation
 
     @property
     def space(self) -> Space:
-        """Space that contains the surface, of the curvature of the metric's triangles."""
+        """Ambient space, with the curvature of the metric's triangles."""
         return self.metric.space
 
     @property
     def faces(self) -> Indices:
-        """(F, 3): the triangles."""
+        """Triangles, shape (F, 3)."""
         return self.metric.faces
 
     @property
     def edges(self) -> Indices:
-        """(E, 2): the ends of the edges."""
+        """Ends of the edges, shape (E, 2)."""
         return self.metric.edges
 
     @property
     def polygons(self) -> Indices | Sequence[Indices]:
-        """The faces: the vertices around each, counterclockwise seen from outside.
+        """Vertices around each face, counterclockwise as seen from outside.
 
-        They are the triangles, unless the surface is a `ConvexPolyhedron`.
+        The faces are the triangles, except for a `ConvexPolyhedron`.
         """
         return self.surface.flat_faces.polygons
 
     @cached_property
     def surface(self) -> Surface:
-        """The surface with all that can be measured on it."""
+        """Surface with its extrinsic measures."""
         return self._made_surface()
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
-        """A new `Surface`, with more parameters of derived ones."""
+        """Create a `Surface` of the given kind, with additional parameters for subclasses."""
         metric, precision = self.metric, self.metric.precision
         error = 0.0 if precision is None else precision.vertex_error * metric.normalized.mean_length
         return kind(
@@ -265,28 +265,28 @@ class Embedding:
 
     @property
     def lengths(self) -> Floats:
-        """Lengths of the edges on this surface, shape (E,): `metric` has those that were asked for."""
+        """Lengths of the edges on this surface, shape (E,); the given ones are those of `metric`."""
         return self.surface.lengths
 
     @cached_property
     def residuals(self) -> Floats:
-        """``| |x_a - x_b| - l_ab |`` over the mean edge length, shape (E,): of distances in the space."""
+        """Residuals ``| |x_a - x_b| - l_ab |`` of distances in space, in mean edge lengths, shape (E,)."""
         normalized = self.metric.normalized
         return frozen(np.abs(self.surface._lengths - normalized.lengths) / normalized.mean_length)
 
     @property
     def residual(self) -> float:
-        """The largest of `residuals`."""
+        """Maximum of `residuals`."""
         return float(self.residuals.max())
 
     @property
     def converged(self) -> bool:
-        """Whether the largest residual, measured on these vertices, is within the tolerance."""
+        """Whether the largest residual, computed from these vertices, is within the tolerance."""
         return self.residual <= self.tolerance
 
     @property
     def is_answer(self) -> bool:
-        """Whether `embed` returns it, and does not raise NotEmbedded: it has converged, or is a best fit."""
+        """Whether `embed` returns it rather than raising NotEmbedded: it has converged, or is a best fit."""
         return self.converged
 
     @property
@@ -317,14 +317,14 @@ class Embedding:
     def gaussian_curvature(self) -> Floats:
         """Gaussian curvature at the vertices, shape (V,): a property of the metric.
 
-        The deficit over the circumcentric dual area, and in hyperbolic and spherical space the curvature of
-        the triangles more; NaN where the dual area is not positive, and on a boundary.
+        Deficit over circumcentric dual area, plus the curvature of the triangles in hyperbolic and spherical
+        space; NaN where the dual area is not positive, and on a boundary.
         """
         known = dual_areas(self.metric.normalized) > 0
         values = np.full(len(known), np.nan)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             curvature = gaussian_curvature(self.metric)
-            known &= np.abs(curvature) < 1e300  # beyond, sums overflow
+            known &= np.abs(curvature) < 1e300  # sums of larger values overflow
         values[known] = curvature[known]
         return frozen(values)
 
@@ -335,41 +335,41 @@ class Embedding:
 
     @property
     def area(self) -> float:
-        """Area, in the unit of the lengths, squared."""
+        """Area, in the unit of the lengths squared."""
         return self.surface.area
 
     @property
     def volume(self) -> float:
-        """Enclosed volume, in the unit of the lengths, cubed; raises InvalidMetric if there is a boundary."""
+        """Enclosed volume, in the unit of the lengths cubed; raises InvalidMetric if there is a boundary."""
         return self.surface.volume
 
     @property
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA = 1/2 sum l theta, in the unit of the lengths.
 
-        Of surfaces from ``embed(metric, boundary=...)``, it is that of the fitted `mean_curvature`.
+        For surfaces from ``embed(metric, boundary=...)``, that of the fitted `mean_curvature`.
         """
         return self.surface.integrated_mean_curvature
 
     def save(self, path: str | os.PathLike[str], *, color: str | Quantity | ArrayLike | None = None) -> None:
-        """Write the surface, by the ending of the file: as a mesh, a picture or a page for the browser.
+        """Write the surface as a mesh, a picture or an HTML page, depending on the file name extension.
 
         Parameters
         ----------
         path : path
             ``.ply``, ``.obj``, ``.stl``, ``.off``, ``.npz``, ``.json``, ``.fold``, ``.vtk``, ``.vtu``,
-            or ``.vtp`` for the surface, as `isoembed.io.write_surface` writes it;
+            or ``.vtp`` for the surface, as written by `isoembed.io.write_surface`;
             ``.png``, ``.svg`` or ``.pdf`` for a picture; ``.html`` for a page.
         color : str, Quantity, or array_like, shape (V,), optional
-            Of a picture: what the colors show, as of `plot`.
+            Quantity shown by the colors of a picture, as in `plot`.
 
         Raises
         ------
         FileError
-            The ending is not known, the file cannot be written, or for a picture matplotlib is not installed:
-            ``pip install matplotlib``.
+            The extension is unknown, the file cannot be written, or matplotlib is not installed (for a
+            picture): ``pip install matplotlib``.
         InvalidParameter
-            There is no such quantity, or the file has no colors.
+            The quantity is unknown, or the file format has no colors.
         """
         from isoembed.plot.saving import save_surface
 
@@ -382,30 +382,30 @@ class Embedding:
         caption: str = "",
         ax: Axes | None = None,
     ) -> Figure:
-        """Draw the surface; a notebook shows the picture, with pyplot and without.
+        """Draw the surface; a notebook shows the picture with or without pyplot.
 
         Parameters
         ----------
         color : str, Quantity, or array_like, shape (V,)
-            What the colors show: ``"mean curvature"``, ``"Gaussian curvature"``, ``"residual"``,
-            ``"concave edges"``, ``"conformal factor"``, ``"sides"``, a quantity of one's own, or a number at
+            Quantity shown by the colors: ``"mean curvature"``, ``"Gaussian curvature"``, ``"residual"``,
+            ``"concave edges"``, ``"conformal factor"``, ``"sides"``, a user-defined quantity, or a number at
             each vertex.
         caption : str
             By default the number of vertices, int H dA and the residual.
         ax : matplotlib.axes.Axes, optional
-            Where to draw, with a color bar beside it and the caption, if there is one, as the title.
+            Axes to draw on, with a color bar beside them and the caption, if given, as the title.
 
         Returns
         -------
         matplotlib.figure.Figure
-            That of `ax`, or a new one.  To save: ``surface.save("surface.pdf")``, or its ``savefig``.
+            Figure of `ax`, or a new one.  To save: ``surface.save("surface.pdf")``, or its ``savefig``.
 
         Raises
         ------
         FileError
             matplotlib is not installed: ``pip install matplotlib``.
         InvalidParameter
-            There is no such quantity to color it by.
+            The quantity is unknown.
         """
         from isoembed.plot.picture import figure
 
@@ -419,7 +419,7 @@ class Embedding:
 
     @cached_property
     def _certificate(self) -> Certificate:
-        """Certificate as `isoembed.certify` returns it."""
+        """Certificate as returned by `isoembed.certify`."""
         from isoembed.proof.certificate import Certificate, certify
 
         if not self.converged:
@@ -427,11 +427,11 @@ class Embedding:
         return certify(self.metric, self.vertices)
 
     def _length_derivatives(self) -> Any:
-        """Derivatives by the lengths (`jvp`, `vjp`); raises InvalidMetric unless the surface is a sphere."""
+        """Derivatives with respect to the lengths (`jvp`, `vjp`); raises InvalidMetric if not a sphere."""
         from isoembed.surface.derivatives import LengthDerivatives
 
         t, normalized = self.triangulation, self.metric.normalized
-        t.check_sphere()  # elsewhere J is not square, rigid motions apart
+        t.check_sphere()  # otherwise J is not square, even without rigid motions
         return LengthDerivatives.of(t, self.vertices / self.metric.unit, normalized.lengths, normalized.space)
 
     @cached_property
@@ -440,7 +440,7 @@ class Embedding:
         from isoembed.surface.rigidity import LengthSystem
 
         t, normalized = self.triangulation, self.metric.normalized
-        # Of others J is not square, rigid motions apart.
+        # For other surfaces J is not square, even without rigid motions.
         t.check_sphere("the smallest singular value is that of")
         system = LengthSystem(t, space=normalized.space)
         try:
@@ -451,7 +451,7 @@ class Embedding:
 
     @property
     def _missed(self) -> Floats:
-        """The normalized lengths less those on a surface that is fitted to them, (E,); else zeros."""
+        """Normalized lengths minus those of the surface, (E,), if it is a fit; else zeros."""
         return np.zeros(len(self.edges))
 
     @property
@@ -460,11 +460,11 @@ class Embedding:
         return {}
 
     def _given_derivatives(self) -> Any:
-        """Derivatives by the given lengths (`jvp`, `vjp`); None where these are those of the triangles."""
+        """Derivatives with respect to given lengths (`jvp`, `vjp`); None if they are the triangles' own."""
         return None
 
     def _sentence(self) -> str:
-        """Whether the lengths are met, whether the surface may be crumpled, and which others there are."""
+        """Sentence on the residual, possible crumpling, and other realizations."""
         e, surface = int(np.argmax(self.residuals)), self.surface
         said = (
             f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
@@ -482,11 +482,11 @@ class Embedding:
 
     @property
     def _takes_length_errors(self) -> bool:
-        """Whether there are error bars of such surfaces."""
+        """Whether error bars are available for such surfaces."""
         return self.triangulation.is_sphere and self.space.is_euclidean
 
     def _noting_rounded_lengths(self) -> Self:
-        """The same smooth surface; if its lengths look rounded, the message says how to have error bars."""
+        """Return the same surface, with a hint at error bars if it is smooth and its lengths look rounded."""
         rounding = self.metric.rounding
         if rounding is None or not (self.converged and self._takes_length_errors):
             return self
@@ -517,5 +517,5 @@ class Embedding:
     if not TYPE_CHECKING:  # checkers refuse the old names
 
         def __getattr__(self, name):
-            """Old names, with a `DeprecationWarning` that says where they went."""
+            """Deprecated names, with a `DeprecationWarning` that gives the replacement."""
             return moved(self, name)

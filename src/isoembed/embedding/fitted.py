@@ -13,19 +13,19 @@ from isoembed.errors import InvalidParameter
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedSurface(Embedding):
-    """Smooth surface whose edges come near to the lengths of a metric, but do not have them.
+    """Smooth surface with edge lengths close, but not equal, to those of a metric.
 
-    Its `residuals` are the map of where it misses them.
+    Its `residuals` show the local deviations.
 
     Parameters
     ----------
     metric, vertices, method, tolerance, stages
-        As of an `Embedding`.
+        See `Embedding`.
     noise : float
-        Root mean square of the errors that the lengths must have, over the mean edge length, if the surface
-        they come from is as smooth as this one.
+        Root mean square error of the lengths, over the mean edge length, that would explain the residuals of
+        a surface as smooth as this one.
     weight : float
-        Of the roughness against the squares of the residuals, in mean edge lengths.
+        Weight of the roughness relative to the squared residuals, in mean edge lengths.
     """
 
     _: KW_ONLY
@@ -42,7 +42,7 @@ class FittedSurface(Embedding):
         )
 
     def with_length_errors(self, errors: ArrayLike) -> Self:
-        """Refuse: what a least-squares surface does with errors of the lengths is not what others do.
+        """Raise InvalidParameter: a least-squares surface smooths the errors of its lengths.
 
         Raises
         ------
@@ -57,7 +57,7 @@ class FittedSurface(Embedding):
 
     @property
     def is_answer(self) -> bool:
-        """True: it was asked for, and claims no more than it is."""
+        """True: a best fit need not converge to the lengths."""
         return True
 
     @property

@@ -12,24 +12,24 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 def mirrored_caps(
     triangulation: Triangulation, deficits: Floats, first: Floats, second: Floats
 ) -> list[Indices]:
-    """Connected vertices with K > 0 at which two surfaces with the same lengths bend to opposite sides.
+    """Connected sets of vertices with K > 0 where two surfaces with the same lengths bend oppositely.
 
     Parameters
     ----------
     triangulation : Triangulation
     deficits : ndarray, shape (V,)
-        Where they are positive, both principal curvatures have the sign of the mean curvature.
+        Deficits; where positive, both principal curvatures have the sign of the mean curvature.
     first, second : ndarray, shape (V,)
         Mean curvatures of the two surfaces.
 
     Returns
     -------
     list of ndarray of int
-        The vertices of each cap: the middle of a bump or a dent, inside of the ring with K < 0.
+        Vertices of each cap: the center of a bump or a dent, inside the ring with K < 0.
     """
     opposite = (deficits > 0) & (np.sign(first) * np.sign(second) < 0)
     caps = connected_parts(triangulation.adjacency, opposite)
-    return [cap for cap in caps if len(cap) >= 3]  # fewer are inverted vertices, not a patch
+    return [cap for cap in caps if len(cap) >= 3]  # smaller sets are inverted vertices
 
 
 def mirrored_dents(metric: PolyhedralMetric, first: Floats, second: Floats) -> int:

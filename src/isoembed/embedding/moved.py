@@ -1,4 +1,4 @@
-"""Deprecated names of `Embedding`, with the places they moved to."""
+"""Deprecated attributes of `Embedding` and their replacements."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ON_SURFACE = {
     "face_sides": "flat_faces.sides",
     "polygon_edges": "flat_faces.edges",
 }
-"""Names on `Embedding.surface` by their old names on `Embedding`."""
+"""Attributes of `Embedding.surface`, by their old names on `Embedding`."""
 
 OF_SENSITIVITY = {
     "deviation",
@@ -45,12 +45,12 @@ OF_SENSITIVITY = {
 
 
 def moved(embedding: Embedding, name: str) -> Any:
-    """Value of an old name, with a `DeprecationWarning`.
+    """Value of a deprecated attribute, with a `DeprecationWarning`.
 
     Raises
     ------
     AttributeError
-        There never was such a name, or the property of this name raised it.
+        The name is unknown, or the property of this name raised the error.
     """
     if hasattr(type(embedding), name):
         return object.__getattribute__(embedding, name)  # raises the property's own error again

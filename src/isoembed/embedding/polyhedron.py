@@ -12,9 +12,9 @@ from isoembed.surface.surface import Surface
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Polyhedron(Embedding):
-    """A convex surface with its true faces; an `Embedding` otherwise.
+    """Embedding as a convex polyhedron with polygonal faces.
 
-    The `polygons` are convex, each of one triangle or of several that lie in one plane.
+    The `polygons` are convex, each of one or more coplanar triangles.
     """
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
@@ -22,5 +22,5 @@ class Polyhedron(Embedding):
 
     @property
     def _flat(self) -> Mask:
-        """The vertices that lie inside faces and edges, shape (V,)."""
+        """Mask of vertices inside faces and edges, shape (V,)."""
         return deficits(self.metric) <= FLAT_ANGLE

@@ -16,27 +16,27 @@ from isoembed.proof.certificate import NOT_ASKED
 from isoembed.strict_json import plain
 from isoembed.version import __version__
 
-MAX_REPORTED_ENTRIES = 800_000  # of J J^T, of 20,000 vertices: more are not factored only for a report
+MAX_REPORTED_ENTRIES = 800_000  # of J J^T, as for 20,000 vertices: larger ones are not factored for a report
 
 
 def report(embedding: Embedding) -> dict[str, Any]:
-    """Report of what was asked, done and reached: the JSON object that the command writes.
+    """Report of input, computation and results: the JSON object written by the command line.
 
-    A number that is infinite (the volume of a body 1e150 across) is None.  So is the smallest singular value
-    where J J^T is large, beyond 20,000 vertices or some 900 edges at one of them: it alone costs as much as
-    all else.  For the same reason there is no certificate beyond 30,000 vertices; `certify` finds it all the
-    same.  With `Embedding.length_errors` it has the `Sensitivity.integral_deviation` under ``deviation``.
+    Infinite numbers (the volume of a body 1e150 across) are None.  So is the smallest singular value if J J^T
+    is large, beyond 20,000 vertices or some 900 edges at one of them, as it would dominate the cost.  For the
+    same reason there is no certificate beyond 30,000 vertices; call `certify` to compute it.  With
+    `Embedding.length_errors` the report has the `Sensitivity.integral_deviation` under ``deviation``.
 
     Raises
     ------
     InvalidParameter
-        It is not an embedding.
+        The argument is not an embedding.
     """
     surface, triangulation = checked_embedding(embedding).surface, embedding.triangulation
     entries = np.sum(triangulation.degrees**2)  # of J J^T
     is_small = triangulation.is_sphere and entries <= MAX_REPORTED_ENTRIES
     certificate = NOT_ASKED
-    if entries <= 1_200_000:  # of J J^T, of 30,000 vertices: for more, a report asks for no certificate
+    if entries <= 1_200_000:  # of J J^T, as for 30,000 vertices
         certificate = embedding._certificate
     worst = int(np.argmax(embedding.residuals))
     found = {
@@ -104,7 +104,7 @@ def report(embedding: Embedding) -> dict[str, Any]:
 
 
 def _merged(found: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]:
-    """Entries of both; objects in both are merged, of others those of the second are taken."""
+    """Entries of both; mappings in both are merged, other values of the second take precedence."""
     together = {
         key: _merged(found[key], value) if isinstance(value, Mapping) and key in found else value
         for key, value in more.items()
@@ -113,7 +113,7 @@ def _merged(found: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]
 
 
 def _precision(embedding: Embedding) -> dict[str, Any] | None:
-    """Precision of the coordinates that the lengths come from, and the bends that it explains."""
+    """Precision of the coordinates from which the lengths were computed, and the resulting bend errors."""
     precision = embedding.metric.precision
     if precision is None:
         return None

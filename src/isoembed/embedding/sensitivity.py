@@ -30,16 +30,16 @@ OF_A_NUMBER = (
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """Derivatives of the vertices of an embedding by its lengths, and the effect of errors of these.
+    """Derivatives of the vertices of an embedding with respect to its lengths, and error propagation.
 
-    The first derivative that is asked for factors J J^T, as a step of Newton's method does; the factors are
-    kept for all of them.
+    The first derivative factors J J^T, as does a step of Newton's method; the factors are reused for all
+    others.
 
     Parameters
     ----------
     embedding : Embedding
-        Closed, of genus 0, or a `SheetEmbedding`: `variation`, `deviation_bound` and
-        `smallest_singular_value` of that raise `InvalidMetric`.
+        Closed surface of genus 0, or a `SheetEmbedding`, for which `variation`, `deviation_bound` and
+        `smallest_singular_value` raise `InvalidMetric`.
 
     Raises
     ------
@@ -58,17 +58,17 @@ class Sensitivity:
 
     @cached_property
     def _normalized(self) -> Floats:
-        """The vertices in the unit of the normalized metric."""
+        """Vertices in the unit of the normalized metric."""
         return frozen(self.embedding.vertices / self._metric.unit)
 
     @cached_property
     def _derivatives(self) -> Any:
-        """The factors that all derivatives need; raises InvalidMetric."""
+        """Factors shared by all derivatives; raises InvalidMetric."""
         return self.embedding._length_derivatives()
 
     @property
     def _closed(self) -> LengthDerivatives:
-        """J and its factors, of a closed surface of genus 0; raises InvalidMetric of others."""
+        """J and its factors for a closed surface of genus 0; raises InvalidMetric for others."""
         self._metric.triangulation.check_sphere("second derivatives and bounds need", OF_A_NUMBER)
         return cast(LengthDerivatives, self._derivatives)
 
@@ -78,48 +78,48 @@ class Sensitivity:
         Parameters
         ----------
         changes : array_like, shape (..., E)
-            Of the lengths, in the order of the metric's edges.
+            Changes of the lengths, in the order of the metric's edges.
 
         Returns
         -------
         ndarray, shape (..., V, 3)
             ``J^+ dl``, in the same unit, without translation and rotation.  (In hyperbolic and spherical
-            space, of least norm among the motions w z by z.)  For a `SheetEmbedding`, the boundary data stay
-            fixed: with given heights there are no horizontal motions, and a surface of least bending is
-            followed to seven digits or so.
+            space, with minimum norm of z among the motions w z.)  For a `SheetEmbedding`, the boundary data
+            are fixed: with given heights there are no horizontal motions, and derivatives of a surface of
+            least bending are accurate to about seven digits.
 
         Raises
         ------
         InvalidParameter
             The changes have another shape or are not finite.
         InvalidMetric
-            The surface has a boundary, and nothing that holds it there.
+            The surface has a boundary without boundary conditions.
         SingularMatrix
-            The surface is not infinitesimally rigid: a vertex is flat, as they are in the faces of a
+            The surface is not infinitesimally rigid: a vertex is flat, such as those in the faces of a
             `ConvexPolyhedron`.
         OutOfMemory
-            The factors need more memory than is free.
+            The factors exceed the available memory.
         """
         return self._derivatives.jvp(checked(changes, self._metric.lengths.shape, "changes"))
 
     def vjp(self, gradient: ArrayLike) -> Floats:
-        """Derivatives by the lengths of a function of the vertices, from its derivatives by these.
+        """Derivatives with respect to the lengths of a function of the vertices, from its gradient.
 
         Parameters
         ----------
         gradient : array_like, shape (..., V, 3)
-            Of a function that rigid motions do not change; of others, what motions without translation and
-            rotation change.
+            Gradient with respect to the vertices.  For functions not invariant under rigid motions, the
+            derivatives are for motions without translation and rotation.
 
         Returns
         -------
         ndarray, shape (..., E)
-            ``(J^+)^T g``, the transpose of `jvp`, by the same factors.
+            ``(J^+)^T g``, the transpose of `jvp`, with the same factors.
 
         Raises
         ------
         InvalidParameter, InvalidMetric, SingularMatrix, OutOfMemory
-            As `jvp`.
+            See `jvp`.
         """
         return self._derivatives.vjp(
             checked(gradient, (len(self.embedding.vertices), 3), "entries of the gradient")
@@ -131,41 +131,41 @@ class Sensitivity:
         Parameters
         ----------
         changes : array_like, shape (..., B) or (..., B, 3)
-            Of the heights, also of a boundary in a plane, or of the positions of the boundary's vertices, in
-            the order of `Triangulation.boundaries`.
+            Changes of the heights (including a boundary in a plane) or positions of the boundary's vertices,
+            in the order of `Triangulation.boundaries`.
 
         Returns
         -------
         ndarray, shape (..., V, 3)
-            While the lengths stay; with a given curve, in least squares of these.
+            Derivative at constant lengths; with a given curve, in least squares of the lengths.
 
         Raises
         ------
         InvalidParameter
-            Nothing is given at the boundary, or as `jvp`.
+            There are no boundary data, or see `jvp`.
         InvalidMetric, SingularMatrix
-            As `jvp`.
+            See `jvp`.
         """
         derivatives = self._at_boundary
         return derivatives.boundary_jvp(checked(changes, derivatives.shape, "changes"))
 
     def boundary_vjp(self, gradient: ArrayLike) -> Floats:
-        """Derivatives by what is given at the boundary of a function of the vertices.
+        """Derivatives with respect to the boundary data of a function of the vertices, from its gradient.
 
         Parameters
         ----------
         gradient : array_like, shape (..., V, 3)
-            As that of `vjp`.
+            See `vjp`.
 
         Returns
         -------
         ndarray, shape (..., B) or (..., B, 3)
-            The transpose of `boundary_jvp`.
+            Transpose of `boundary_jvp`.
 
         Raises
         ------
         InvalidParameter, InvalidMetric, SingularMatrix
-            As `boundary_jvp`.
+            See `boundary_jvp`.
         """
         derivatives = self._at_boundary
         return derivatives.boundary_vjp(
@@ -174,7 +174,7 @@ class Sensitivity:
 
     @property
     def _at_boundary(self) -> Any:
-        """Derivatives of a surface with given heights or positions; raises InvalidParameter of others."""
+        """Derivatives of a surface with given heights or positions; raises InvalidParameter for others."""
         if not np.prod(getattr(self._derivatives, "shape", (0,))):
             raise InvalidParameter(
                 "nothing is given at the boundary: boundary derivatives are by heights or positions"
@@ -188,29 +188,29 @@ class Sensitivity:
     def given_jvp(self, changes: ArrayLike) -> Floats:
         """Derivative of the vertices along changes of the given lengths.
 
-        Of a `ConvexPolyhedron`, `jvp` is by the lengths of its own triangles, and this by those of its
-        `edge_paths`; of other embeddings they are the same.  The first call factors what both this and
-        `given_vjp` need.
+        For a `ConvexPolyhedron`, `jvp` differentiates with respect to the lengths of its own triangles, and
+        this with respect to those of its `edge_paths`; for other embeddings they are the same.  The first
+        call computes the factors for this and `given_vjp`.
 
         Parameters
         ----------
         changes : array_like, shape (..., n)
-            Of the given lengths, in the order of `ConvexPolyhedron.edge_paths`: that of
+            Changes of the given lengths, in the order of `ConvexPolyhedron.edge_paths`: that of
             `PolyhedralMetric.edges`, or of the lower half-edges of a `GluedMetric`.
 
         Returns
         -------
         ndarray, shape (..., V, 3)
-            In the same unit, without translation and rotation.
+            Derivative in the same unit, without translation and rotation.
 
         Raises
         ------
         InvalidParameter
             The changes have another shape or are not finite; a flat vertex does not remain flat, or its face
-            breaks, so that there is no derivative or one on one side only; the polyhedron is not in R^3 or
+            breaks, so that there is no derivative, or only a one-sided one; the polyhedron is not in R^3 or
             is flat, or its triangles have another number of edges.
         SingularMatrix
-            It is too thin.
+            The polyhedron is too thin.
         """
         if self._by_given is None:
             return self.jvp(changes)
@@ -219,22 +219,22 @@ class Sensitivity:
         return np.array(rows).reshape(*dl.shape[:-1], *self.embedding.vertices.shape)
 
     def given_vjp(self, gradient: ArrayLike) -> Floats:
-        """Derivatives by the given lengths of a function of the vertices, from its derivatives by these.
+        """Derivatives with respect to the given lengths of a function of the vertices, from its gradient.
 
         Parameters
         ----------
         gradient : array_like, shape (..., V, 3)
-            As that of `vjp`.
+            See `vjp`.
 
         Returns
         -------
         ndarray, shape (..., n)
-            The transpose of `given_jvp`, along changes that keep flat vertices flat.
+            Transpose of `given_jvp`, along changes that keep flat vertices flat.
 
         Raises
         ------
         InvalidParameter, SingularMatrix
-            As `given_jvp`.
+            See `given_jvp`.
         """
         if self._by_given is None:
             return self.vjp(gradient)
@@ -243,19 +243,19 @@ class Sensitivity:
         return np.array(rows).reshape(*g.shape[:-2], self._by_given.n_given)
 
     def variation(self, changes: ArrayLike) -> Variation:
-        """First and second derivatives of a surface in R^3 when its lengths are ``l + t dl``.
+        """First and second derivatives of a surface in R^3 with lengths ``l + t dl``.
 
         Parameters
         ----------
         changes : array_like, shape (E,)
-            dl, in the order of the metric's edges.
+            Changes dl, in the order of the metric's edges.
 
         Raises
         ------
         InvalidParameter
-            As `jvp`, and in space that is curved.
+            Space is curved, or see `jvp`.
         InvalidMetric, SingularMatrix, OutOfMemory
-            As `jvp`.
+            See `jvp`.
         """
         metric = self._metric
         if not metric.space.is_euclidean:
@@ -268,11 +268,11 @@ class Sensitivity:
         return Variation.of(self._closed, t, vertices, lengths, dl).scaled(unit)
 
     def deviation(self, errors: ArrayLike) -> Deviation:
-        """Deviation of a surface in R^3 by independent errors of its lengths, to first order.
+        """First-order deviation of a surface in R^3 due to independent errors of its lengths.
 
-        Where few different lengths are rounded to a decimal place, whose standard deviation is the errors',
-        equal ones have the same error.  Of a `SheetEmbedding`, what is given at the boundary has no error,
-        and H is that of the dihedral angles.
+        If few different lengths are rounded to a decimal place, with the corresponding standard deviation,
+        equal lengths have a common error.  For a `SheetEmbedding`, boundary data are exact, and H is that of
+        the dihedral angles.
 
         Parameters
         ----------
@@ -282,9 +282,9 @@ class Sensitivity:
         Raises
         ------
         InvalidParameter
-            As `jvp`, in space that is curved, and if an error is negative.
+            Space is curved, an error is negative, or see `jvp`.
         InvalidMetric, SingularMatrix, OutOfMemory
-            As `jvp`.
+            See `jvp`.
         """
         sigma = self._flat_errors(errors)
         shared = shared_errors(self._metric.lengths, sigma * self._metric.unit)
@@ -299,19 +299,19 @@ class Sensitivity:
         return found.scaled(self._metric.unit)
 
     def integral_deviation(self, errors: ArrayLike) -> IntegralDeviation:
-        """Area, volume and int H dA of `deviation` alone, by one solve, and in every space.
+        """Deviations of area, volume and int H dA only, by a single solve, in every space.
 
         Parameters
         ----------
         errors : float or array_like, shape (E,)
-            As of `deviation`.
+            See `deviation`.
 
         Raises
         ------
         InvalidParameter
-            The errors have another shape, are not finite or negative.
+            The errors have another shape, are negative or not finite.
         InvalidMetric, OutOfMemory
-            As `jvp`.
+            See `jvp`.
         """
         sigma = checked_errors(self._metric, errors)
         shared, sigma = shared_errors(self._metric.lengths, sigma), sigma / self._metric.unit
@@ -328,23 +328,23 @@ class Sensitivity:
         return found.scaled(self._metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:
-        """Proven bound on the deviation of a surface in R^3 by errors of its lengths.
+        """Proven bound on the deviation of a surface in R^3 due to errors of its lengths.
 
-        Whatever the lengths are, within these errors of the metric's, there is a surface with them that
-        differs from this one by no more.  The theorem is that of a `Certificate`.  With errors of 0 it is how
-        far the exact surface may be.
+        For all lengths within these errors there is a surface that differs from this one by at most the
+        bound.  The theorem is that of a `Certificate`.  With errors of 0, it bounds the distance of the exact
+        surface.
 
         Parameters
         ----------
         errors : float or array_like, shape (E,)
-            The largest of each length, in their unit: one for all, or one for each edge.
+            Bounds on the errors of the lengths, in their unit: one for all, or one for each edge.
 
         Raises
         ------
         InvalidParameter
-            As `deviation`.
+            See `deviation`.
         InvalidMetric, OutOfMemory
-            As `jvp`.
+            See `jvp`.
         """
         bounds = self._flat_errors(errors)
         metric, x = self._metric.normalized, self._normalized
@@ -357,20 +357,20 @@ class Sensitivity:
 
     @property
     def smallest_singular_value(self) -> float:
-        """Smallest singular value of the rigidity matrix J, rigid motions apart: 0 if the surface can flex.
+        """Smallest singular value of the rigidity matrix J, without rigid motions: 0 if the surface can flex.
 
-        To first order, the vertices need not move by more than its inverse times a change of the lengths,
-        both in the Euclidean norm.  It takes one factorization of J J^T, once for each embedding.
+        To first order, the vertices move by at most its inverse times a change of the lengths, both in the
+        Euclidean norm.  It takes one factorization of J J^T, once per embedding.
 
         Raises
         ------
         InvalidMetric
-            As `jvp`.
+            See `jvp`.
         """
         return self.embedding._smallest_singular_value
 
     def _flat_errors(self, errors: ArrayLike) -> Floats:
-        """Errors of the lengths of a surface in R^3 in the normalized unit, (E,), checked."""
+        """Validated length errors of a surface in R^3 in the normalized unit, (E,)."""
         if not self._metric.space.is_euclidean:
             raise InvalidParameter(f"deviations need surfaces in R^3, not in {self._metric.space!r}")
         return checked_errors(self._metric, errors) / self._metric.unit

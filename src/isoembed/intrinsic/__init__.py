@@ -1,5 +1,4 @@
-"""Intrinsic triangulations: half-edge tables with lengths, flips, Delaunay, vertex removal and insertion.
+"""Intrinsic triangulations: half-edge tables with lengths, Delaunay flips, vertex removal and insertion.
 
-Vertices are removed and inserted, edges are traced and kept as paths.  What does not change is in
-`isoembed.metric`.
+Also traces edges as geodesic paths.  Immutable metrics are in `isoembed.metric`.
 """

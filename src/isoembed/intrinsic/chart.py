@@ -1,12 +1,12 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
 """Conformal (stereographic) charts of surfaces of constant curvature: points, motions, distances.
 
-A point at distance d from the origin is the complex number of size ``2 tn(d / 2)`` in its direction: the disc
-of Poincare, stereographic projection, or for curvature zero the plane itself.  Angles are true, circles are
-circles, straight lines through the origin are straight; others become so when one of their points is moved
-there, which is what `toward` does.  A motion is ``(turn, shift)``: it turns about the origin by the unit
-number ``turn``, and then moves that to ``shift``.  All of it takes the arithmetic of the plane where the
-curvature k is zero.
+A point at distance d from the origin is the complex number of modulus ``2 tn(d / 2)`` in its direction: the
+Poincare disc, the stereographic projection or, for zero curvature, the plane itself.  Angles and circles are
+preserved, geodesics through the origin are straight lines; others become straight when one of their points is
+moved to the origin, as by `toward`.  A motion is ``(turn, shift)``: a rotation about the origin by the unit
+number ``turn``, followed by the translation of the origin to ``shift``.  For zero curvature k, all operations
+reduce to those of the plane.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from cython.cimports.libc.math import atan, atan2, atanh, cos, hypot, sin, sqrt
 @cython.cfunc
 @cython.exceptval(check=False)
 def point(x: cython.double, y: cython.double) -> cython.doublecomplex:
-    """Vector of the plane with these coordinates."""
+    """Plane vector with these coordinates."""
     if cython.compiled:
         z: Complex = x
         z.imag = y
@@ -32,28 +32,28 @@ def point(x: cython.double, y: cython.double) -> cython.doublecomplex:
 @cython.cfunc
 @cython.exceptval(check=False)
 def dot(a: cython.doublecomplex, b: cython.doublecomplex) -> cython.double:
-    """Scalar product of two vectors of the plane."""
+    """Scalar product of two plane vectors."""
     return a.real * b.real + a.imag * b.imag
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
 def cross(a: cython.doublecomplex, b: cython.doublecomplex) -> cython.double:
-    """Vector product of two vectors of the plane: positive if b is to the left of a."""
+    """Cross product of two plane vectors: positive if b is to the left of a."""
     return a.real * b.imag - a.imag * b.real
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
 def norm(a: cython.doublecomplex) -> cython.double:
-    """Length of a vector of the plane; `abs` takes the root of squares, which is not as exact."""
+    """Length of a plane vector, more accurate than `abs`, the root of the sum of squares."""
     return hypot(a.real, a.imag)
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
 def argument(a: cython.doublecomplex) -> cython.double:
-    """Angle from the x axis to a vector of the plane."""
+    """Angle from the x axis to a plane vector."""
     return atan2(a.imag, a.real)
 
 
@@ -62,24 +62,24 @@ def argument(a: cython.doublecomplex) -> cython.double:
 def from_frame(
     origin: cython.doublecomplex, axis: cython.doublecomplex, x: cython.double, y: cython.double
 ) -> cython.doublecomplex:
-    """Point with coordinates along an axis, and to the left of it, in its length."""
+    """Point with coordinates along an axis and to the left of it, in units of the axis."""
     return point(origin.real + x * axis.real - y * axis.imag, origin.imag + x * axis.imag + y * axis.real)
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
 def polar(r: cython.double, angle: cython.double) -> cython.doublecomplex:
-    """Vector of the plane of this length and direction."""
+    """Plane vector with this length and direction."""
     return point(r * cos(angle), r * sin(angle))
 
 
 @cython.ccall
 @cython.exceptval(check=False)
 def toward(a: cython.doublecomplex, b: cython.doublecomplex, k: cython.double) -> cython.doublecomplex:
-    """Point b after the move, straight along the line through both, that takes a to the origin.
+    """Image of point b under the translation along the line through both that moves a to the origin.
 
-    It has the direction in which the straight line from a to b sets out, and the size ``2 tn(d / 2)``, d
-    being their distance; in the plane it is b - a.
+    It has the initial direction of the geodesic from a to b, and modulus ``2 tn(d / 2)`` for the distance d
+    of the points; in the plane it is b - a.
     """
     difference = b - a
     return difference if k == 0 else quotient(difference, 1.0 + k / 4 * (a.conjugate() * b))
@@ -99,7 +99,7 @@ def moved(
 def turn_at(
     z: cython.doublecomplex, turn: cython.doublecomplex, shift: cython.doublecomplex, k: cython.double
 ) -> cython.double:
-    """Angle by which a motion turns what leaves a point."""
+    """Angle by which a motion rotates directions at a point."""
     if k == 0:
         return argument(turn)
     return argument(turn) - 2 * argument(1.0 - k / 4 * (shift.conjugate() * turn * z))
@@ -114,7 +114,7 @@ def motion(
     d: cython.doublecomplex,
     k: cython.double,
 ) -> tuple[cython.doublecomplex, cython.doublecomplex]:
-    """The motion that takes c to a, and d to where b is, or in line with that."""
+    """Motion from c to a, and from d to b or to a point on the line from a to b."""
     turn = toward(a, b, k) * toward(c, d, k).conjugate()
     turn /= norm(turn)
     scale = 1.0 + k / 4 * (a.conjugate() * turn * c)
@@ -124,7 +124,7 @@ def motion(
 @cython.cfunc
 @cython.exceptval(check=False)
 def quotient(a: cython.doublecomplex, b: cython.doublecomplex) -> cython.doublecomplex:
-    """Ratio of two numbers, rounded in the same way by all compilers."""
+    """Quotient of two numbers, rounded in the same way by all compilers."""
     product, size = a * b.conjugate(), dot(b, b)
     return point(product.real / size, product.imag / size)
 
@@ -159,5 +159,5 @@ def distances(z: ConstComplex[::1], k: Real):
 @cython.ccall
 @cython.exceptval(check=False)
 def stretch(z: cython.doublecomplex, k: cython.double) -> cython.double:
-    """Ratio of these coordinates to the first two on hyperboloid or sphere, whose last is 2 / ratio - 1."""
+    """Ratio of these coordinates to the first two on hyperboloid or sphere; the last one is 2 / ratio - 1."""
     return 1.0 + k / 4 * dot(z, z)

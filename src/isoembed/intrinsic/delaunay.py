@@ -5,7 +5,7 @@ from isoembed.intrinsic.delaunay_loops import Weighted, non_delaunay_edges
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.intrinsic.loops import flip_edges
 
-THINNEST = 1e-15  # height over longest side: thinner triangles are lost in rounding
+THINNEST = 1e-15  # height over longest side: below, triangles degenerate by rounding
 
 
 def make_delaunay(mesh: HalfEdges, weights: Floats, edges: Indices | None = None) -> tuple[int, int]:
@@ -15,19 +15,19 @@ def make_delaunay(mesh: HalfEdges, weights: Floats, edges: Indices | None = None
     ----------
     mesh : HalfEdges
     weights : ndarray, shape (V,)
-        Squared radii, less any constant, so that equal ones make the Delaunay triangulation; in curved space
-        the squares of the `chord` of the radii, of which only zeros do.
+        Squared radii, up to a constant; equal weights give the Delaunay triangulation.  In curved space, the
+        squared `chord` of the radii; only zeros give the Delaunay triangulation.
     edges : ndarray of int, optional
-        What `non_delaunay_edges` says, where it is known already.
+        Result of `non_delaunay_edges`, if known.
 
     Returns
     -------
     int, int
-        Flips made, and edges that are not Delaunay but cannot be flipped: a vertex is hidden, and the
-        weights have no Delaunay triangulation that uses them all.
+        Number of flips, and number of edges that are not Delaunay but cannot be flipped: in this case a
+        vertex is hidden, and the weighted Delaunay triangulation does not use all vertices.
     """
     views = mesh.views
     edges = non_delaunay_edges(views, weights) if edges is None else edges
     flips, blocked = flip_edges(edges, Weighted(views, weights))
-    # Some that were blocked may have come free by other flips.
+    # Other flips may have unblocked edges.
     return flips, non_delaunay_edges(views, weights).size if blocked else 0

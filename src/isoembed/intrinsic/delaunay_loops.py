@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled Delaunay and weighted Delaunay criteria of edges, and the triangulations that flips lead to."""
+"""Compiled Delaunay and weighted Delaunay criteria of edges, and edge-flip algorithms based on them."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from cython.cimports.isoembed.intrinsic.loops import (
 from cython.cimports.isoembed.space.trigonometry import amplitude, apex, chord, cs, sn, twice_area
 
 INF = cython.declare(cython.double, float("inf"))
-SLACK = cython.declare(cython.double, 1e-12)  # relative: an edge that is Delaunay to this is left alone
+SLACK = cython.declare(cython.double, 1e-12)  # relative tolerance of the Delaunay criterion
 ROUNDING = cython.declare(cython.double, 4e-16)  # of a difference of squared lengths, relative to their sum
 THINNEST = cython.declare(
     cython.double, 1e-15
-)  # height over longest side: thinner triangles are lost in rounding
+)  # height over longest side: below, triangles degenerate by rounding
 THIN = cython.declare(
     cython.double, 1e-8
-)  # height over longest side: the sides of a thinner triangle add up in floats
+)  # height over longest side: below, the triangle inequality may degenerate in floats
 BLOCKED = cython.declare(cython.longlong, -1)  # outcomes of a rule, as in `loops`
 LEFT = cython.declare(cython.longlong, 0)
 FLIPPED = cython.declare(cython.longlong, 1)
@@ -35,7 +35,7 @@ FLIPPED = cython.declare(cython.longlong, 1)
 @cython.cfunc
 @cython.exceptval(check=False)
 def flip_tracked(h: cython.longlong, mesh: Mesh, carried: Tracked, thinnest: cython.double) -> cython.bint:
-    """Flip an edge as `flip` does, and carry along which edges are kept and which half-edges leave."""
+    """Flip an edge by `flip`, and update the kept and leaving half-edges."""
     corners, kept, leaving = mesh.corners, carried.kept, carried.leaving
     t = mesh.twins[h]
     jk, im = following(h), following(t)
@@ -50,13 +50,13 @@ def flip_tracked(h: cython.longlong, mesh: Mesh, carried: Tracked, thinnest: cyt
 
 @cython.cclass
 class Weighted(Rule):
-    """The rule of a weighted Delaunay triangulation; with equal weights, of the Delaunay triangulation.
+    """Weighted Delaunay rule; with equal weights, the Delaunay rule.
 
     Parameters
     ----------
     mesh : Mesh
     weights : ndarray, shape (V,)
-        Squared radii, less any constant; in curved space squared `chord` of the radii.
+        Squared radii, up to a constant; in curved space squared `chord` of the radii.
     """
 
     mesh: Mesh
@@ -75,14 +75,14 @@ class Weighted(Rule):
 
 @cython.cclass
 class Tracked(Rule):
-    """The rule of a Delaunay triangulation that leaves some edges alone and carries along what changes.
+    """Constrained Delaunay rule that keeps some edges and updates the tables below.
 
     Attributes
     ----------
     kept : ndarray of bool, shape (3F,)
         Half-edges that are not flipped.
     leaving : ndarray of int64, shape (n,)
-        A half-edge that leaves each vertex.
+        Some half-edge leaving each vertex.
     """
 
     def __init__(self, mesh: Mesh, kept, n: cython.longlong):
@@ -105,8 +105,8 @@ def tilt(h: Int, mesh: Mesh, weights: ConstReal[::1]) -> tuple[cython.double, cy
 
     It is d = ((|ik|^2 + q_i - q_k) / 2 - p x) / y with p = (l^2 + q_i - q_j) / (2 l).  In curved space it is
     the sine of the distance of the apex from the line of h, times the cosine of the angle between triangle
-    and apex there: on hyperboloid and sphere, where the cosines of the radii at the corners are those of a
-    linear function, the slope of that across h, over the curvature.
+    and apex there.  On the hyperboloid and sphere, the cosines of the radii at the corners define a linear
+    function; the result is its slope across h, divided by the curvature.
     """
     corners, lengths, k = mesh.corners, mesh.lengths, mesh.curvature
     after, before = following(h), preceding(h)
@@ -139,7 +139,7 @@ def _curved_tilt(
 
 @cython.ccall
 def tilts(mesh: Mesh, weights: ConstReal[::1]):
-    """The tilts of all half-edges and their rounding errors, shape (3F,)."""
+    """Tilts of all half-edges and their rounding errors, shape (3F,)."""
     if mesh.curvature != 0:
         return _curved_tilts(mesh, weights)
     corners, lengths = mesh.corners, mesh.lengths
@@ -201,7 +201,7 @@ def _curved_tilts(mesh: Mesh, weights: ConstReal[::1]):
 
 @cython.ccall
 def non_delaunay_edges(mesh: Mesh, weights: ConstReal[::1]):
-    """The edges that are not weighted Delaunay, as their lower half-edges."""
+    """Lower half-edges of the edges that are not weighted Delaunay."""
     measured = tilts(mesh, weights)
     d: Real[::1] = measured[0]
     error: Real[::1] = measured[1]
@@ -218,7 +218,7 @@ def non_delaunay_edges(mesh: Mesh, weights: ConstReal[::1]):
 @cython.cfunc
 @cython.exceptval(check=False)
 def is_delaunay(h: Int, mesh: Mesh, weights: ConstReal[::1]) -> cython.bint:
-    """Whether the dihedral angle at the edge of h is convex: the centers lie in order, d + d' >= 0."""
+    """Whether the edge of h is weighted Delaunay: the power centers are in order, d + d' >= 0."""
     here, error = tilt(h, mesh, weights)
     there, other_error = tilt(mesh.twins[h], mesh, weights)
     return here + there >= -(SLACK * (abs(here) + abs(there)) + error + other_error)
@@ -229,7 +229,7 @@ def is_delaunay(h: Int, mesh: Mesh, weights: ConstReal[::1]) -> cython.bint:
 def looks_outward(
     u: cython.const[cython.double][:, ::1], a: cython.longlong, b: cython.longlong, c: cython.longlong
 ) -> cython.bint:
-    """Whether three directions come counterclockwise, seen from outside."""
+    """Whether three directions are counterclockwise, as seen from outside."""
     volume: cython.double = 0.0
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
@@ -239,7 +239,7 @@ def looks_outward(
 
 @cython.cclass
 class Outward(Rule):
-    """The rule of a Delaunay triangulation that looks outward.
+    """Delaunay rule restricted to flips that keep a spherical triangulation oriented outward.
 
     Attributes
     ----------
@@ -247,9 +247,9 @@ class Outward(Rule):
     weights : ndarray, shape (V,)
         Zeros.
     flipped : ndarray of int64, shape (k,)
-        One half-edge of each edge that was flipped.
+        One half-edge of each flipped edge.
     count : int
-        How many these are.
+        Number of flips.
     """
 
     mesh: Mesh
@@ -288,14 +288,14 @@ class Outward(Rule):
 
 
 def flip_to_delaunay(u: ConstReal[:, ::1], mesh: Mesh):
-    """Flip edges until all are Delaunay whose flip leaves a triangulation that looks outward, in place.
+    """Flip to the Delaunay triangulation in place, by flips that keep the triangles oriented outward.
 
-    A new edge gets its length in the plane of its two triangles unfolded.
+    The length of a new edge is that in its two triangles unfolded into the plane.
 
     Returns
     -------
     ndarray of int, shape (k,)
-        One half-edge of each edge that was flipped, some more than once.
+        One half-edge of each flipped edge, possibly repeated.
     """
     rule = Outward(mesh, u)
     flip_edges(non_delaunay_edges(mesh, rule.weights), rule)
@@ -303,7 +303,7 @@ def flip_to_delaunay(u: ConstReal[:, ::1], mesh: Mesh):
 
 
 def separate_edges(edges: ConstInt[::1], mesh: Mesh, kept: Flag[::1], n: Int):
-    """Flip those of the edges that still are repeated, where no other joins the ends of the new edge."""
+    """Flip loops and multiple edges among those given, unless the new edge would be one."""
     carried = Tracked(mesh, kept, n)
     corners, twins = mesh.corners, mesh.twins
     flips: Int = 0

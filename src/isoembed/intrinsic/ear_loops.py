@@ -8,7 +8,7 @@ import numpy as np
 from cython.cimports.isoembed.c_types import ConstReal, Flag, Int, Real
 from cython.cimports.isoembed.intrinsic.loops import Rule, preceding, swap_diagonals
 
-SLACK = cython.declare(cython.double, 1e-12)  # relative: an edge that is Delaunay to this is left alone
+SLACK = cython.declare(cython.double, 1e-12)  # relative tolerance of the Delaunay criterion
 BLOCKED = cython.declare(cython.longlong, -1)  # outcomes of a rule, as in `loops`
 LEFT = cython.declare(cython.longlong, 0)
 FLIPPED = cython.declare(cython.longlong, 1)
@@ -24,14 +24,14 @@ def turn(
     cx: cython.double,
     cy: cython.double,
 ) -> cython.double:
-    """Twice the area of triangle abc, positive if it turns left; 0 if that is lost in rounding.
+    """Twice the signed area of triangle abc, positive if counterclockwise; 0 if within rounding.
 
-    The coordinates are of the size of 1 at most.
+    The coordinates are at most of order 1.
     """
     x, y = bx - ax, by - ay
     u, v = cx - ax, cy - ay
     area = x * v - y * u
-    # up to rounding, the corners are in line
+    # collinear up to rounding
     return area if abs(area) > 2e-15 * (abs(x) + abs(y) + abs(u) + abs(v)) else 0.0
 
 
@@ -43,11 +43,11 @@ def corner_turn(points: ConstReal[:, ::1], a: Int, b: Int, c: Int) -> Real:
 
 
 def clip_ears(points: ConstReal[:, ::1], triangles: Int[:, ::1]):
-    """Triangulate a simple polygon by ear clipping; return False if a triangle is lost to rounding."""
+    """Triangulate a simple polygon by ear clipping; return False if a triangle degenerates by rounding."""
     n = points.shape[0]
     after: Int[::1] = np.arange(1, n + 1) % n
     before: Int[::1] = np.arange(-1, n - 1) % n
-    blunt: Flag[::1] = np.empty(n, dtype=np.bool_)  # corners of pi or more: only these can lie in an ear
+    blunt: Flag[::1] = np.empty(n, dtype=np.bool_)  # angles of pi or more: only these can lie in an ear
     for k in range(n):
         blunt[k] = corner_turn(points, before[k], k, after[k]) <= 0
     suspects: Int[::1] = np.flatnonzero(blunt)
@@ -66,10 +66,10 @@ def clip_ears(points: ConstReal[:, ::1], triangles: Int[:, ::1]):
         made += 1
         refused = 0
         after[a], before[b] = b, a
-        # corners only become smaller
+        # angles only decrease
         blunt[a] = blunt[a] and corner_turn(points, before[a], a, after[a]) <= 0
         blunt[b] = blunt[b] and corner_turn(points, before[b], b, after[b]) <= 0
-        v = after[b]  # not b: its ears in a row would be a fan
+        v = after[b]  # skipping b avoids fans
     a, b = before[v], after[v]
     triangles[made, 0], triangles[made, 1], triangles[made, 2] = a, v, b
     return corner_turn(points, a, v, b) > 0
@@ -80,7 +80,7 @@ def clip_ears(points: ConstReal[:, ::1], triangles: Int[:, ::1]):
 def _empty(
     a: Int, v: Int, b: Int, points: ConstReal[:, ::1], suspects: Int[::1], blunt: Flag[::1]
 ) -> cython.bint:
-    """Whether no other corner lies in the triangle or on its rim."""
+    """Whether no other corner lies in the triangle or on its boundary."""
     for w in suspects:
         if not blunt[w] or w in (a, b):
             continue
@@ -104,9 +104,9 @@ def _cotangent(points: ConstReal[:, ::1], i: Int, j: Int, k: Int) -> Real:
 
 @cython.cclass
 class Constrained(Rule):
-    """The rule of a Delaunay triangulation of a polygon with these corners (n, 2).
+    """Delaunay rule inside a polygon with corners (n, 2).
 
-    Its triangles are tables over half-edges; beyond the last of ``corners`` are ``twins`` of the outline.
+    The triangles are half-edge tables; ``twins`` of the outline are beyond the end of ``corners``.
     """
 
     corners: Int[::1]
@@ -118,7 +118,7 @@ class Constrained(Rule):
     @cython.cfunc
     @cython.exceptval(check=False)
     def attempt(self, h: cython.longlong) -> cython.longlong:
-        # An edge is flipped across which the angles sum to more than pi: the sum of their cotangents is
+        # An edge is flipped if the sum of its opposite angles exceeds pi: the sum of their cotangents is
         # negative.
         corners, points, t = self.corners, self.points, self.twins[h]
         if t >= corners.shape[0]:

@@ -13,12 +13,13 @@ def triangulated(points: Floats) -> Indices | None:
     Parameters
     ----------
     points : ndarray, shape (n, 2)
-        The corners of a simple polygon, counterclockwise, of the size of 1 at most; some may be in line.
+        Corners of a simple polygon, counterclockwise, with coordinates of at most order 1; some may be
+        collinear.
 
     Returns
     -------
     ndarray of int64, shape (n - 2, 3), or None
-        Counterclockwise.  None if the polygon is so thin that its triangles are lost in rounding.
+        Counterclockwise triangles.  None if the polygon is so thin that its triangles degenerate by rounding.
 
     References
     ----------
@@ -37,7 +38,7 @@ def triangulated(points: Floats) -> Indices | None:
 
 
 def twins_inside(triangles: Indices) -> Indices:
-    """The half-edge on the other side of each, (3F,) for triangles (F, 3); -1 on the outline."""
+    """Twins of the half-edges, (3F,) for triangles (F, 3); -1 on the outline."""
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort([high, low])

@@ -15,23 +15,23 @@ from isoembed.space import Space
 
 @dataclass(frozen=True, eq=False)
 class EdgePaths:
-    """Straight paths from vertex to vertex, and where they cross the edges of a triangulation.
+    """Geodesic paths between vertices, with their crossings of the edges of a triangulation.
 
     Attributes
     ----------
     tables : HalfEdges
-        The triangulation.
+        Triangulation.
     ends : ndarray of int, shape (n, 2)
-        The vertices from which and to which the paths lead.
+        Start and end vertices of the paths.
     offsets : ndarray of int, shape (n + 1,)
-        Path e has the crossings from ``offsets[e]`` to before ``offsets[e + 1]``, in order.
+        Path e has the crossings ``offsets[e] : offsets[e + 1]``, in order.
     halfedges : ndarray of int, shape (C,)
-        The half-edge that is crossed, of the face that the path leaves.
+        Crossed half-edges, of the faces that the paths leave.
     parameters : ndarray, shape (C,)
-        Where: 0 at the vertex that the half-edge leaves, 1 at the other, in proportion to the length.
+        Positions of the crossings: fractions of the length, from 0 at the start of the half-edge to 1.
     lengths, distances : ndarray, shape (n,)
-        Length that the path is to have, and distance of its ends once its triangles are unfolded; not a
-        number if it has not been found.
+        Prescribed lengths of the paths, and distances of their ends in the unfolded triangles; NaN for paths
+        that were not found.
     """
 
     tables: HalfEdges
@@ -44,16 +44,16 @@ class EdgePaths:
 
     @property
     def lost(self) -> Indices:
-        """The paths that do not lead to their end."""
+        """Indices of the paths that were not found."""
         return np.flatnonzero(np.isnan(self.distances))
 
     @property
     def point_offsets(self) -> Indices:
-        """(n + 1,): where the points of each path begin in `points`."""
+        """Offsets of the points of each path in `points`, shape (n + 1,)."""
         return self.offsets + 2 * np.arange(self.offsets.size)
 
     def points(self, vertices: Floats) -> Floats:
-        """Both ends of every path and the crossings between.
+        """Both ends of every path and the crossings between them.
 
         Parameters
         ----------
@@ -63,7 +63,7 @@ class EdgePaths:
         Returns
         -------
         ndarray, shape (C + 2n, d)
-            Path e from ``point_offsets[e]`` to before ``point_offsets[e + 1]``.
+            Points, with ``point_offsets[e] : point_offsets[e + 1]`` for path e.
         """
         starts = self.point_offsets
         result = np.empty((starts[-1], vertices.shape[1]))
@@ -80,15 +80,15 @@ class EdgePaths:
         return result
 
     def lengths_on(self, vertices: Floats) -> Floats:
-        """Lengths of the paths as they are drawn through their crossings, shape (n,).
+        """Lengths of the polygonal paths through the crossings, shape (n,).
 
-        They are of the surface that these vertices span, whatever rounding does to its thin triangles when
-        they are unfolded; not a number for paths that have not been found.
+        They are measured on the surface with these vertices, independently of rounding errors in the
+        unfolding of thin triangles; NaN for paths that were not found.
 
         Parameters
         ----------
         vertices : ndarray, shape (V, 3)
-            As of `points`.
+            As in `points`.
         """
         points, starts = self.points(vertices), self.point_offsets
         steps = Space(self.tables.curvature).distances(points[1:], points[:-1])
@@ -98,36 +98,37 @@ class EdgePaths:
 
 
 def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfedges: Indices) -> EdgePaths:
-    """Draw edges of one triangulation on another.
+    """Trace edges of one triangulation on another.
 
-    An edge sets out in its direction; the triangles that it meets are unfolded, and the path is drawn
-    straight from end to end.
+    Each edge starts in its direction; the triangles along it are unfolded, and the path is the straight line
+    between its ends.
 
     Parameters
     ----------
     original, final : HalfEdges
-        Triangulations of one metric, with the same vertices and directions; the final one may have more.
+        Triangulations of one metric with the same vertices and directions; the final one may have additional
+        vertices.
     polygons : Polygons
-        The final one, laid out.
+        Layout of the final triangulation.
     halfedges : ndarray of int, shape (n,)
-        Of the original: one for each path that is wanted, from the vertex that it leaves.
+        Half-edges of the original triangulation to trace.
 
     Returns
     -------
     EdgePaths
-        In the order of `halfedges`.
+        Paths in the order of `halfedges`.
     """
     lengths = original.lengths[halfedges]
     ends = np.column_stack([end[halfedges] for end in original.ends])
     halfedges, goals = np.ascontiguousarray(halfedges), np.ascontiguousarray(ends[:, 1])
     first, angles = set_out(original.views, final.views, polygons.views, halfedges, 0.0)
     counts, meet = follow(first, angles, lengths, goals, polygons.views)
-    # in radians, one after another
+    # in radians, tried in turn
     for tilt in (1e-11, -1e-11, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8, -1e-8, 1e-7, -1e-7):
         lost = np.flatnonzero(np.isnan(meet.real))
         if lost.size == 0:
             break
-        # Beside an edge it passed its end in a triangle that is as thin as its direction is rounded.
+        # Along an edge the path missed its end in a triangle as thin as the rounding error of its direction.
         first[lost], angles[lost] = set_out(
             original.views, final.views, polygons.views, halfedges[lost], tilt
         )

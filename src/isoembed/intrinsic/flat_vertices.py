@@ -1,10 +1,11 @@
 """Removal of flat vertices from an intrinsic triangulation.
 
-The triangles around a vertex without curvature unfold into a polygon in the plane, which is cut anew along
-diagonals.  Loops are flipped away first, except for one around the only neighbor of a vertex of small angle.
-Vertices go in rounds, in each of which no two are neighbors, so that where a vertex was is known
-from a neighbor that goes in a later round or stays: after a number of steps that grows with the logarithm
-of the number of vertices (D. Kirkpatrick, Optimal search in planar subdivisions, SIAM J. Comput. 12, 1983).
+The triangles around a vertex without curvature unfold into a polygon in the plane, which is retriangulated by
+diagonals.  Loops are flipped away first, except one around the only neighbor of a vertex of small angle.
+Vertices are removed in rounds of pairwise nonadjacent vertices, so that the position of a vertex is given
+relative to a neighbor that is removed in a later round or stays.  The number of steps to recover a position
+thus grows with the logarithm of the number of vertices (D. Kirkpatrick, Optimal search in planar
+subdivisions, SIAM J. Comput. 12, 1983).
 """
 
 from typing import NamedTuple
@@ -20,22 +21,22 @@ from isoembed.mesh.triangulation import frozen
 
 
 class Removal(NamedTuple):
-    """Vertices that were removed, and their places.
+    """Removed vertices and their positions.
 
     Attributes
     ----------
     core : ndarray of int, shape (V,)
-        The old numbers of the vertices that are left, ascending.
+        Original indices of the remaining vertices, ascending.
     removed : ndarray of int, shape (n,)
-        The old numbers of the others, in the order in which they went.
+        Original indices of the removed vertices, in order of removal.
     anchors : ndarray of int, shape (n,)
-        The old number of a neighbor that was still there.
+        Original index of a neighbor present at the time of removal.
     directions : ndarray, shape (n,)
-        The direction at the anchor in which the vertex lay.
+        Direction at the anchor toward the vertex.
     distances : ndarray, shape (n,)
-        Length of the straight line from the anchor in that direction to the vertex.
+        Length of the geodesic from the anchor in that direction to the vertex.
     backs : ndarray, shape (n,)
-        The direction at the vertex in which that line came back.
+        Direction at the vertex toward the anchor.
     """
 
     core: Indices
@@ -47,26 +48,26 @@ class Removal(NamedTuple):
 
 
 def remove_flat_vertices(mesh: HalfEdges, flat: Mask) -> tuple[HalfEdges, Removal]:
-    """Take flat vertices out of a triangulation.
+    """Remove flat vertices from a triangulation.
 
     Parameters
     ----------
     mesh : HalfEdges
     flat : ndarray of bool, shape (V,)
-        Vertices of total angle 2 pi up to rounding.  At least three others remain.
+        Vertices with total angle 2 pi up to rounding.  At least three others must remain.
 
     Returns
     -------
     HalfEdges
-        A Delaunay triangulation of the same metric on the other vertices, which are renumbered in order; the
-        directions are measured as before.
+        Delaunay triangulation of the same metric on the other vertices, renumbered in order, with unchanged
+        reference directions.
     Removal
-        Where the removed vertices were.
+        Positions of the removed vertices.
 
     Raises
     ------
     InvalidMetric
-        The triangles at a vertex are so thin that rounding hides how they lie.
+        The triangles at a vertex are too thin to be laid out in floats.
     """
     mesh = mesh.copy()
     make_delaunay(mesh, np.zeros(flat.size))

@@ -1,8 +1,8 @@
 """Half-edge tables of an intrinsic triangulation, changed in place by flips.
 
-Half-edge ``h = 3 f + c`` leaves corner c of face f and is followed by the next corner's.  Nothing asks two
-triangles to meet in one edge only: loops, repeated edges and triangles glued to themselves are triangles like
-any others.
+Half-edge ``h = 3 f + c`` leaves corner c of face f and is followed by that of the next corner.  The
+triangulation need not be a simplicial complex: loops, multiple edges and triangles glued to themselves are
+allowed.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ class HalfEdges(NamedTuple):
     Attributes
     ----------
     corners : ndarray of int64, shape (3F,)
-        The vertex that each half-edge leaves.
+        Start vertex of each half-edge.
     twins : ndarray of int64, shape (3F,)
-        The half-edge that it is glued to.
+        Half-edge glued to each half-edge.
     lengths : ndarray, shape (3F,)
     directions : ndarray, shape (3F,)
-        The angle at which it leaves its vertex, counterclockwise from a direction that flips do not change
-        and modulo the total angle there (a "signpost": Sharp, Soliman and Crane, Navigating intrinsic
-        triangulations, ACM TOG 38, 2019).  Empty where nobody asks for them.
+        Angle of each half-edge at its start, counterclockwise from a direction unchanged by flips and modulo
+        the total angle there (a "signpost": Sharp, Soliman and Crane, Navigating intrinsic triangulations,
+        ACM TOG 38, 2019).  Empty if not needed.
     curvature : float
-        That of the triangles; lengths are measured along their sides.
+        Gaussian curvature of the triangles; lengths are measured along their sides.
     """
 
     corners: Indices
@@ -41,7 +41,7 @@ class HalfEdges(NamedTuple):
 
     @classmethod
     def of(cls, faces: Indices, twins: Indices, face_lengths: Floats, curvature: float = 0.0) -> HalfEdges:
-        """Copy the triangles of a metric and give every half-edge its direction.
+        """Copy the triangles of a metric and compute the directions of the half-edges.
 
         Parameters
         ----------
@@ -50,7 +50,7 @@ class HalfEdges(NamedTuple):
         face_lengths : ndarray, shape (F, 3)
             Length of each half-edge.
         curvature : float
-            That of the triangles.
+            Gaussian curvature of the triangles.
         """
         mesh = cls.without_directions(faces, twins, face_lengths, curvature)
         mesh = mesh._replace(directions=np.zeros(mesh.corners.size))
@@ -61,7 +61,7 @@ class HalfEdges(NamedTuple):
     def without_directions(
         cls, faces: Indices, twins: Indices, face_lengths: Floats, curvature: float = 0.0
     ) -> HalfEdges:
-        """Copy the triangles of a metric for those who ask for no directions."""
+        """Copy the triangles of a metric, without directions."""
         corners = np.array(faces, dtype=np.int64, order="C").ravel()
         lengths = np.array(face_lengths, dtype=np.float64, order="C").ravel()
         return cls(corners, np.array(twins, dtype=np.int64), lengths, np.empty(0), float(curvature))
@@ -77,16 +77,16 @@ class HalfEdges(NamedTuple):
         )
 
     def order_in_memory(self) -> Indices:
-        """Order of the vertices in which neighbors have near numbers, shape (V,)."""
+        """Order of the vertices in which neighbors have nearby indices, shape (V,)."""
         return breadth_first(self.corners, self.twins)
 
     def in_order(self, order: Indices) -> HalfEdges:
-        """Copy with other numbers for vertices and faces, so that what is near is near in memory.
+        """Copy with renumbered vertices and faces, so that neighbors are close in memory.
 
         Parameters
         ----------
         order : ndarray of int, shape (V,)
-            The vertex that gets each number; the faces follow their lowest one.
+            Old index of each new vertex; faces are ordered by their lowest vertex.
         """
         number = np.empty_like(order)
         number[order] = np.arange(order.size)
@@ -94,7 +94,7 @@ class HalfEdges(NamedTuple):
         return self._replace(corners=corners).of_faces(by_lowest_corner(corners))
 
     def of_faces(self, faces: Indices) -> HalfEdges:
-        """Copy of some faces, in this order, which are glued to no others."""
+        """Copy of some faces, in this order, that are glued only to each other."""
         place = np.empty(self.corners.size // 3, dtype=np.int64)
         place[faces] = np.arange(faces.size)
         h = (3 * faces[:, None] + np.arange(3)).ravel()
@@ -108,7 +108,7 @@ class HalfEdges(NamedTuple):
 
     @property
     def views(self) -> Mesh:
-        """The tables as `loops` take them; what these change is changed here."""
+        """Views of the tables for `loops`, which modify them in place."""
         return Mesh(self)
 
     @property
@@ -123,10 +123,10 @@ class HalfEdges(NamedTuple):
 
     @property
     def ends(self) -> tuple[Indices, Indices]:
-        """The vertex where each half-edge begins and that where it ends."""
+        """Start and end vertex of each half-edge."""
         return self.corners, self.corners[self.twins]
 
     @property
     def edges(self) -> Indices:
-        """The lower half-edge of each edge, ascending, shape (E,)."""
+        """Lower half-edge of each edge, ascending, shape (E,)."""
         return np.flatnonzero(np.arange(self.twins.size) < self.twins)

@@ -24,25 +24,25 @@ Table = TypeVar("Table", bound=NDArray)
 
 @dataclass(frozen=True, eq=False)
 class Restored:
-    """A triangulation with all vertices, and where in the faces without the flat ones these lie.
+    """Triangulation with all vertices, and positions of the flat ones in the triangulation without them.
 
     Attributes
     ----------
     tables : HalfEdges
-        Vertices numbered, and directions measured, as before the removal.
+        Triangulation with the vertex indices and reference directions from before the removal.
     polygons : Polygons
-        The same, laid out.
+        Layout of the triangulation.
     kept : ndarray of bool, shape (3F,)
-        The half-edges of ``tables`` that are parts of the edges that were to be kept.
+        Half-edges of ``tables`` on the kept edges.
     core, flat : ndarray of int
-        The vertices that had stayed, and those that were put back, both ascending.
+        Remaining and reinserted vertices, both ascending.
     faces : ndarray of int, shape (n,)
-        For every flat vertex the face, of those without flat vertices, in which it lies.
+        Face of the triangulation without flat vertices that contains each flat vertex.
     barycentric : ndarray, shape (n, 3)
-        And how much of the three corners it is, on hyperboloid or sphere if the faces are curved; not
-        negative, sum 1 in the plane.
+        Barycentric coordinates in that face, on the hyperboloid or sphere if the faces are curved;
+        nonnegative, with sum 1 in the plane.
     corners : ndarray of int, shape (n, 3)
-        The three corners, in the numbers of the triangulation without flat vertices.
+        Corners of that face, in the numbering without flat vertices.
     """
 
     tables: HalfEdges
@@ -55,12 +55,12 @@ class Restored:
     corners: Indices
 
     def vertices(self, core: Floats) -> Floats:
-        """Positions of all vertices from those of the core, if its faces are flat triangles.
+        """Positions of all vertices, interpolated from those of the core if its faces are planar triangles.
 
         Parameters
         ----------
         core : ndarray, shape (V - n, 3)
-            Of a `isoembed.space.Space`.
+            Positions in an `isoembed.space.Space`.
 
         Returns
         -------
@@ -73,30 +73,30 @@ class Restored:
 
 
 def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored:
-    """Put flat vertices back, and make the triangles good between the edges that are to be kept.
+    """Reinsert flat vertices, with a constrained Delaunay triangulation between the kept edges.
 
     Parameters
     ----------
     tables : HalfEdges
-        Any triangulation without them, its vertices numbered and directions measured as by
+        Any triangulation without the flat vertices, with the numbering and reference directions of
         `remove_flat_vertices`.
     removal : Removal
     kept : ndarray of bool, shape (3F,)
-        The half-edges of both sides of the edges that are not to be flipped: those at which the surface is
-        to be bent.  Vertices on them split them.
+        Half-edges on both sides of the edges that must not be flipped, along which the surface is bent.
+        Vertices on these edges split them.
 
     Returns
     -------
     Restored
-        With triangles that are Delaunay but for the edges kept, and but for what keeps loops and edges with
-        the same two ends away: of a convex polyhedron or a polygon covered twice, whose edges are all kept,
-        there are none.  If that polygon is a triangle, and all flat vertices are on its sides, then there is
-        one vertex more, the last, in one of the sheets: both sheets would need the same edges without it.
+        Triangulation that is Delaunay except at kept edges and where loops and multiple edges are avoided; a
+        convex polyhedron or a doubly covered polygon with all its edges kept has no such edges.  If that
+        polygon is a triangle with all flat vertices on its sides, one more vertex is added, the last, in one
+        of the sheets: otherwise both sheets would need the same edges.
 
     Raises
     ------
     InvalidMetric
-        A vertex is not to be found, because these are other triangles or thin beyond measure.
+        A vertex cannot be located, because the triangles differ or are extremely thin.
     """
     r = removal
     number = np.full(r.core.size + r.removed.size, -1, dtype=np.int64)  # in the core
@@ -132,14 +132,14 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     leaving = leaving_halfedges(r.core[laid.corners], number.size)
     sizes = np.zeros(laid.cells.max() + 1)
     np.maximum.at(sizes, laid.cells, tables.face_lengths.max(axis=1))
-    # The two sheets of a polygon have the same corners.
+    # The two sheets of a doubly covered polygon have the same corners.
     kept, views = _grown(kept, room), polygons.views
     marks = Marks(views, kept, frames, axes, leaving, sizes, sizes.size == 2)
     insert_all(order, near, faces, places, axis, views, marks)
     sides = seen_sides(views)
     lengths = loosened(distances(sides, polygons.curvature), polygons.twins)
     # A frame gives the direction of a side of the polygon, or of the x axis if the vertex was flat; half a
-    # radian takes up what rounding puts before that.
+    # radian absorbs rounding errors to its right.
     turns = (np.angle(sides) - slopes[frames] + 0.5) % (2 * np.pi) - 0.5
     result = HalfEdges(polygons.corners, polygons.twins, lengths, axes[frames] + turns, tables.curvature)
     polygons = separated(result, kept, polygons)
@@ -157,17 +157,17 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
 
 
 def _is_triangle(tables: HalfEdges) -> bool:
-    """Whether it is one, covered twice."""
+    """Whether the triangulation is a doubly covered triangle."""
     return np.array_equal(np.sort(tables.faces, axis=1), [[0, 1, 2]] * 2)
 
 
 def _grown(table: Table, by: int) -> Table:
-    """A copy with room for more."""
+    """Copy with additional entries."""
     return np.concatenate([table, np.zeros(by, dtype=table.dtype)])  # type: ignore[return-value]
 
 
 def _combined(barycentric: Floats, z: Points, k: float) -> Points:
-    """Points (n,) of triangles with corners z (n, 3)."""
+    """Points (n,) with barycentric coordinates in triangles with corners z (n, 3)."""
     if k == 0:
         return np.einsum("vc,vc->v", barycentric, z)
     x, w = _summed(barycentric, z, k)
@@ -183,6 +183,6 @@ def _middle(z: Points, k: float) -> Floats:
 
 
 def _summed(barycentric: Floats, z: Points, k: float) -> tuple[Points, Floats]:
-    """Sums of corners z (n, 3) on hyperboloid or sphere: their first two coordinates, and the last."""
+    """Weighted sums of corners z (n, 3) on hyperboloid or sphere: first two coordinates, and last one."""
     parts = barycentric / (1 + k / 4 * np.abs(z) ** 2)
     return np.einsum("vc,vc->v", parts, z), np.sum(2 * parts - barycentric, axis=1)

@@ -37,33 +37,33 @@ LEFT = cython.declare(cython.longlong, 0)
 FLIPPED = cython.declare(cython.longlong, 1)
 OUTSIDE = cython.declare(
     cython.double, 1e-9
-)  # side lengths: a point farther outside of a face is searched for in all
+)  # in side lengths: a point farther outside a face is searched for in all faces
 ON_SIDE = cython.declare(
     cython.double, 1e-11
-)  # longest sides: height at which a vertex is put on a side that is not to be flipped
+)  # in longest sides: below this height a vertex is placed on a fixed side
 NEAR_SIDE = cython.declare(
     cython.double, 1e-6
-)  # side lengths: detour by way of a vertex that is put on another side
+)  # in side lengths: below this detour a vertex is placed on another side
 
 
 @cython.cclass
 class Marks(Rule):
-    """Data that flips and splits of polygons update, and the rule of their Delaunay triangulation.
+    """Delaunay rule of polygons, with the tables updated by flips and splits.
 
     Attributes
     ----------
     polygons : Layout
     kept : ndarray of bool, shape (3F,)
-        The half-edges of edges that are kept.
+        Half-edges of kept edges.
     frames : ndarray of int64, shape (3F,)
-        Where in `axes` the direction of a corner's vertex that is the x axis is to be found.
+        Index in `axes` of the direction of the x axis at each corner's vertex.
     axes : ndarray, shape (3F,)
     leaving : ndarray of int64, shape (V,)
-        A half-edge that leaves each vertex.
+        Some half-edge leaving each vertex.
     sizes : ndarray, shape (number of polygons,)
-        The longest side of each polygon, or of a triangle in it.
+        Longest side of each polygon, or of a triangle in it.
     simple : bool
-        Whether flips are to join no two vertices that are joined already.
+        Whether flips that create multiple edges are excluded.
     """
 
     polygons: Layout
@@ -88,15 +88,15 @@ class Marks(Rule):
         z, t, curvature = mesh.z, mesh.twins[h], mesh.curvature
         jk, ki, im, mj = following(h), preceding(h), following(t), preceding(t)
         i, j, k, m = z[h], z[t], z[ki], z[mj]
-        if curvature != 0:  # seen from k, where lines from there are straight; circles are circles
+        if curvature != 0:  # chart centered at k: lines from k are straight, and circles are preserved
             i, j, m, k = toward(k, i, curvature), toward(k, j, curvature), toward(k, m, curvature), 0j
         a, b, c, d, e = i - k, j - k, j - m, i - m, m - k
         aa, bb, cc, dd, ee = dot(a, a), dot(b, b), dot(c, c), dot(d, d), dot(e, e)
         sine = cross(a, b) * dot(c, d) + dot(a, b) * cross(c, d)  # of the sum of the angles at k and m
-        # excess over pi of two angles, in radians, that is left
+        # tolerance of the excess over pi of two angles, in radians
         if sine >= -1e-9 * sqrt(aa * bb * cc * dd):
             return LEFT
-        # coordinates do not hold thinner triangles
+        # thinner triangles are not resolved by the coordinates
         if not (cross(a, e) > 1e-14 * max(aa, dd, ee) and cross(e, b) > 1e-14 * max(bb, cc, ee)):
             return BLOCKED
         if self.simple and edges_between(ki, mesh.corners[mj], mesh.corners, mesh.twins) > 0:
@@ -125,15 +125,15 @@ def insert(
     ----------
     v : int
     p : complex
-        Where it lies.
+        Position of the vertex.
     start : int
-        A face of the polygon from which it is to be searched.
+        Face of the polygon at which the search starts.
     new : int
-        Six half-edges from here on are unused, but ``marks.axes[new]`` is its direction that is the x axis.
+        First of six unused half-edges; ``marks.axes[new]`` is the direction of the x axis at the vertex.
     polygons : Layout
     marks : Marks
     stack : ndarray
-        Of `isoembed.intrinsic.delaunay`, empty.
+        Empty stack, as from `empty_stack`.
     """
     twins = polygons.twins
     f = face_at(p, start, polygons, new // 3)
@@ -145,7 +145,7 @@ def insert(
         q, turn = _across(p, s, twins[s], polygons)
         marks.axes[new + 3] = marks.axes[new] + turn
         _split_side(v, p, s, new, polygons, marks)
-        t = twins[s]  # which may have been moved: both can be sides of one face
+        t = twins[s]  # may have changed: both can be sides of one face
         g = t // 3
         _split_side(v, q, t, new + 3, polygons, marks)
         glue(twins[t], new + 3, twins)
@@ -161,7 +161,7 @@ def insert(
 @cython.ccall
 @cython.exceptval(check=False)
 def face_at(p: Complex, start: Int, polygons: Layout, n: Int) -> Int:
-    """Face of a polygon in which a point lies, or nearly so, of n faces; the search begins at another."""
+    """Face, out of n, that contains a point of a polygon up to rounding; the search begins at `start`."""
     f: Int = start
     came: Int = -1
     go: Int
@@ -177,7 +177,7 @@ def face_at(p: Complex, start: Int, polygons: Layout, n: Int) -> Int:
         came = polygons.twins[go]
         f = came // 3
     best = _depth(p, f, polygons)
-    if best < -OUTSIDE:  # led astray: try all
+    if best < -OUTSIDE:  # the walk failed: try all faces
         for g in range(n):
             if polygons.cells[g] == polygons.cells[start]:
                 depth = _depth(p, g, polygons)
@@ -189,7 +189,7 @@ def face_at(p: Complex, start: Int, polygons: Layout, n: Int) -> Int:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _distance(p: Complex, h: Int, polygons: Layout) -> Real:
-    """Signed distance of a point from the line of a half-edge, positive inside, over the length of that."""
+    """Signed distance of a point from the line of a half-edge, positive inside, divided by its length."""
     side, arm = _seen(p, h, polygons)
     return cross(side, arm) / dot(side, side)
 
@@ -197,7 +197,7 @@ def _distance(p: Complex, h: Int, polygons: Layout) -> Real:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _seen(p: Complex, h: Int, polygons: Layout) -> tuple[cython.doublecomplex, cython.doublecomplex]:
-    """The end of a half-edge and a point, both as seen from its start."""
+    """End of a half-edge and a point, both in the chart centered at its start."""
     z, k = polygons.z, polygons.curvature
     return toward(z[h], z[following(h)], k), toward(z[h], p, k)
 
@@ -212,7 +212,7 @@ def _depth(p: Complex, f: Int, polygons: Layout) -> Real:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _side_at(p: Complex, f: Int, polygons: Layout, size: Real) -> Int:
-    """The half-edge of a face that is to be split by a point in it; -1 if the point is well inside."""
+    """Half-edge of a face to be split by a point in the face; -1 if the point is well inside."""
     fixed = polygons.fixed
     least: Real = 1.0
     s: Int = -1
@@ -220,7 +220,7 @@ def _side_at(p: Complex, f: Int, polygons: Layout, size: Real) -> Int:
         side, arm = _seen(p, h, polygons)
         height = cross(side, arm) / dot(side, side)
         if fixed[h]:
-            # It comes first: a point on it that is put on another is never put on it.
+            # Fixed sides take precedence: a point on one must not be placed on another side.
             share = height * norm(side) / (ON_SIDE * size) - 1
             if share >= 0:
                 continue
@@ -246,7 +246,7 @@ def _side_at(p: Complex, f: Int, polygons: Layout, size: Real) -> Int:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _across(p: Complex, s: Int, t: Int, polygons: Layout) -> tuple[cython.doublecomplex, cython.double]:
-    """A point near a side in the coordinates of the face across, and by what angle to these the axes turn."""
+    """Point near a side in the coordinates of the face across, and rotation angle of the axes to these."""
     z, start, k = polygons.z, polygons.z[following(t)], polygons.curvature
     if k != 0:
         turn, shift = motion(start, z[t], z[s], z[following(s)], k)
@@ -260,7 +260,7 @@ def _across(p: Complex, s: Int, t: Int, polygons: Layout) -> tuple[cython.double
 @cython.cfunc
 @cython.exceptval(check=False)
 def _cuts(p: Complex, s: Int, polygons: Layout) -> cython.bint:
-    """Whether a point on a side and the corner across make two triangles of which neither is turned over."""
+    """Whether a point on a side and the opposite corner form two positively oriented triangles."""
     z, k = polygons.z, polygons.curvature
     tip = z[preceding(s)]
     arm = toward(tip, p, k)
@@ -270,7 +270,7 @@ def _cuts(p: Complex, s: Int, polygons: Layout) -> cython.bint:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _split_face(v: Int, p: Complex, a: Int, new: Int, polygons: Layout, marks: Marks) -> cython.void:
-    """Join a vertex to the corners of the face of half-edge a."""
+    """Connect a vertex to the corners of the face of half-edge a."""
     b, c = following(a), preceding(a)
     m, n = new, new + 3
     polygons.cells[m // 3] = polygons.cells[n // 3] = polygons.cells[a // 3]
@@ -288,7 +288,7 @@ def _split_face(v: Int, p: Complex, a: Int, new: Int, polygons: Layout, marks: M
 def _spoke(
     away: Int, back: Int, start: Int, v: Int, p: Complex, new: Int, polygons: Layout, marks: Marks
 ) -> cython.void:
-    """Join a vertex to a corner, by half-edges away from it and back."""
+    """Connect a vertex to a corner by half-edges away from it and back."""
     _copy(start, back, polygons, marks)
     _set_corner(away, v, p, new, polygons, marks)
     _join(away, back, polygons, marks)
@@ -297,7 +297,7 @@ def _spoke(
 @cython.cfunc
 @cython.exceptval(check=False)
 def _split_side(v: Int, p: Complex, s: Int, m: Int, polygons: Layout, marks: Marks) -> cython.void:
-    """Put a vertex on half-edge s and join it to the corner across; its second part m is not glued."""
+    """Split half-edge s by a vertex and connect it to the opposite corner; the second part m is not glued."""
     a, b = following(s), preceding(s)
     polygons.cells[m // 3] = polygons.cells[s // 3]
     _copy(a, m + 1, polygons, marks)
@@ -312,7 +312,7 @@ def _split_side(v: Int, p: Complex, s: Int, m: Int, polygons: Layout, marks: Mar
 @cython.cfunc
 @cython.exceptval(check=False)
 def _copy(h: Int, to: Int, polygons: Layout, marks: Marks) -> cython.void:
-    """Copy all that is known of a half-edge but its twin."""
+    """Copy all data of a half-edge except its twin."""
     polygons.corners[to], polygons.z[to] = polygons.corners[h], polygons.z[h]
     polygons.fixed[to] = polygons.fixed[h]
     marks.kept[to], marks.frames[to] = marks.kept[h], marks.frames[h]
@@ -327,13 +327,13 @@ def _set_corner(h: Int, v: Int, p: Complex, frame: Int, polygons: Layout, marks:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _join(g: Int, h: Int, polygons: Layout, marks: Marks) -> cython.void:
-    """Make two half-edges an edge inside a polygon."""
+    """Glue two half-edges to an edge inside a polygon."""
     glue(g, h, polygons.twins)
     marks.kept[g] = marks.kept[h] = polygons.fixed[g] = polygons.fixed[h] = False
 
 
 def seen_sides(polygons: Layout):
-    """The end of each half-edge as seen from its start, shape (3F,)."""
+    """End of each half-edge in the chart centered at its start, shape (3F,)."""
     z = polygons.z
     sides: Complex[::1] = np.empty(z.shape[0], dtype=np.complex128)
     for h in range(z.shape[0]):
@@ -350,7 +350,7 @@ def insert_all(
     polygons: Layout,
     marks: Marks,
 ):
-    """Insert vertices near others, of which the faces, and places and axes in these, are given."""
+    """Insert vertices near others, given their faces, and positions and axes in these."""
     new = polygons.twins.shape[0] - 6 * order.shape[0]
     flip_edges(np.arange(new), marks)
     stack: Int[::1] = empty_stack(polygons.twins.shape[0])
@@ -360,14 +360,14 @@ def insert_all(
         start = _face_near(marks.leaving[u], faces[v], polygons)
         insert(v, places[v], start, new, polygons, marks, stack)
         new += 6
-    if marks.simple:  # what joined two vertices that were joined already, and are no more
+    if marks.simple:  # retry flips blocked by multiple edges that no longer exist
         flip_edges(np.arange(new), marks)
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
 def _face_near(h: Int, f: Int, polygons: Layout) -> Int:
-    """A face at the vertex that a half-edge leaves, if one does, in the polygon of face f; or else f."""
+    """Face in the polygon of face f at the start of half-edge h; f if there is none."""
     if h < 0:
         return f
     e = h

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled traversal of half-edges, angles at vertices, edge flips, and the queue of edges to be flipped."""
+"""Compiled traversal of half-edges, angles at vertices, edge flips, and the stack of edges to be flipped."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from cython.cimports.isoembed.intrinsic.chart import from_frame, norm, toward
 from cython.cimports.isoembed.space.trigonometry import angle_between, apex, arc, cs, sn
 from cython.cimports.libc.math import atan2, floor, hypot, sin, sqrt
 
-END = cython.declare(cython.longlong, -1)  # on the stack: nothing below
-FREE = cython.declare(cython.longlong, -2)  # and not on it
-BLOCKED = cython.declare(cython.longlong, -1)  # outcomes of a rule, as in `loops`
+END = cython.declare(cython.longlong, -1)  # bottom of the stack
+FREE = cython.declare(cython.longlong, -2)  # not on the stack
+BLOCKED = cython.declare(cython.longlong, -1)  # outcomes of a rule
 LEFT = cython.declare(cython.longlong, 0)
 FLIPPED = cython.declare(cython.longlong, 1)
 
@@ -20,13 +20,13 @@ FLIPPED = cython.declare(cython.longlong, 1)
 @cython.ccall
 @cython.exceptval(check=False)
 def modulo(angle: cython.double, total: cython.double) -> cython.double:
-    """The angle less whole turns, from 0 to the total angle."""
+    """Angle modulo the total angle, from 0 to the total angle."""
     return angle - floor(angle / total) * total
 
 
 @cython.cclass
 class Mesh:
-    """The arrays of `HalfEdges`, which are changed in place."""
+    """Arrays of `HalfEdges`, changed in place."""
 
     def __init__(self, tables):
         self.corners, self.twins, self.lengths = tables.corners, tables.twins, tables.lengths
@@ -36,14 +36,14 @@ class Mesh:
 @cython.cfunc
 @cython.exceptval(check=False)
 def following(h: cython.longlong) -> cython.longlong:
-    """The next half-edge of the face."""
+    """Next half-edge of the face."""
     return h - 2 if h % 3 == 2 else h + 1
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
 def preceding(h: cython.longlong) -> cython.longlong:
-    """The half-edge of the face before."""
+    """Previous half-edge of the face."""
     return h + 2 if h % 3 == 0 else h - 1
 
 
@@ -56,7 +56,7 @@ def glue(g: cython.longlong, h: cython.longlong, twins: cython.longlong[::1]) ->
 
 @cython.ccall
 def leaving_halfedges(corners: cython.const[cython.longlong][::1], n: cython.longlong):
-    """A half-edge that leaves each of n vertices, shape (n,); -1 where there is none."""
+    """Some half-edge leaving each of n vertices, shape (n,); -1 where there is none."""
     leaving: Int[::1] = np.full(n, -1, dtype=np.int64)
     for h in range(corners.shape[0]):
         leaving[corners[h]] = h
@@ -64,7 +64,7 @@ def leaving_halfedges(corners: cython.const[cython.longlong][::1], n: cython.lon
 
 
 def breadth_first(corners: ConstInt[::1], twins: ConstInt[::1]):
-    """The vertices in order of their distance from the first, counted in edges, shape (V,)."""
+    """Breadth-first order of the vertices from the first one, shape (V,)."""
     n = corners.shape[0] // 6 + 2
     leaving: Int[::1] = leaving_halfedges(corners, n)
     order: Int[::1] = np.empty(n, dtype=np.int64)
@@ -86,7 +86,7 @@ def breadth_first(corners: ConstInt[::1], twins: ConstInt[::1]):
 
 
 def by_lowest_corner(corners: ConstInt[::1]):
-    """The faces, ordered by their lowest vertices and then by their numbers, shape (F,)."""
+    """Faces ordered by their lowest vertex and then by index, shape (F,)."""
     count = corners.shape[0] // 3
     place: Int[::1] = np.zeros(count // 2 + 3, dtype=np.int64)
     for f in range(count):
@@ -106,7 +106,7 @@ def by_lowest_corner(corners: ConstInt[::1]):
 def degree(
     h: cython.longlong, twins: cython.const[cython.longlong][::1], most: cython.longlong
 ) -> cython.longlong:
-    """Number of edges at the vertex that a half-edge leaves, counted no farther than one beyond most."""
+    """Degree of the start vertex of a half-edge, counted up to ``most + 1``."""
     e = h
     for k in range(most + 1):
         e = twins[preceding(e)]
@@ -123,7 +123,7 @@ def edges_between(
     corners: cython.const[cython.longlong][::1],
     twins: cython.const[cython.longlong][::1],
 ) -> cython.longlong:
-    """Number of edges from the vertex that a half-edge leaves to v."""
+    """Number of edges from the start vertex of a half-edge to v."""
     found = 0
     e = h
     while True:
@@ -137,7 +137,7 @@ def edges_between(
 @cython.ccall
 @cython.exceptval(check=False)
 def corner_angle(h: cython.longlong, mesh: Mesh) -> cython.double:
-    """Angle of a face at the corner that a half-edge leaves."""
+    """Angle of a face at the start of a half-edge."""
     return angle_between(
         mesh.lengths[h], mesh.lengths[preceding(h)], mesh.lengths[following(h)], mesh.curvature
     )
@@ -146,7 +146,7 @@ def corner_angle(h: cython.longlong, mesh: Mesh) -> cython.double:
 @cython.ccall
 @cython.exceptval(check=False)
 def total_angle(h: cython.longlong, mesh: Mesh) -> cython.double:
-    """Sum of the angles at the vertex that a half-edge leaves."""
+    """Sum of the angles at the start vertex of a half-edge."""
     start = h
     total = 0.0
     while True:
@@ -157,7 +157,7 @@ def total_angle(h: cython.longlong, mesh: Mesh) -> cython.double:
 
 
 def set_directions(mesh: Mesh):
-    """Measure the directions from the lowest half-edge at each vertex."""
+    """Compute directions relative to the lowest half-edge at each vertex."""
     seen: Flag[::1] = np.zeros(mesh.corners.shape[0], dtype=np.bool_)
     for start in range(mesh.corners.shape[0]):
         h = start
@@ -189,16 +189,16 @@ def third_corner(
 def swap_diagonals(
     h: cython.longlong, corners: cython.longlong[::1], twins: cython.longlong[::1]
 ) -> cython.void:
-    """Replace the edge of a half-edge by the other diagonal of its two triangles, which are not one.
+    """Replace the edge of a half-edge by the other diagonal of its two triangles, which must be distinct.
 
-    Of the faces ijk and jim of half-edge i -> j and its twin remain kim, with the other diagonal in the place
-    that ``following(h)`` had, and mjk, with it in place of ``following(twin)``.  Half-edge jk moves to
-    the place of the twin, and im to that of h; the caller moves what else belongs to them.
+    The faces ijk and jim of half-edge i -> j and its twin become kim, with the other diagonal in place of
+    ``following(h)``, and mjk, with it in place of ``following(twin)``.  Half-edge jk moves to the place of
+    the twin, and im to that of h; the caller must move their other data.
     """
     t = twins[h]
     jk, im = following(h), following(t)
     corners[jk], corners[im] = corners[preceding(t)], corners[preceding(h)]
-    glue(t, twins[jk], twins)  # one after the other: they may be glued to each other
+    glue(t, twins[jk], twins)  # in sequence, as they may be glued to each other
     glue(h, twins[im], twins)
     glue(jk, im, twins)
 
@@ -206,13 +206,13 @@ def swap_diagonals(
 @cython.ccall
 @cython.exceptval(check=False)
 def flip(h: cython.longlong, mesh: Mesh, thinnest: cython.double) -> cython.bint:
-    """Flip the edge of a half-edge as `swap_diagonals`, if its triangles are a strictly convex quadrilateral.
+    """Flip the edge of a half-edge by `swap_diagonals` if its triangles form a strictly convex quadrilateral.
 
     Returns
     -------
     bool
-        False, and nothing is changed, if both sides are one face, or a new triangle would be as thin as
-        stated: no higher than that fraction of its longest side.
+        False, with nothing changed, if both sides are the same face, or if the height of a new triangle would
+        be at most the fraction `thinnest` of its longest side.
     """
     lengths, directions, k = mesh.lengths, mesh.directions, mesh.curvature
     t = mesh.twins[h]
@@ -241,7 +241,7 @@ def flip(h: cython.longlong, mesh: Mesh, thinnest: cython.double) -> cython.bint
         return False
     if directions.shape[0]:
         at_m, at_k = directions[mesh.twins[im]], directions[mesh.twins[jk]]  # of m -> i and k -> j
-        # The angles of the better triangle tell the directions.
+        # Directions are computed from the angles of the better triangle.
         if at_i * longest_j * longest_j > at_j * longest_i * longest_i:
             at_m -= angle_between(length_im, diagonal, length_ki, k)
             at_k = directions[ki] + angle_between(length_ki, diagonal, length_im, k)
@@ -261,9 +261,9 @@ def flip(h: cython.longlong, mesh: Mesh, thinnest: cython.double) -> cython.bint
 def _curved_diagonal(
     l: Real, jk: Real, ki: Real, im: Real, mj: Real, k: Real
 ) -> tuple[cython.double, cython.double, cython.double]:
-    """The other diagonal of two triangles, and longest side times height of the new ones.
+    """Other diagonal of two triangles, and longest side times height of the new ones.
 
-    It is the third side of a triangle by a law of cosines in which nothing cancels.
+    It is the third side of a triangle by a law of cosines free of cancellation.
     """
     x, y = apex(l, jk, ki, k)
     u, v = apex(l, mj, im, k)
@@ -277,7 +277,7 @@ def _curved_diagonal(
 
 
 def empty_stack(n: Int):
-    """A stack for edges of n half-edges: for each the next below it, or `FREE`; last, the top one."""
+    """Empty stack for edges of n half-edges: next entry below each, or `FREE`; the last item is the top."""
     stack: Int[::1] = np.full(n + 1, FREE, dtype=np.int64)
     stack[n] = END
     return np.asarray(stack)
@@ -286,7 +286,7 @@ def empty_stack(n: Int):
 @cython.cfunc
 @cython.exceptval(check=False)
 def push(h: cython.longlong, stack: cython.longlong[::1], twins: cython.longlong[::1]) -> cython.void:
-    """Put the edge of a half-edge, as the lower one, on a stack, unless it is there."""
+    """Push the edge of a half-edge, as its lower one, on a stack unless it is there."""
     name, last = min(h, twins[h]), twins.shape[0]
     if stack[name] == FREE:
         stack[name] = stack[last]
@@ -295,17 +295,17 @@ def push(h: cython.longlong, stack: cython.longlong[::1], twins: cython.longlong
 
 @cython.cclass
 class Rule:
-    """Criterion for flips of edges, and the updates that belong to a flip."""
+    """Criterion for edge flips, with the updates of a flip."""
 
     @cython.cfunc
     @cython.exceptval(check=False)
     def attempt(self, h: cython.longlong) -> cython.longlong:
-        """Flip the edge of a half-edge if the rule demands it.
+        """Flip the edge of a half-edge if the criterion requires it.
 
         Returns
         -------
         int
-            `FLIPPED`; `LEFT` if it is not to be flipped; `BLOCKED` if it is, but cannot be.
+            `FLIPPED`; `LEFT` if no flip is required; `BLOCKED` if it is required but impossible.
         """
         return LEFT
 
@@ -313,16 +313,16 @@ class Rule:
 @cython.cfunc
 @cython.exceptval(check=False)
 def restore_delaunay(stack: cython.longlong[::1], rule: Rule) -> tuple[cython.longlong, cython.longlong]:
-    """Flip the edges on a stack, and around those that are flipped, as a rule demands; the stack is emptied.
+    """Flip the edges on a stack, and those around flipped ones, by a rule, until the stack is empty.
 
     Returns
     -------
     int, int
-        Flips made, and edges that were to be flipped when that could not be done.
+        Number of flips, and number of blocked flips.
     """
     twins = rule.twins
     last = twins.shape[0]
-    limit = 100 * last + 1000  # far beyond what terminates: rounding could go in circles
+    limit = 100 * last + 1000  # guards against cycles due to rounding
     flips: Int = 0
     blocked: Int = 0
     while stack[last] != END:

@@ -9,7 +9,7 @@ from isoembed.intrinsic.polygons import Polygons, lay_out
 
 
 def repeated(mesh: HalfEdges) -> Indices:
-    """Edges that are loops or have the same two ends as another, as the lower of their half-edges."""
+    """Lower half-edges of loops and multiple edges."""
     h = mesh.edges
     a, b = (end[h] for end in mesh.ends)
     n = int(mesh.corners.max()) + 1
@@ -20,13 +20,13 @@ def repeated(mesh: HalfEdges) -> Indices:
 
 
 def remove_multi_edges(mesh: HalfEdges, kept: Mask) -> None:
-    """Flip edges in place until no two have the same two ends and none is a loop, as far as that succeeds.
+    """Flip edges in place to remove loops and multiple edges, as far as possible.
 
     Parameters
     ----------
     mesh : HalfEdges
     kept : ndarray of bool, shape (3F,)
-        Half-edges of edges that are not to be flipped; carried along.
+        Half-edges of edges that must not be flipped; updated by the flips.
     """
     edges = repeated(mesh)
     if edges.size == 0:
@@ -39,7 +39,7 @@ def remove_multi_edges(mesh: HalfEdges, kept: Mask) -> None:
 
 
 def separated(mesh: HalfEdges, kept: Mask, polygons: Polygons) -> Polygons:
-    """Apply `remove_multi_edges`, and lay out anew each triangle that is changed."""
+    """Apply `remove_multi_edges`, and lay out each changed triangle separately."""
     before = mesh.corners.copy()
     remove_multi_edges(mesh, kept)
     changed = np.repeat((mesh.corners != before).reshape(-1, 3).any(axis=1), 3)

@@ -1,9 +1,9 @@
 """Derivatives of geodesic path lengths with respect to the edge lengths crossed.
 
-A path and the triangles around it are a framework that one bar too many stiffens: with the path itself it has
-one stress, w_e on the edges and -1 on the path, in balance at every corner, and for changes that keep the
-triangles in one plane ``d path = sum of w_e dl_e``.  The corners are balanced one after the other, from the
-end of the path back to its start; each then has two edges left.
+The triangles along a path, with the path itself as one more bar, form a bar framework in the plane with a
+single self-stress: w_e on the edges and -1 on the path, in equilibrium at every corner.  For changes that
+keep the triangles in one plane, ``d path = sum of w_e dl_e``.  The corners are balanced successively, from
+the end of the path back to its start; each then has two remaining edges.
 """
 
 import numpy as np
@@ -17,19 +17,19 @@ from isoembed.intrinsic.path_loops import balance
 
 
 def path_derivatives(paths: EdgePaths) -> csr_array:
-    """Derivatives of the lengths of paths by those of half-edges, sparse of shape (n, 3F).
+    """Derivatives of path lengths with respect to half-edge lengths, sparse of shape (n, 3F).
 
-    Of the two half-edges of an edge one has the derivative, and the other none.
+    The derivative of an edge is stored at one of its two half-edges.
 
     Parameters
     ----------
     paths : EdgePaths
-        Over flat triangles that are a simplicial complex.
+        Paths on flat triangles that form a simplicial complex.
 
     Raises
     ------
     InvalidParameter
-        The triangles are not flat, or a path has not been found.
+        The triangles are not flat, or a path was not found.
     """
     tables = paths.tables
     if tables.curvature != 0:

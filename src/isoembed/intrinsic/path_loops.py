@@ -38,21 +38,21 @@ from cython.cimports.isoembed.space.trigonometry import cs, sn
 from cython.cimports.libc.math import atan2, atanh, isnan, sqrt
 
 PI = cython.declare(cython.double, 3.141592653589793)
-# a line may cross so many more triangles than there are: round a needle
+# maximum number of crossings beyond the number of triangles: lines can wind around a needle
 EXTRA_CROSSINGS = cython.declare(cython.longlong, 10**6)
 
 
 def locate(mesh: Mesh, laid: Layout, removal, number: ConstInt[::1]):
-    """The faces in which the removed vertices lie, and where: barycentric coordinates.
+    """Faces containing the removed vertices, and barycentric coordinates in these.
 
     Returns
     -------
     ndarray of int, shape (V,)
     ndarray, shape (V, 3)
     ndarray, shape (V,)
-        The direction at the vertex that is that of the x axis of the polygon.
+        Direction of the polygon's x axis at each vertex.
     int
-        A vertex that is lost, or -1.
+        A vertex that was not found, or -1.
     """
     n = number.shape[0]
     faces: Int[::1] = np.zeros(n, dtype=np.int64)
@@ -107,7 +107,7 @@ def locate(mesh: Mesh, laid: Layout, removal, number: ConstInt[::1]):
 
 
 def set_out(original: Mesh, final: Mesh, polygons: Layout, halfedges: ConstInt[::1], tilt: Real):
-    """The half-edges next clockwise of those given, which are turned by so much, and the angles between."""
+    """Half-edges next clockwise of the given ones rotated by `tilt`, and the angles to these."""
     number: Int[::1] = np.full(original.corners.shape[0], -1, dtype=np.int64)
     for e in range(halfedges.shape[0]):
         number[halfedges[e]] = e
@@ -120,7 +120,7 @@ def set_out(original: Mesh, final: Mesh, polygons: Layout, halfedges: ConstInt[:
     angle: Real
     for v in range(n):
         total = angle_around(new[v], polygons)
-        # Both go counterclockwise, so that the search begins where the last one ended.
+        # Both go counterclockwise, so that each search begins where the previous one ended.
         h, g = old[v], new[v]
         while True:
             e = number[h]
@@ -140,7 +140,7 @@ def follow(
     goals: ConstInt[::1],
     polygons: Layout,
 ):
-    """Crossings of each path, and where it ends if it sets out along the x axis; not a number if astray."""
+    """Number of crossings of each path, and its end if it starts along the x axis; NaN if not found."""
     g: Int
     corners, curvature = polygons.corners, polygons.curvature
     counts: Int[::1] = np.zeros(first.shape[0], dtype=np.int64)
@@ -149,7 +149,7 @@ def follow(
         far = lengths[e]
         goal = point(coordinate(far, curvature), 0.0)
         state = from_corner(first[e], angles[e], polygons)
-        # rounding of a place, in coordinates; a path that misses by 1e-6 of its length went elsewhere
+        # rounding error of a position, in coordinates, plus a tolerance of 1e-6 of the length
         near = 1e-6 * far + 2.0**-48 * (norm(polygons.z[first[e]]) + norm(polygons.z[state[0]]))
         found: cython.bint = False
         for start in range(2):
@@ -166,7 +166,7 @@ def follow(
             g = preceding(polygons.twins[state[0]])
             state = crossed(state, polygons)
             end = place(g, state, polygons)
-            if isnan(end.real):  # by triangles too thin for a direction: round a vertex for ever
+            if isnan(end.real):  # triangles too thin for a direction: would circle a vertex forever
                 break
             if corners[g] == goals[e] and norm(toward(goal, end, curvature)) <= near:
                 meet[e], counts[e] = end, k + 1
@@ -181,7 +181,7 @@ def cross_all(
     meet: ConstComplex[::1],
     polygons: Layout,
 ):
-    """Half-edges that are crossed, and where, by paths from the origin straight to where they end."""
+    """Crossed half-edges, and parameters of the crossings, of straight paths from the origin."""
     halfedges: Int[::1] = np.empty(offsets[first.shape[0]], dtype=np.int64)
     parameters: Real[::1] = np.empty(offsets[first.shape[0]])
     for e in range(first.shape[0]):
@@ -201,11 +201,11 @@ def cross_all(
 @cython.cfunc
 @cython.exceptval(check=False)
 def _parameter(lower: Complex, upper: Complex, below: Real, above: Real, k: Real) -> Real:
-    """Fraction of a side at which a line crosses it, from the products of its ends with the line."""
+    """Fraction of a side at which a line crosses it, from the cross products of its ends with the line."""
     if k == 0:
         along = below + above
         return min(max(below / along, 0.0), 1.0) if along > 0 else 0.5
-    # On hyperboloid or sphere the crossing is `above` times one end and `below` times the other.
+    # On the hyperboloid or sphere the crossing is `above` times one end plus `below` times the other.
     below, above = max(below / stretch(lower, k), 0.0), max(above / stretch(upper, k), 0.0)
     length = distance(toward(lower, upper, k), k)
     sine, cosine = below * sn(length, k), above + below * cs(length, k)
@@ -218,7 +218,7 @@ def _parameter(lower: Complex, upper: Complex, below: Real, above: Real, k: Real
 
 
 def balance(path: ConstInt[::1], tables: Mesh, columns: Int[::1], values: Real[::1]):
-    """The half-edges around one path that crosses some, and their stresses."""
+    """Compute the half-edges of the triangles along one path with crossings, and their stresses."""
     n, l = path.shape[0], tables.lengths
     tip: Int
     head: Int
@@ -226,7 +226,7 @@ def balance(path: ConstInt[::1], tables: Mesh, columns: Int[::1], values: Real[:
     z: Complex[::1] = np.zeros(n + 3, dtype=np.complex128)
     load: Complex[::1] = np.zeros(n + 3, dtype=np.complex128)
     near: Int[::1] = np.zeros(n, dtype=np.int64)
-    far: Int[::1] = np.zeros(n, dtype=np.int64)  # the ends of what is crossed
+    far: Int[::1] = np.zeros(n, dtype=np.int64)  # with `near`, the ends of the crossed edges
     h = path[0]
     z[1] = point(l[preceding(h)], 0.0)
     z[2] = _third(z[0], z[1], l[preceding(h)], l[following(h)], l[h])
@@ -253,7 +253,7 @@ def balance(path: ConstInt[::1], tables: Mesh, columns: Int[::1], values: Real[:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _third(a: Complex, b: Complex, base: Real, at_a: Real, at_b: Real) -> Complex:
-    """The corner to the left of the side from a to b, of this length, at these distances from both."""
+    """Corner to the left of the side from a to b of length `base`, at the given distances from both."""
     along = (base * base + (at_a - at_b) * (at_a + at_b)) / (2 * base)
     height = sqrt(max((at_a - along) * (at_a + along), 0.0))
     return a + (b - a) / base * point(along, height)
@@ -264,7 +264,7 @@ def _third(a: Complex, b: Complex, base: Real, at_a: Real, at_b: Real) -> Comple
 def _carry(
     v: Int, a: Int, b: Int, z: ConstComplex[::1], load: Complex[::1], stresses: Real[::1]
 ) -> cython.void:
-    """Balance the load at v by the edges to a and b, and hand it on to these."""
+    """Balance the load at v by the edges to a and b, and transfer it to these."""
     to_a, to_b = z[v] - z[a], z[v] - z[b]
     to_a, to_b = to_a / norm(to_a), to_b / norm(to_b)
     area = cross(to_a, to_b)

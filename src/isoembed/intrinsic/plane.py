@@ -8,14 +8,14 @@ from isoembed.arrays import Floats
 
 
 def flattened(arms: Floats, normal: Floats) -> Floats:
-    """Coordinates in a plane in space, seen from where its normal points, shape (n, 2).
+    """Coordinates in a plane in space, as seen from the side of its normal, shape (n, 2).
 
     Parameters
     ----------
     arms : ndarray, shape (n, 3)
-        From one point of the plane to others.
+        Vectors from one point of the plane to others.
     normal : ndarray, shape (3,)
-        Of any length.
+        Normal of any length.
     """
     normal = normal / np.linalg.norm(normal)
     along = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)

@@ -1,10 +1,10 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
 """Compiled layout of triangles in polygons, and straight lines across them.
 
-Straight lines go across triangles that are unfolded one after another in a `chart`.  A line starts at the
-origin and runs along the positive x axis.  The triangle that it is in is known by the half-edge through which
-it leaves, from a lower to an upper corner, and by the motion that takes the frame of its polygon to that of
-the line: the state ``(out, turn, shift)``, so that in the plane corner h lies at ``turn z[h] + shift``.
+Straight lines cross triangles that are unfolded successively in a `chart`.  A line starts at the origin and
+runs along the positive x axis.  The current triangle is given by the half-edge through which the line leaves
+it, from a lower to an upper corner, and by the motion from the frame of its polygon to that of the line: the
+state ``(out, turn, shift)``, so that in the plane corner h is at ``turn z[h] + shift``.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from cython.cimports.isoembed.space.trigonometry import cs, sn
 from cython.cimports.libc.math import isnan
 
 PI = cython.declare(cython.double, 3.141592653589793)
-# a line may cross so many more triangles than there are: round a needle
+# maximum number of crossings beyond the number of triangles: lines can wind around a needle
 EXTRA_CROSSINGS = cython.declare(cython.longlong, 10**6)
 
 
 @cython.cclass
 class Layout:
-    """The arrays of `Polygons`, which are changed in place."""
+    """Arrays of `Polygons`, changed in place."""
 
     def __init__(self, polygons):
         self.corners, self.twins, self.z = polygons.corners, polygons.twins, polygons.z
@@ -49,7 +49,7 @@ class Layout:
 
 
 def unfolded(mesh: Mesh, fixed: ConstFlag[::1]):
-    """Place the corners (3F,), from face to face but for fixed edges, and number the parts (F,)."""
+    """Lay out the corners (3F,) from face to face across all edges but fixed ones; number the parts (F,)."""
     twins, lengths = mesh.twins, mesh.lengths
     n = twins.shape[0] // 3
     z: Complex[::1] = np.zeros(3 * n, dtype=np.complex128)
@@ -82,10 +82,10 @@ def unfolded(mesh: Mesh, fixed: ConstFlag[::1]):
 
 
 def are_convex(cells: ConstInt[::1], mesh: Mesh, fixed: ConstFlag[::1]):
-    """Mask of cells, by number, that are convex polygons.
+    """Mask of the cells that are convex polygons.
 
-    A cell of n faces that hang together at n - 1 edges has no vertex inside and no hole; and if it has no
-    reflex corner either, it does not overlap itself.
+    A cell of n faces connected by n - 1 edges has no inner vertex and no hole; if it also has no reflex
+    corner, it does not overlap itself.
     """
     n: Int = int(np.max(cells)) + 1
     inner: Int[::1] = np.zeros(n, dtype=np.int64)
@@ -98,7 +98,7 @@ def are_convex(cells: ConstInt[::1], mesh: Mesh, fixed: ConstFlag[::1]):
         if not fixed[h]:
             inner[c] += 1
         else:
-            # The corner from this side counterclockwise to the one before it.
+            # angle of the corner from this side counterclockwise to the previous one
             angle: Real = 0.0
             e = h
             for _ in range(fixed.shape[0]):
@@ -106,13 +106,13 @@ def are_convex(cells: ConstInt[::1], mesh: Mesh, fixed: ConstFlag[::1]):
                 if fixed[preceding(e)]:
                     break
                 e = mesh.twins[preceding(e)]
-            if angle > PI + 1e-9:  # radians of rounding
+            if angle > PI + 1e-9:  # tolerance for rounding, in radians
                 convex[c] = False
     return np.asarray(convex) & (np.asarray(inner) == 2 * (np.asarray(size) - 1))
 
 
 def first_sides(twins: ConstInt[::1], fixed: ConstFlag[::1]):
-    """The side of the polygon that comes first counterclockwise at each corner of each face, shape (3F,)."""
+    """First side of the polygon, counterclockwise, at each corner of each face, shape (3F,)."""
     first: Int[::1] = np.empty(twins.shape[0], dtype=np.int64)
     for h in range(twins.shape[0]):
         if fixed[h]:
@@ -129,7 +129,7 @@ def first_sides(twins: ConstInt[::1], fixed: ConstFlag[::1]):
 @cython.cfunc
 @cython.exceptval(check=False)
 def angle_around(h: cython.longlong, polygons: Layout) -> cython.double:
-    """Sum of the angles at the vertex that a half-edge leaves."""
+    """Sum of the angles at the start vertex of a half-edge."""
     z, curvature, start = polygons.z, polygons.curvature, h
     total: Real = 0.0
     while True:
@@ -145,21 +145,21 @@ def angle_around(h: cython.longlong, polygons: Layout) -> cython.double:
 def sector(
     h: cython.longlong, direction: cython.double, total: cython.double, mesh: Mesh
 ) -> tuple[cython.longlong, cython.double]:
-    """Triangle into which a direction points.
+    """Triangle at a vertex that contains a direction.
 
     Parameters
     ----------
     h : int
-        Any half-edge that leaves the vertex; the search goes counterclockwise from it.
+        Any half-edge leaving the vertex; the search goes counterclockwise from it.
     direction : float
     total : float
-        The angle around the vertex.
+        Total angle at the vertex.
     mesh : Mesh
 
     Returns
     -------
     int, float
-        The half-edge next clockwise of the direction, and the angle from it to the direction.
+        Half-edge next clockwise of the direction, and the angle from it to the direction.
     """
     offset = modulo(direction - mesh.directions[h], total)
     while True:
@@ -177,7 +177,7 @@ def place(
     state: tuple[cython.longlong, cython.doublecomplex, cython.doublecomplex],
     polygons: Layout,
 ) -> cython.doublecomplex:
-    """Position of a corner of the triangle."""
+    """Position of a corner in the frame of the line."""
     turn, shift = state[1], state[2]
     if polygons.curvature == 0:
         return turn * polygons.z[h] + shift
@@ -189,7 +189,7 @@ def place(
 def from_corner(
     h: cython.longlong, offset: cython.double, polygons: Layout
 ) -> tuple[cython.longlong, cython.doublecomplex, cython.doublecomplex]:
-    """The line that starts at a vertex, at an angle from a half-edge into its triangle."""
+    """State of a line that starts at a vertex, at an angle from a half-edge into its triangle."""
     side = toward(polygons.z[h], polygons.z[following(h)], polygons.curvature)
     length = norm(side)
     turn = point(side.real / length, -side.imag / length) * polar(1.0, -offset)
@@ -200,7 +200,7 @@ def from_corner(
 def from_inside(
     f: cython.longlong, start: cython.doublecomplex, angle: cython.double, polygons: Layout
 ) -> tuple[cython.longlong, cython.doublecomplex, cython.doublecomplex]:
-    """The line that starts in a face, at an angle from the x axis of its polygon."""
+    """State of a line that starts in a face, at an angle from the x axis of its polygon."""
     turn = polar(1.0, -angle)
     shift = -turn * start
     z: Complex[::1] = np.empty(3, dtype=np.complex128)
@@ -210,7 +210,7 @@ def from_inside(
     for c in range(3):
         if z[c].imag < 0 and z[(c + 1) % 3].imag >= 0:
             k = c
-    if k < 0:  # along a side, and rounding puts all corners above or all below: it leaves at the corner ahead
+    if k < 0:  # along a side, with all corners on one side by rounding: it leaves at the corner ahead
         for c in range(3):
             if k < 0 or z[c].real * norm(z[k]) > z[k].real * norm(z[c]):
                 k = c
@@ -224,7 +224,7 @@ def from_inside(
 def crossed(
     state: tuple[cython.longlong, cython.doublecomplex, cython.doublecomplex], polygons: Layout
 ) -> tuple[cython.longlong, cython.doublecomplex, cython.doublecomplex]:
-    """The line one triangle on."""
+    """State of the line in the next triangle."""
     out, turn, shift = state[0], state[1], state[2]
     z, g = polygons.z, polygons.twins[out]
     if polygons.fixed[out]:
@@ -253,7 +253,7 @@ def reaches(
     k = polygons.curvature
     if k == 0:
         return (upper.imag - lower.imag) * (lower.real - length) >= (upper.real - lower.real) * lower.imag
-    # On hyperboloid or sphere the point of the axis between them is a sum of both.
+    # On the hyperboloid or sphere, the point of the axis between them is a linear combination of both.
     sine = lower.real * upper.imag - upper.real * lower.imag
     cosine = (1 - k / 4 * dot(lower, lower)) * upper.imag - (1 - k / 4 * dot(upper, upper)) * lower.imag
     return sine * cs(length, k) >= cosine * sn(length, k)
@@ -266,7 +266,7 @@ def straight(
     length: cython.double,
     polygons: Layout,
 ) -> tuple[cython.longlong, cython.doublecomplex, cython.doublecomplex]:
-    """Follow a line over a distance; ``out`` is -1 if that leads across absurdly many triangles."""
+    """Follow a line over a distance; ``out`` is -1 if it crosses too many triangles."""
     for _ in range(polygons.twins.shape[0] + EXTRA_CROSSINGS):
         if reaches(state, length, polygons):
             return state

@@ -1,7 +1,7 @@
 """Flat polygons bounded by fixed edges of an intrinsic triangulation, laid out in a `chart`.
 
-Lengths alone do not say how a triangle lies that is a million times longer than high: rounding hides its
-height.  Every corner of a triangle has coordinates here, which no flip changes.
+For triangles a million times longer than high, lengths alone do not determine the layout: the height is lost
+to rounding.  Here every corner of a triangle has coordinates, unchanged by flips.
 """
 
 from typing import NamedTuple
@@ -14,20 +14,20 @@ from isoembed.intrinsic.polygon_loops import Layout, are_convex, unfolded
 
 
 class Polygons(NamedTuple):
-    """Triangles laid out in polygons, each in a frame of its own.
+    """Triangles laid out in polygons, each in its own frame.
 
     Attributes
     ----------
     corners, twins : ndarray of int64, shape (3F,)
-        As of `HalfEdges`.
+        As in `HalfEdges`.
     z : ndarray of complex128, shape (3F,)
-        Where the corners lie, continuous in each polygon: in a `chart`.
+        Positions of the corners in a `chart`, consistent within each polygon.
     fixed : ndarray of bool, shape (3F,)
-        The half-edges between polygons.
+        Half-edges between polygons.
     cells : ndarray of int64, shape (F,)
-        To which polygon a face belongs.
+        Polygon of each face.
     curvature : float
-        That of the triangles.
+        Gaussian curvature of the triangles.
     """
 
     corners: Indices
@@ -39,18 +39,18 @@ class Polygons(NamedTuple):
 
     @property
     def views(self) -> Layout:
-        """The tables as `polygon_loops` take them; what these change is changed here."""
+        """Views of the tables for `polygon_loops`, which modify them in place."""
         return Layout(self)
 
 
 def lay_out(mesh: HalfEdges, kept: Mask) -> Polygons:
-    """Unfold the triangles between kept edges; where these bound no convex polygons, each triangle is one.
+    """Unfold the triangles between kept edges into convex polygons, or else into single triangles.
 
     Parameters
     ----------
     mesh : HalfEdges
     kept : ndarray of bool, shape (3F,)
-        The half-edges of both sides of the edges that are kept.
+        Half-edges on both sides of the kept edges.
     """
     fixed, views = kept.copy(), mesh.views
     z, cells = unfolded(views, fixed)
@@ -62,12 +62,12 @@ def lay_out(mesh: HalfEdges, kept: Mask) -> Polygons:
 
 
 def loosened(lengths: Floats, twins: Indices) -> Floats:
-    """Lengths that make triangles in floats, however thin: where they do not, short sides are rounded up.
+    """Lengths that satisfy the triangle inequality in floats; short sides of thin triangles are rounded up.
 
     Parameters
     ----------
     lengths : ndarray, shape (3F,)
-        Between polygons they may differ by rounding, and the shorter counts.
+        Lengths of the half-edges; twins between polygons may differ by rounding, and the shorter one is used.
     twins : ndarray of int, shape (3F,)
     """
     lengths = np.minimum(lengths, lengths[twins])
@@ -78,11 +78,11 @@ def loosened(lengths: Floats, twins: Indices) -> Floats:
         broken = longest - middle >= short
         if not broken.any():
             return lengths
-        # Where that makes the longest side of the next triangle longer, that one is broken in turn.
+        # If this lengthens the longest side of an adjacent triangle, that one is processed next.
         tight, sides, longest = tight[broken], sides[broken], longest[broken, None]
         shorter = sides < longest
-        # By what is little of the longest: of the short ones themselves it might be nothing in floats.
-        # two sides get longer than the third by more than rounding
+        # The step is relative to the longest side: relative to the short ones it might vanish by rounding.
+        # Then the sum of two sides exceeds the third by more than rounding.
         step = np.broadcast_to(2.0**-50 / 2 * longest, shorter.shape)[shorter]
         sides = (3 * tight[:, None] + np.arange(3))[shorter]
         both = np.concatenate([sides, twins[sides]])

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled flips in a triangulation without loops or multiple edges, straight and Ptolemaic."""
+"""Compiled Euclidean and Ptolemaic flips in a triangulation without loops or multiple edges."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cython.cimports.isoembed.space.trigonometry import chord
 
 THINNEST = cython.declare(
     cython.double, 1e-15
-)  # height over longest side: thinner triangles are lost in rounding
+)  # height over longest side: below, triangles degenerate by rounding
 BLOCKED = cython.declare(cython.longlong, -1)  # outcomes of a rule, as in `loops`
 LEFT = cython.declare(cython.longlong, 0)
 FLIPPED = cython.declare(cython.longlong, 1)
@@ -26,9 +26,9 @@ FLIPPED = cython.declare(cython.longlong, 1)
 
 @cython.cclass
 class Straight(Rule):
-    """The rule by which an edge gives way to the straight line across its two triangles unfolded.
+    """Delaunay rule with ordinary flips: the new edge is the diagonal of the two unfolded triangles.
 
-    It leaves the star of a vertex alone, ``fixed``, and doubles no edge.
+    The star of the vertex ``fixed`` is left unchanged, and no multiple edges are created.
     """
 
     mesh: Mesh
@@ -47,9 +47,9 @@ class Straight(Rule):
 
 @cython.cclass
 class Ptolemaic(Rule):
-    """The rule by which an edge gives way to the other diagonal of a quadrilateral inscribed in a circle.
+    """Delaunay rule with Ptolemaic flips: the new edge is the diagonal of an inscribed quadrilateral.
 
-    It leaves the star of a vertex alone, ``fixed``, and doubles no edge.
+    The star of the vertex ``fixed`` is left unchanged, and no multiple edges are created.
     """
 
     mesh: Mesh
@@ -76,9 +76,9 @@ class Ptolemaic(Rule):
 @cython.cfunc
 @cython.exceptval(check=False)
 def _is_demanded(h: Int, mesh: Mesh, fixed: Int) -> cython.bint:
-    """Whether a flip is demanded that leaves the star of a vertex alone and doubles no edge."""
+    """Whether a flip is required that leaves the star of a vertex unchanged and creates no multiple edge."""
     corners, t = mesh.corners, mesh.twins[h]
-    # in cosines: four vertices on a circle, but for rounding
+    # tolerance of the cosines: four concyclic vertices up to rounding
     if _cosine(h, mesh) + _cosine(t, mesh) >= -1e-9:
         return False
     k, m = preceding(h), corners[preceding(t)]
@@ -90,10 +90,10 @@ def _is_demanded(h: Int, mesh: Mesh, fixed: Int) -> cython.bint:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _cosine(h: Int, mesh: Mesh) -> Real:
-    """Twice the cosine across from a half-edge, also of a triangle that breaks the triangle inequality.
+    """Twice the cosine of the angle opposite a half-edge, even if the triangle inequality is violated.
 
-    It is that of the triangle of chords: divided by ``cs(l / 2)``, which the two sides of an edge have in
-    common, it is the sine of half the excess of the other two angles over the one across.
+    It is that of the triangle of chords: divided by ``cs(l / 2)``, common to both sides of an edge, it is the
+    sine of half the excess of the other two angles over the opposite one.
     """
     l = chord(mesh.lengths[h], mesh.curvature)
     a = chord(mesh.lengths[following(h)], mesh.curvature)

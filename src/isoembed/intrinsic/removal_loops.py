@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled removal of flat vertices, with flips that free them of loops and of too many edges."""
+"""Compiled removal of flat vertices, after flips that remove loops and reduce their degrees."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from isoembed.intrinsic.loops import empty_stack
 
 THIN = cython.declare(
     cython.double, 1e-8
-)  # height over longest side: the sides of a thinner triangle add up in floats
-END = cython.declare(cython.longlong, -1)  # on the stack: nothing below
+)  # height over longest side: below, the triangle inequality may degenerate in floats
+END = cython.declare(cython.longlong, -1)  # bottom of the stack
 NONE = cython.declare(cython.longlong, -1)  # no half-edge
 FLIPPED_LOOP = cython.declare(cython.longlong, -2)
-MAX_DEGREE = cython.declare(cython.longlong, 16)  # of a vertex that is removed: the time grows with its cube
+MAX_DEGREE = cython.declare(cython.longlong, 16)  # of a removed vertex: the cost grows with its cube
 
 
 @cython.cclass
 class Notes:
-    """The arrays of a `Removal` that are filled in."""
+    """Output arrays of a `Removal`."""
 
     removed: Int[::1]
     anchors: Int[::1]
@@ -44,7 +44,7 @@ class Notes:
 
 
 def remove_vertices(mesh: Mesh, flat: ConstFlag[::1], removal):
-    """Remove the flat vertices in place; return which faces are left, and how many vertices went."""
+    """Remove the flat vertices in place; return a mask of the remaining faces and the number removed."""
     corners, twins = mesh.corners, mesh.twins
     n = corners.shape[0]
     notes = Notes(removal)
@@ -54,10 +54,10 @@ def remove_vertices(mesh: Mesh, flat: ConstFlag[::1], removal):
     alive: Flag[::1] = np.ones(n // 3, dtype=np.bool_)
     stack: Int[::1] = empty_stack(n)
     moved: Int[::1] = np.full(n, -1, dtype=np.int64)
-    rounds: Int[::1] = np.zeros(flat.shape[0], dtype=np.int64)  # the last in which a neighbor went
+    rounds: Int[::1] = np.zeros(flat.shape[0], dtype=np.int64)  # last round in which a neighbor was removed
     remaining: Int[::1] = np.flatnonzero(flat)
     count: Int = 0
-    most: Int = 10  # edges at a vertex that goes in an early round
+    most: Int = 10  # maximum degree of a vertex removed in an early round
     while remaining.shape[0] > 0:
         number += 1
         left = 0
@@ -83,7 +83,7 @@ def remove_vertices(mesh: Mesh, flat: ConstFlag[::1], removal):
         if left == remaining.shape[0] and most > n:
             break
         if 20 * (remaining.shape[0] - left) < remaining.shape[0] and most <= n:
-            most *= 4  # a round that takes less than a twentieth allows four times as many edges in the next
+            most *= 4  # after removing less than a twentieth, allow four times as many edges
         remaining = remaining[:left]
     return np.asarray(alive), count
 
@@ -91,9 +91,9 @@ def remove_vertices(mesh: Mesh, flat: ConstFlag[::1], removal):
 @cython.cfunc
 @cython.exceptval(check=False)
 def _removable(h: Int, mesh: Mesh) -> Int:
-    """A half-edge from the vertex of this one from which `retriangulate_star` can begin, or NONE.
+    """Half-edge from the same vertex with which `retriangulate_star` can begin, or NONE.
 
-    There are few edges, and none is a loop; or one is, and it goes around one vertex that has no other edge.
+    The vertex must have few edges and no loop, or a single loop around one vertex that has no other edge.
     """
     corners, twins = mesh.corners, mesh.twins
     loops: Int = 0
@@ -118,9 +118,9 @@ def _untie(v: Int, mesh: Mesh, carried: Tracked) -> Int:
     Returns
     -------
     int
-        Where `retriangulate_star` can begin, or NONE.
+        Half-edge for `retriangulate_star`, or NONE.
     """
-    # ten flips an edge until the vertex can be removed
+    # at most ten flips per edge
     for _ in range(10 * degree(carried.leaving[v], mesh.twins, mesh.twins.shape[0])):
         first = _removable(carried.leaving[v], mesh)
         if first >= 0:
@@ -146,7 +146,7 @@ def _flip_loop(v: Int, mesh: Mesh, carried: Tracked) -> Int:
     Returns
     -------
     int
-        FLIPPED, if one was; or else one that cannot be, or NONE if there is none.
+        FLIPPED_LOOP if one was flipped; else a loop that cannot be flipped, or NONE if there is none.
     """
     found = NONE
     twins = mesh.twins
@@ -163,14 +163,12 @@ def _flip_loop(v: Int, mesh: Mesh, carried: Tracked) -> Int:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _thin_out(v: Int, mesh: Mesh, carried: Tracked) -> cython.bint:
-    """Flip edges at a vertex without loops, those first that leave good triangles; return whether any was."""
+    """Flip edges at a vertex without loops, starting with those that leave good triangles; return success."""
     for thinnest in (0.1, 0.01, 0.0001, 1e-06, THIN):  # height over longest side that flips leave
         h = carried.leaving[v]
         surplus = edges = degree(h, mesh.twins, mesh.twins.shape[0])
         for _ in range(edges):
-            if surplus > MAX_DEGREE and flip_tracked(
-                h, mesh, carried, thinnest
-            ):  # after which h still leaves v
+            if surplus > MAX_DEGREE and flip_tracked(h, mesh, carried, thinnest):  # h still leaves v
                 surplus -= 1
             h = mesh.twins[preceding(h)]
         if surplus < edges:
@@ -181,11 +179,11 @@ def _thin_out(v: Int, mesh: Mesh, carried: Tracked) -> cython.bint:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _in_the_way(h: Int, mesh: Mesh) -> Int:
-    """The edge whose flip divides the largest of the angles that keep an edge from being flipped."""
+    """Edge whose flip divides the largest angle that blocks the flip of an edge."""
     t = mesh.twins[h]
     first, second = corner_angle(h, mesh), corner_angle(following(h), mesh)
     across, opposite = corner_angle(t, mesh), corner_angle(following(t), mesh)
-    # At the start of h meet its own first angle and the second of the twin.
+    # The first angle of h and the second of its twin meet at the start of h.
     if first + opposite > second + across:
         return following(h) if first > opposite else preceding(t)
     return preceding(h) if second > across else following(t)
@@ -194,7 +192,7 @@ def _in_the_way(h: Int, mesh: Mesh) -> Int:
 @cython.cfunc
 @cython.exceptval(check=False)
 def _note(h: Int, mesh: Mesh, removal: Notes, count: Int) -> cython.void:
-    """Write down where the vertex that a half-edge leaves is seen from its nearest neighbor."""
+    """Record the position of the start vertex of a half-edge relative to its nearest neighbor."""
     corners, twins, lengths, directions = mesh.corners, mesh.twins, mesh.lengths, mesh.directions
     e = nearest = h
     while True:

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled retriangulation of the star of a vertex that is removed."""
+"""Compiled retriangulation of the star of a removed vertex."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ INF = cython.declare(cython.double, float("inf"))
 PI = cython.declare(cython.double, 3.141592653589793)
 THIN = cython.declare(
     cython.double, 1e-8
-)  # height over longest side: the sides of a thinner triangle add up in floats
+)  # height over longest side: below, the triangle inequality may degenerate in floats
 
 
 @cython.cfunc
@@ -45,26 +45,26 @@ def retriangulate_star(
     moved: cython.longlong[::1],
     stack: cython.longlong[::1],
 ) -> cython.bint:
-    """Replace the triangles around a vertex by two fewer, and put their sides on a stack.
+    """Replace the triangles around a vertex by two fewer, and push their sides on a stack.
 
     Parameters
     ----------
     h : int
-        A half-edge that leaves the vertex.  None is a loop; or one is, and encloses the end of h alone.
+        Half-edge leaving the vertex, which has no loop, or a single one that encloses only the end of h.
     mesh : HalfEdges
     leaving : ndarray of int, shape (V,)
-        Half-edges that leave each vertex.
+        Some half-edge leaving each vertex.
     alive : ndarray of bool, shape (F,)
-        The faces that are left.
+        Remaining faces.
     moved : ndarray of int, shape (3F,)
         Scratch, all -1.
     stack : ndarray
-        Of `isoembed.intrinsic.delaunay`, empty.
+        Empty stack, as from `empty_stack`.
 
     Returns
     -------
     bool
-        False, and nothing is changed, if however the polygon is cut, a triangle is too thin.
+        False, with nothing changed, if all triangulations of the polygon have a triangle that is too thin.
     """
     corners, twins, lengths = mesh.corners, mesh.twins, mesh.lengths
     directions, curvature = mesh.directions, mesh.curvature
@@ -72,7 +72,7 @@ def retriangulate_star(
     j: Int
     k: Int
     t: Int
-    # The polygon: its corners, where they lie, and the sides from each to the next.
+    # The polygon: its corners, their positions, and the sides from each to the next.
     folded: cython.bint = h // 3 == twins[h] // 3
     star = _star(h, mesh)
     vertices: Int[::1] = star[0]
@@ -90,7 +90,7 @@ def retriangulate_star(
     if not cut[1] > THIN:
         return False
 
-    # From corner to corner: lengths, and directions at the first.
+    # Lengths between corners, and directions at the first of them.
     size: Real[:, ::1] = np.empty((n, n))
     direction: Real[:, ::1] = np.empty((n, n))
     for i in range(n):
@@ -104,7 +104,7 @@ def retriangulate_star(
         direction[0, 1] = direction[0, n - 1] = directions[twins[h]] + argument(z[1])
         angle = argument(-z[1]) - argument(toward(z[1], z[2], curvature))
         direction[1, 0] = direction[n - 1, 0] = direction[1, 2] + modulo(angle, 2 * PI)
-    for t in range(n - 2):  # parts before wholes: i -> k and k -> j are known
+    for t in range(n - 2):  # triangles that are cut off first: i -> k and k -> j are known
         i, k, j = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         if j - i < n - 1:
             size[i, j] = size[j, i] = distance(toward(z[i], z[j], curvature), curvature)
@@ -112,7 +112,7 @@ def retriangulate_star(
             at_j = angle_between(size[k, j], size[i, j], size[i, k], curvature)
             direction[i, j], direction[j, i] = direction[i, k] + at_i, direction[j, k] - at_j
 
-    half: Int[:, ::1] = np.empty((n, n), dtype=np.int64)  # the new half-edge from corner to corner
+    half: Int[:, ::1] = np.empty((n, n), dtype=np.int64)  # new half-edges between corners
     across: Int[::1] = np.empty(n, dtype=np.int64)
     for k in range(n):
         across[k] = twins[sides[k]] if sides[k] >= 0 else -1
@@ -151,26 +151,26 @@ def retriangulate_star(
 
 @cython.cfunc
 def _star(h: Int, mesh: Mesh):
-    """The triangles around the vertex that a half-edge leaves.
+    """Triangles around the start vertex of a half-edge.
 
     Returns
     -------
     ndarray of int, ndarray of int, ndarray of int
-        The vertices around it, the faces, and the sides between those vertices; if h runs to a vertex that a
-        loop encloses, only those beyond the loop, and the face within last.
+        Vertices around it, faces, and sides between these vertices; if h leads to a vertex enclosed by a
+        loop, only those outside the loop, with the inner face last.
     ndarray of complex
-        Where the vertices lie, as seen from it, if the x axis is along h: in a `chart`.
+        Positions of the vertices in a `chart` centered at the vertex, with the x axis along h.
     """
     corners, twins = mesh.corners, mesh.twins
     folded: cython.bint = h // 3 == twins[h] // 3
     e, edges = h, degree(h, twins, corners.shape[0])
-    # If so, the edges are h, the loop, those of which the last runs as the first, and the loop.
+    # If folded, the edges are h, the loop, n + 1 others (the last ends where the first does), and the loop.
     n = edges - 4 if folded else edges
     vertices: Int[::1] = np.empty(n, dtype=np.int64)
     sides: Int[::1] = np.empty(n, dtype=np.int64)
     faces: Int[::1] = np.empty(n + 2 if folded else n, dtype=np.int64)
     z: Complex[::1] = np.empty(n, dtype=np.complex128)
-    # What is missing of a full angle is the rounding of thin triangles, whose angles it moves the most.
+    # The defect from 2 pi is rounding error, distributed to the angles of thin triangles.
     thin = 0.0
     for _ in range(edges):
         slenderness = _slenderness(e, mesh)
@@ -193,7 +193,7 @@ def _star(h: Int, mesh: Mesh):
 @cython.cfunc
 @cython.exceptval(check=False)
 def _slenderness(h: Int, mesh: Mesh) -> Real:
-    """Longest side over height of the triangle of a half-edge: how its angles magnify errors of lengths."""
+    """Longest side over height of a half-edge's triangle: amplification of length errors in its angles."""
     a, b, c = mesh.lengths[h], mesh.lengths[following(h)], mesh.lengths[preceding(h)]
     longest, area = max(a, b, c), amplitude(a, b, c, mesh.curvature)
     return longest * sn(longest, mesh.curvature) / area if area > 0 else INF
@@ -201,22 +201,23 @@ def _slenderness(h: Int, mesh: Mesh) -> Real:
 
 @cython.cfunc
 def _around_tip(z: ConstComplex[::1], far: Real, width: Real, curvature: Real):
-    """Unfold a polygon around a vertex of small total angle inside it, cut open from there to a corner.
+    """Unfold a polygon around an inner vertex of small total angle (tip), cut open from it to a corner.
 
     Parameters
     ----------
     z : ndarray of complex, shape (n,)
-        The corners, as seen from a vertex inside, if the x axis runs to the other one.
+        Corners in the chart centered at the other inner vertex, with the x axis toward the tip.
     far, width : float
-        How far that is, and the length of the loop around it.
+        Distance of the tip, and length of the loop around it.
     curvature : float
 
     Returns
     -------
     int
-        The corner to which it is cut: that which admits the best triangles.
+        Corner of the cut, chosen for the best triangles.
     ndarray of complex, shape (n + 2,)
-        The corners, as seen from the tip: itself, those from the cut once around, that of the cut again.
+        Corners in the chart centered at the tip: the tip, then all corners from the cut, and that of the cut
+        again.
     """
     n = z.shape[0]
     turning = polar(1.0, angle_between(far, far, width, curvature))
@@ -238,7 +239,7 @@ def _around_tip(z: ConstComplex[::1], far: Real, width: Real, curvature: Real):
 
 @cython.cfunc
 def _turned(values: ConstInt[::1], first: Int, before: Int):
-    """Begin at one, go once around, and add it again; and put another before."""
+    """Rotate values to begin at `first`, append the first one again, and prepend `before`."""
     n = values.shape[0]
     result: Int[::1] = np.empty(n + 2, dtype=np.int64)
     result[0] = before
@@ -249,14 +250,14 @@ def _turned(values: ConstInt[::1], first: Int, before: Int):
 
 @cython.cfunc
 def _best_cut(z: ConstComplex[::1], curvature: Real):
-    """Cut a polygon into triangles of which the thinnest is as thick as can be.
+    """Triangulate a polygon, maximizing the least ratio of height to longest side.
 
-    If none of them is turned over, they do not overlap; so nothing else needs to be checked.
+    If all triangles are positively oriented, they do not overlap; no other check is needed.
 
     Returns
     -------
     ndarray of int, shape (n - 2, 3)
-        Corners in ascending order; a triangle comes after those that its shorter sides cut off.
+        Corners in ascending order; a triangle comes after those cut off by its shorter sides.
     float
         Least height over longest side.
     """

@@ -15,7 +15,7 @@ def assembled(corners: ConstInt[::1], twins: ConstInt[::1], values: ConstReal[::
         indptr[corners[h] + 1] += 1
     for i in range(n):
         indptr[i + 1] += indptr[i]
-    # The half-edges by the vertex that they leave: one entry less a vertex than there are in its column.
+    # Half-edges grouped by start vertex: one less per vertex than entries in its column.
     leaving: Int32[::1] = np.empty(corners.shape[0], dtype=np.int32)
     end: Int32[::1] = np.empty(n, dtype=np.int32)
     for i in range(n):
@@ -28,7 +28,7 @@ def assembled(corners: ConstInt[::1], twins: ConstInt[::1], values: ConstReal[::
     data: Real[::1] = np.empty(indptr[n])
     for i in range(n):
         end[i] = indptr[i]
-    for i in range(n):  # columns get their rows in order, and equal ones one after the other
+    for i in range(n):  # columns receive their rows in order, equal ones consecutively
         indices[end[i]], data[end[i]] = i, diagonal[i]
         end[i] += 1
         for k in range(indptr[i] - i, indptr[i + 1] - i - 1):

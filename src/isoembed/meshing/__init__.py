@@ -1,6 +1,6 @@
 """Triangulation of smooth surfaces and metrics.
 
-Points are spread with a wanted density, connected, and relaxed until the triangles are nearly equilateral.
+Points are distributed with a prescribed density, connected, and relaxed to nearly equilateral triangles.
 """
 
 from isoembed.meshing.directions import directions_of

@@ -6,15 +6,15 @@ from scipy.spatial import cKDTree
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.meshing.surface import Surface, spread_directions, vertex_density
 
-CANDIDATES = 5  # random points for each that stays
+CANDIDATES = 5  # random points per selected point
 
 
 def _crowded_pairs(x: Floats, radii: Floats) -> tuple[Indices, Indices, Floats]:
-    """Pairs i, j with overlapping balls, each pair once, and the weight of the overlap."""
+    """Pairs i, j with overlapping balls, each pair once, and the weights of the overlaps."""
     near = cKDTree(x).query_ball_point(x, 2.0 * radii)
     i = np.repeat(np.arange(len(x)), [len(found) for found in near])
     j = np.concatenate([np.asarray(found, dtype=np.int64) for found in near])
-    # The point with the larger ball finds every pair.
+    # Each pair is found from the point with the larger ball.
     once = (radii[i] > radii[j]) | ((radii[i] == radii[j]) & (i > j))
     i, j = i[once], j[once]
     gap = np.linalg.norm(x[i] - x[j], axis=1) / (radii[i] + radii[j])
@@ -23,10 +23,10 @@ def _crowded_pairs(x: Floats, radii: Floats) -> tuple[Indices, Indices, Floats]:
 
 
 def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
-    """Random directions (n, 3) whose points have the `vertex_density` and keep their distance.
+    """Random directions (n, 3) of points with the `vertex_density` and a minimal distance.
 
-    A point crowds another in space, not along the surface: where the surface is thinner than the points are
-    apart, its two sides share them.
+    Distances are measured in space, not along the surface: where the surface is thinner than the spacing of
+    the points, they are shared between its two sides.
     """
     u = spread_directions(surface, np.random.default_rng(seed).random((CANDIDATES * n, 2)))
     density = vertex_density(surface, u)
@@ -35,27 +35,27 @@ def blue_noise_directions(surface: Surface, n: int, seed: int) -> Floats:
 
 
 def least_crowded(x: Floats, density: Floats, total: float, n: int) -> Mask:
-    """Mask of the n of random points (m, 3) of a surface that keep their distance best.
+    """Mask of n well-spaced points out of random points (m, 3) of a surface.
 
     Parameters
     ----------
     x : ndarray, shape (m, 3)
     density : ndarray, shape (m,)
-        Wanted points per area there, up to a factor.
+        Prescribed number of points per area, up to a factor.
     total : float
-        Its integral over the surface: the area over the mean of 1/density.
+        Integral of the density over the surface: the area over the mean of 1/density.
     n : int
 
     Notes
     -----
-    The most crowded are taken out until n are left: in every round those that are more crowded than all of
-    their neighbors, the worse half of them.
+    The most crowded points are eliminated until n remain: in every round the worse half of those that are
+    more crowded than all of their neighbors.
 
     References
     ----------
     C. Yuksel, "Sample elimination for generating Poisson disk sample sets" (2015).
     """
-    # Balls of the densest packing of n in the plane.
+    # Radii of the densest packing of n discs in the plane.
     radii = np.sqrt(total / (2.0 * np.sqrt(3.0) * n * density))
     count = len(x)
     i, j, weight = _crowded_pairs(x, radii)

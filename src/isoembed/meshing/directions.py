@@ -10,7 +10,7 @@ from isoembed.meshing.surface import Surface, spread_directions
 
 
 def directions_of(surface: Surface, points: ArrayLike) -> Floats:
-    """Directions (n, 3) that name points (n, 3) of a surface: the inverse of `Surface.point`.
+    """Directions (n, 3) of points (n, 3) of a surface: inverse of `Surface.point`.
 
     Raises
     ------
@@ -18,7 +18,7 @@ def directions_of(surface: Surface, points: ArrayLike) -> Floats:
         A point is not on the surface.
     """
     x = np.asarray(points, dtype=np.float64) / surface._unit
-    # points of known direction: Newton begins at the nearest
+    # Newton's method starts at the nearest point of known direction
     known = spread_directions(surface, fibonacci_lattice(2000))
     u = known[cKDTree(surface._points(known)).query(x)[1]]
     size = float(np.abs(x).max(initial=0.0))

@@ -5,11 +5,11 @@ import numpy as np
 from isoembed.arrays import Floats, Indices
 from isoembed.meshing.loops import flip_halfedges, joined
 
-SLACK = 1e-9  # radians: excess of two opposite angles over pi that flips
+SLACK = 1e-9  # radians: excess of two opposite angles over pi above which an edge is flipped
 
 
 def twin_halfedges(faces: Indices) -> Indices:
-    """The half-edge (3F,) that runs the other way; 3 f + c runs from faces[f, c] to faces[f, (c+1)%3].
+    """Twins (3F,) of the half-edges; 3 f + c runs from faces[f, c] to faces[f, (c+1)%3].
 
     The mesh must be closed, oriented and simple.
     """
@@ -28,10 +28,10 @@ def corner_angles(vertices: Floats, faces: Indices) -> Floats:
 def flip_to_delaunay(
     vertices: Floats, normals: Floats, faces: Indices, twin: Indices
 ) -> tuple[Indices, Indices]:
-    """Triangles (F, 3) and twins (3F,) after flips until no pair of opposite angles exceeds pi.
+    """Triangles (F, 3) and twins (3F,) after flips until no sum of opposite angles exceeds pi.
 
-    Each round flips the worst edges that share no triangle. An edge is not flipped where the new one
-    exists already, or where a new triangle would look inward, by the outward normals at the vertices.
+    Each round flips the worst edges that share no triangle. An edge is not flipped if the new one
+    already exists, or if a new triangle would be oriented inward, by the outward normals at the vertices.
     """
     faces, twin = faces.copy(), twin.copy()
     flip_where_touched(vertices, normals, faces, twin, corner_angles(vertices, faces), np.arange(len(faces)))
@@ -41,24 +41,24 @@ def flip_to_delaunay(
 def flip_where_touched(
     vertices: Floats, normals: Floats, faces: Indices, twin: Indices, angles: Floats, touched: Indices
 ) -> Indices:
-    """Flip as `flip_to_delaunay` does, but in place, where only touched triangles may need it.
+    """Flip like `flip_to_delaunay`, but in place and starting from the touched triangles.
 
     Parameters
     ----------
     vertices, normals, faces, twin
-        As there.
+        As in `flip_to_delaunay`.
     angles : (F, 3)
-        The `corner_angles`, changed with the faces.
+        The `corner_angles`, updated with the faces.
     touched : (k,)
-        The triangles that have changed since the mesh was last Delaunay.
+        Triangles changed since the mesh was last Delaunay.
 
     Returns
     -------
     (m,)
-        The triangles that have been flipped, some more than once.
+        Flipped triangles, possibly repeated.
     """
     n, flips = len(vertices), [np.empty(0, dtype=np.int64)]
-    for _ in range(200):  # a bent quadrilateral may flip for ever
+    for _ in range(200):  # a bent quadrilateral may flip forever
         is_touched = np.zeros(len(faces), dtype=bool)
         is_touched[touched] = True
         h = (3 * np.flatnonzero(is_touched)[:, None] + np.arange(3)).ravel()
@@ -80,7 +80,7 @@ def flip_where_touched(
         bad, key = bad[allowed], (np.minimum(k, m) * n + np.maximum(k, m))[allowed]
         if bad.size == 0:
             break
-        # Worst first: an edge goes if it comes first in both its triangles and among equal new edges.
+        # Worst first: an edge is flipped if it is first in both its triangles and among equal new edges.
         rank = np.arange(len(bad))
         first = np.full(len(faces), len(bad))
         np.minimum.at(first, bad // 3, rank)
@@ -97,12 +97,12 @@ def flip_where_touched(
 
 
 def _opposite(angles: Floats, h: Indices) -> Floats:
-    """Angles across from half-edges."""
+    """Angles opposite to half-edges."""
     return angles[h // 3, (h + 2) % 3]
 
 
 def _sines_and_cosines(vertices: Floats, faces: Indices) -> tuple[Floats, Floats]:
-    """Sines and cosines of the corners, each (F, 3), times the lengths of the sides."""
+    """Sines and cosines of the corner angles, each (F, 3), times the lengths of both sides."""
     corners = vertices[faces]
     a, b = np.roll(corners, -1, axis=1) - corners, np.roll(corners, -2, axis=1) - corners
     normals = np.cross(a, b)

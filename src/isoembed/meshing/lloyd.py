@@ -1,39 +1,39 @@
-"""Lloyd's relaxation on a surface: vertices move to the centroids of their Voronoi cells."""
+"""Lloyd relaxation on a surface: vertices move to the centroids of their Voronoi cells."""
 
 import numpy as np
 
 from isoembed.arrays import Floats, Indices
 
-OVERRELAXATION = 1.5  # of Lloyd's steps, which creep; with 1.8 they do not settle
+OVERRELAXATION = 1.5  # of Lloyd steps, which converge slowly; with 1.8 they do not converge
 LONGEST_STEP = 0.5  # over the shortest edge at the vertex
 RINGS = 2  # edges between a bad triangle and vertices that move
 
 
 def lloyd_step(vertices: Floats, normals: Floats, faces: Indices, density: Floats) -> Floats:
-    """Tangent displacements (V, 3) towards the centroids of the Voronoi cells.
+    """Tangential displacements (V, 3) toward the centroids of the Voronoi cells.
 
     Parameters
     ----------
     vertices, normals : (V, 3)
-        The points of the mesh and the outward normals of the surface there.
+        Points of the mesh, and outward normals of the surface there.
     faces : (F, 3)
-        A Delaunay mesh.
+        Delaunay mesh.
     density : (V,)
-        Wanted vertices per area, up to a factor.
+        Prescribed number of vertices per area, up to a factor.
 
     Notes
     -----
-    A centroidal Voronoi tessellation of the mass rho has rho^(1/2) vertices per area in two dimensions, so
-    the mass is the density squared. A corner's part of its vertex's cell is two right triangles between the
-    vertex, the midpoints of its two edges and the circumcenter; their areas are signed, as the circumcenter
-    of an obtuse triangle lies outside.
+    A centroidal Voronoi tessellation for the mass density rho has rho^(1/2) vertices per area in two
+    dimensions, so rho is the squared vertex density. The part of a vertex's cell in a triangle consists of
+    two right triangles between the vertex, the midpoints of its two edges and the circumcenter; their areas
+    are signed, as the circumcenter of an obtuse triangle is outside.
 
     References
     ----------
     Q. Du, V. Faber and M. Gunzburger, "Centroidal Voronoi tessellations" (1999).
     """
     x, w = vertices[faces], density[faces]
-    edge = np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1)  # edge c faces corner c
+    edge = np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1)  # edge c is opposite to corner c
     l2 = np.einsum("fci,fci->fc", edge, edge)
     cosine = l2.sum(axis=1)[:, None] - 2.0 * l2  # 2 b c cos A
     center = np.einsum("fc,fci->fi", l2 * cosine, x) / (l2 * cosine).sum(axis=1)[:, None]
@@ -41,7 +41,7 @@ def lloyd_step(vertices: Floats, normals: Floats, faces: Indices, density: Float
     area = l2 * cosine / (16.0 * double_area[:, None])  # l^2 cot(A) / 8 for each end of the edge
 
     weight, moment = np.zeros(len(vertices)), np.zeros_like(vertices)
-    for side in (1, 2):  # the edges that face the next and the second next corner
+    for side in (1, 2):  # edges opposite to the next two corners
         other = 3 - side
         middle = 0.5 * (x + np.roll(x, -other, axis=1))
         middle_density = 0.5 * (w + np.roll(w, -other, axis=1))

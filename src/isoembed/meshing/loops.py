@@ -41,28 +41,28 @@ def relaxed(
     optimal: cython.bint,
     factor: Real,
 ):
-    """Directions (V, 3) after some vertices have moved within their stars, unfolded into the plane.
+    """Directions (V, 3) after moving some vertices within their stars, unfolded into the plane.
 
     Parameters
     ----------
     u : ndarray, shape (V, 3)
     mesh : Mesh
-        A Delaunay triangulation.
+        Delaunay triangulation.
     density : ndarray, shape (V,)
-        Wanted vertices per area, up to a factor.
+        Prescribed number of vertices per area, up to a factor.
     moving : ndarray of bool, shape (V,)
     optimal : bool
-        Towards the mean circumcenter of the triangles (an optimal Delaunay triangulation: Chen and Holst,
-        2011), which repairs quickly; or towards the centroid of the Voronoi cell (Du, Faber and Gunzburger,
-        1999), which evens out.  Both have the given density where the mass is its square.
+        Whether to move toward the mean circumcenter of the triangles (optimal Delaunay triangulation: Chen
+        and Holst, 2011), which repairs quickly, or toward the centroid of the Voronoi cell (Du, Faber and
+        Gunzburger, 1999), which smooths.  Both use the squared density as mass density.
     factor : float
-        Over-relaxation.
+        Over-relaxation factor.
 
     Notes
     -----
-    The angles of a star are scaled to 2 pi.  A step in the plane becomes one on the sphere by the linear map
-    that best takes the neighbors' unfolded positions to their directions.  Steps that would turn a triangle
-    over are shortened.
+    The angles of a star are scaled to 2 pi.  A step in the plane is mapped to the sphere by the linear map
+    that best fits the neighbors' unfolded positions to their directions.  Steps that would invert a triangle
+    are shortened.
     """
     corners = mesh.corners
     moved: Real[:, ::1] = np.array(u)
@@ -109,7 +109,7 @@ def _set_step(
     step: Real[::1],
     room: Real[:, ::1],
 ) -> cython.void:
-    """Set the tangent displacement (3,) of the vertex that half-edge `first` leaves."""
+    """Set the tangential displacement (3,) of the start vertex of half-edge `first`."""
     j: Int
     k: Int
     neighbor: Int
@@ -127,7 +127,7 @@ def _set_step(
 
     step[0] = step[1] = step[2] = 0.0
     if not (total > 0.0 and shortest > 0.0):
-        return  # lengths that make no triangles
+        return  # the lengths form no triangles
     scale = 2.0 * PI / total
     weight, x, y = 0.0, 0.0, 0.0
     xx, xy, yy = 0.0, 0.0, 0.0
@@ -164,7 +164,7 @@ def _set_step(
                     my = 0.5 * py if half == 0 else 0.5 * qy
                     side = 1.0 if half == 0 else -1.0
                     neighbor = j if half == 0 else k
-                    # Signed: the circumcenter of an obtuse triangle lies outside.
+                    # Signed, as the circumcenter of an obtuse triangle is outside.
                     area = side * (mx * cy - my * cx)
                     middle = 0.5 * (density[v] + density[neighbor])
                     share = (density[v] + middle + mean) / 3.0
@@ -189,7 +189,7 @@ def _set_step(
 
 
 def joined(tails: ConstInt[::1], twin: ConstInt[::1], halfedges: ConstInt[::1], vertices: ConstInt[::1]):
-    """Whether an edge leads from where a half-edge begins to a vertex, for each pair of them."""
+    """Whether the start of a half-edge and a vertex are adjacent, for each pair of them."""
     found: Flag[::1] = np.zeros(halfedges.shape[0], dtype=np.bool_)
     for row in range(halfedges.shape[0]):
         found[row] = edges_between(halfedges[row], vertices[row], tails, twin) > 0
@@ -239,7 +239,7 @@ def judge(
 
 
 def surroundings(faces: ConstInt[:, ::1], twin: ConstInt[::1], seeds: ConstInt[::1], n: Int, rings: Int):
-    """The vertices within a number of edges of some triangles, and the triangles around them."""
+    """Vertices within a number of edges of some triangles, and the triangles around them."""
     vertices: Int[::1] = np.empty(n, dtype=np.int64)
     triangles: Int[::1] = np.empty(faces.shape[0], dtype=np.int64)
     seen_vertices: Flag[::1] = np.zeros(n, dtype=np.bool_)

@@ -17,18 +17,18 @@ from isoembed.meshing.loops import relaxed
 from isoembed.meshing.sphere import hull_faces
 from isoembed.meshing.spreading import Cells
 
-OPTIMAL_SWEEPS = 10  # sweeps towards optimal Delaunay meshes, before centroidal ones
-MAX_GEODESICS = 50.0  # measured for an edge: no smooth metric asks so many
+OPTIMAL_SWEEPS = 10  # sweeps toward optimal Delaunay meshes, before centroidal ones
+MAX_GEODESICS = 50.0  # measured per edge: more than needed for smooth metrics
 LEG = 1e4  # length of the legs of cones over the longest edge
-FLIP_ROUNDS = 5  # flips and measurements in turn: these may ask flips back
+FLIP_ROUNDS = 5  # alternating flips and measurements, which may reverse flips
 
 
 @dataclass(eq=False)
 class MetricMesh:
-    """A triangulation of the sphere of directions that is being improved.
+    """Triangulation of the sphere of directions during relaxation.
 
-    Where only a zone of it is wanted, cones over the boundaries close it.  Their legs are so long that no
-    flip touches them.
+    A triangulation of a zone is closed by cones over the boundaries, with legs so long that no flip affects
+    them.
 
     Attributes
     ----------
@@ -39,11 +39,11 @@ class MetricMesh:
     u : ndarray, shape (V, 3)
         Directions of the vertices.
     tables : HalfEdges
-        The triangles with their lengths.
+        Triangles with their lengths.
     boundary : int
-        How many vertices are on the boundary: the first ones, which stay.
+        Number of vertices on the boundary: the first ones, which are fixed.
     apexes : int
-        How many cones there are: their apexes are the last vertices, and stay.
+        Number of cones: their apexes are the last vertices, which are fixed.
     """
 
     tensor: Callable[[Floats], Floats]
@@ -62,23 +62,23 @@ class MetricMesh:
         boundary: int = 0,
         apexes: int = 0,
     ) -> MetricMesh:
-        """The convex hull of directions (V, 3), not yet measured."""
+        """Convex hull of directions (V, 3), with lengths not yet computed."""
         faces = hull_faces(u)
         tables = HalfEdges.of(faces, twin_halfedges(faces), np.ones(faces.shape))
         return cls(tensor, distances, u, tables, boundary, apexes)
 
     def copy(self) -> MetricMesh:
-        """A copy whose tables may change."""
+        """Copy with independent tables."""
         return replace(self, tables=self.tables.copy())
 
     @property
     def is_cone(self) -> Mask:
-        """Whether a triangle (F,) belongs to a cone over a boundary."""
+        """Mask of the triangles that belong to cones over boundaries, shape (F,)."""
         return np.asarray((self.tables.faces >= self.n_vertices).any(axis=1))
 
     @property
     def n_vertices(self) -> int:
-        """Number of vertices but for apexes."""
+        """Number of vertices without apexes."""
         return len(self.u) - self.apexes
 
     def delaunay(self) -> MetricMesh:
@@ -88,12 +88,12 @@ class MetricMesh:
         return self
 
     def relaxed(self, density: Cells | None) -> MetricMesh:
-        """The best of all meshes on the way to angles within the window.
+        """Best mesh of a relaxation toward angles within the window.
 
         Parameters
         ----------
         density : Cells, optional
-            Wanted vertices per area, up to a factor; by default even.
+            Prescribed number of vertices per area, up to a factor; by default uniform.
         """
         mesh, everywhere = self, np.ones(len(self.u), dtype=bool)
         everywhere[: self.boundary] = everywhere[self.n_vertices :] = False
@@ -117,16 +117,16 @@ class MetricMesh:
             if beyond < least:
                 best, least = mesh.copy(), beyond
             much = spent > MAX_GEODESICS * len(mesh.tables.corners) / 2.0
-            if bad == 0 or stale == 40 or much:  # sweeps that made no progress
+            if bad == 0 or stale == 40 or much:  # sweeps without progress
                 break
-            # after eight sweeps in vain, vertices move one edge farther away
+            # after every eight sweeps without progress, vertices one edge farther away move, too
             moved = mesh._about(beyond_each > 0.0, RINGS + stale // 8) & everywhere
-            # Each kind of step frees what the other is stuck in.
+            # Each kind of step escapes stationary states of the other.
             mesh._move(density, moved, touch % (2 * OPTIMAL_SWEEPS) < OPTIMAL_SWEEPS)
         return best
 
     def _flip_roughly(self) -> None:
-        """Flip to Delaunay by lengths from the metric at the vertices alone."""
+        """Flip to Delaunay with lengths from the metric at the vertices only."""
         q = np.zeros((len(self.u), 3, 3))
         q[: self.n_vertices] = self.tensor(self.u[: self.n_vertices])
         self._measure_roughly(q)
@@ -136,19 +136,19 @@ class MetricMesh:
             self._measure_roughly(q)
 
     def _measure_roughly(self, q: Floats) -> None:
-        """Measure all edges by tensors (V, 3, 3) at the vertices, and make the legs of cones long."""
+        """Measure all edges by tensors (V, 3, 3) at the vertices, and set long legs of cones."""
         end_lengths(self.u, q, self.tables)
         legs = self._legs
         self.tables.lengths[legs] = LEG * self.tables.lengths[~legs].max()
 
     @property
     def _legs(self) -> Mask:
-        """Whether a half-edge (3F,) joins a vertex to the apex of a cone."""
+        """Mask of the half-edges between vertices and apexes of cones, shape (3F,)."""
         begins = self.tables.corners >= self.n_vertices
         return np.asarray(begins | begins[self.tables.twins])
 
     def _measure(self, h: Indices) -> int:
-        """Measure the edges of half-edges, and count them."""
+        """Measure the edges of half-edges, and return their number."""
         corners, twins, lengths, _, _ = self.tables
         h = np.unique(np.minimum(h, twins[h]))
         h = h[~self._legs[h]]
@@ -156,9 +156,9 @@ class MetricMesh:
         return len(h)
 
     def _flip(self, moved: Mask) -> int:
-        """Flip to Delaunay by geodesic lengths, those between vertices that have not moved being known.
+        """Flip to Delaunay by geodesic lengths, reusing those between vertices that have not moved.
 
-        Returns how many were measured.
+        Returns the number of measured edges.
         """
         h, measured = np.flatnonzero(moved[self.tables.corners]), 0
         for _ in range(FLIP_ROUNDS):
@@ -176,7 +176,7 @@ class MetricMesh:
         return np.where(self.is_cone, 0.0, beyond)
 
     def _about(self, faces: Mask, rings: int) -> Mask:
-        """The vertices within a number of edges of triangles."""
+        """Mask of the vertices within a number of edges of triangles."""
         table = self.tables.corners.reshape(-1, 3)
         near = np.zeros(len(self.u), dtype=bool)
         for _ in range(rings):
@@ -185,7 +185,7 @@ class MetricMesh:
         return near
 
     def _move(self, density: Cells | None, moving: Mask, optimal: bool) -> None:
-        """Move vertices towards where the triangles about them are best."""
+        """Move vertices toward the optimal positions within the triangles around them."""
         wanted = np.ones(len(self.u)) if density is None else density.at(self.u)
         factor = 1.0 if optimal else OVERRELAXATION
         self.u = relaxed(self.u, self.tables.views, wanted, moving, optimal, factor)

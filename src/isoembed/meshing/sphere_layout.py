@@ -1,9 +1,9 @@
-"""Parameterization of triangulations over the unit sphere with little distortion.
+"""Low-distortion parametrization of triangulations over the unit sphere.
 
-A conformal layout has angles, but gives long arms of a surface hardly any room on the sphere, and functions
-on the surface high frequencies there.  From it the symmetric Dirichlet energy is minimized, the mean of
-``s1^2 + s2^2 + s1^-2 + s2^-2`` over the surface, s1 and s2 being the factors by which a triangle is
-stretched: it is infinite where a triangle collapses, so that no triangle turns over.
+A conformal layout preserves angles, but maps long arms of a surface to tiny regions of the sphere, where
+functions on the surface have high frequencies.  Starting from it, the symmetric Dirichlet energy is
+minimized, the mean of ``s1^2 + s2^2 + s1^-2 + s2^-2`` over the surface, where s1 and s2 are the singular
+values of the map of a triangle: it is infinite for degenerate triangles, so that no triangle is inverted.
 
 References
 ----------
@@ -29,7 +29,7 @@ from isoembed.progress.stages import Log, StageRecorder
 
 
 def sphere_layout(metric: PolyhedralMetric) -> Floats:
-    """Unit vectors (V, 3) of the vertices such that the triangles are little distorted and look outward.
+    """Unit vectors (V, 3) of the vertices with little distortion and outward triangles.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def sphere_layout(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (V, 3)
-        Of its Delaunay triangulation all triangles look outward, wherever that has a discretely conformal
-        layout without further flips; otherwise the conformal layout is returned as it is.
+        Layout in which all triangles of the Delaunay triangulation are oriented outward, if that has a
+        discretely conformal layout without further flips; otherwise the conformal layout.
     """
     fine = delaunay(metric)
     u = conformal_sphere(fine, StageRecorder("layout", Log())).points
@@ -49,18 +49,18 @@ def sphere_layout(metric: PolyhedralMetric) -> Floats:
 
 
 def least_distorted(metric: PolyhedralMetric, u: Floats) -> Floats:
-    """Unit vectors (V, 3) of the least symmetric Dirichlet energy of the triangles.
+    """Unit vectors (V, 3) that minimize the symmetric Dirichlet energy of the triangles.
 
     Parameters
     ----------
     metric : PolyhedralMetric
     u : ndarray, shape (V, 3)
-        Unit vectors to begin with.  If some triangle does not look outward, they are returned as they are.
+        Initial unit vectors.  If some triangle is not oriented outward, they are returned unchanged.
 
     Notes
     -----
-    On the way the metric changes from nearly that of the sphere, by conformal factors, to the given one: what
-    is crowded on the sphere takes its room little by little.
+    By continuation, the metric changes conformally from nearly that of the sphere to the given one: crowded
+    regions of the sphere expand gradually.
     """
     if not are_outward(metric.faces, u):
         return u
@@ -77,7 +77,7 @@ def least_distorted(metric: PolyhedralMetric, u: Floats) -> Floats:
 
 
 def _minimized(energy: _Distortion, u: Floats) -> Floats:
-    """Unit vectors (V, 3) of the least energy near u (V, 3).
+    """Unit vectors (V, 3) of a local minimum of the energy near u (V, 3).
 
     L-BFGS, preconditioned by the Laplacian of the surface with the energy's weights.
     """
@@ -102,10 +102,10 @@ def _minimized(energy: _Distortion, u: Floats) -> Floats:
             if new <= value - 1e-4 * length * decrease:  # Armijo's condition
                 break
             length /= 2.0
-            if length < 1e-10:  # no step descends
+            if length < 1e-10:  # no descent
                 return u
         memory.add(v - u, new_slope - slope)
-        settled = value - new <= 1e-5 * value  # one step gains next to nothing
+        settled = value - new <= 1e-5 * value  # negligible decrease
         u, value, slope = v, new, new_slope
         if settled:
             break
@@ -113,18 +113,18 @@ def _minimized(energy: _Distortion, u: Floats) -> Floats:
 
 
 class _Distortion:
-    """The symmetric Dirichlet energy of maps of triangles to the unit sphere, of equal area."""
+    """Symmetric Dirichlet energy of maps from triangles to the unit sphere, scaled to equal total area."""
 
     def __init__(self, triangulation: Triangulation, triangles: Triangles) -> None:
         self.triangulation, self.faces = triangulation, triangulation.faces
-        # A corner lies at faces[f, c]; the side across from it is that from c + 1 to c + 2.
+        # The side opposite to corner faces[f, c] is that from c + 1 to c + 2.
         self.cotangents = triangles.cotangents
         self.areas = triangles.areas * (4.0 * np.pi / triangles.areas.sum())
 
     def at(self, u: Floats) -> tuple[float, Floats, Floats]:
-        """The energy, its derivatives (V, 3) along the sphere, and the triangles' weights (F,) in it.
+        """Energy, its gradient (V, 3) along the sphere, and the triangles' weights (F,) in it.
 
-        The energy is infinite where a triangle does not look outward.
+        The energy is infinite if a triangle is not oriented outward.
         """
         if not are_outward(self.faces, u):
             return np.inf, np.zeros_like(u), np.zeros(len(self.faces))
@@ -136,7 +136,7 @@ class _Distortion:
         inverse = (self.areas / areas) ** 2
         weights = 1.0 + inverse
         pulls = (weights[:, None] * self.cotangents)[:, :, None] * sides
-        # Of the derivative of an area: half of the unit normal times the side across.
+        # The derivative of an area is half of the unit normal times the opposite side.
         pushes = np.cross(normals[:, None], sides) * (-0.5 * dirichlet * inverse / areas**2)[:, None, None]
         forces = np.roll(pulls, 2, axis=1) - np.roll(pulls, 1, axis=1) + pushes
         slope = np.zeros_like(u)
@@ -144,8 +144,8 @@ class _Distortion:
         return float(dirichlet @ weights), _tangent(slope, u), weights
 
     def preconditioner(self, weights: Floats) -> SymmetricFactor:
-        """The factorized Laplacian of the surface with these weights of the triangles."""
-        # keeps the weight of an edge positive
+        """Factorized Laplacian of the surface with these weights of the triangles."""
+        # edge weights are kept positive
         across = np.maximum(np.roll(self.cotangents, 1, axis=1), 0.05) * weights[:, None]
         i, j = self.faces, np.roll(self.faces, -1, axis=1)
         n = self.triangulation.n_vertices
@@ -164,7 +164,7 @@ class _Distortion:
 
 @dataclass
 class _Memory:
-    """Last steps and changes of the slope."""
+    """Last steps and gradient changes of L-BFGS."""
 
     pairs: list[tuple[Floats, Floats]] = field(default_factory=list)
 
@@ -173,7 +173,7 @@ class _Memory:
             self.pairs = [*self.pairs, (step, change)][-8:]  # pairs of L-BFGS
 
     def direction(self, slope: Floats, factor: SymmetricFactor) -> Floats:
-        """The two-loop recursion of L-BFGS."""
+        """Search direction by the two-loop recursion of L-BFGS."""
         q, shares = slope.copy(), []
         for step, change in reversed(self.pairs):
             share = np.sum(step * q) / np.sum(step * change)
@@ -186,16 +186,16 @@ class _Memory:
 
 
 def are_outward(faces: Indices, u: Floats) -> bool:
-    """Whether all triangles (F, 3) between unit vectors (V, 3) look outward."""
+    """Whether all triangles (F, 3) between unit vectors (V, 3) are oriented outward."""
     return bool((orientations(faces, u) > 0.0).all())
 
 
 def orientations(faces: Indices, u: Floats) -> Floats:
-    """Six times the volumes (F,) of the tetrahedra from the center: positive of what looks outward."""
+    """Six times the volumes (F,) of the tetrahedra from the center: positive for outward triangles."""
     a, b, c = u[faces].transpose(1, 0, 2)
     return np.asarray(np.einsum("fi,fi->f", a, np.cross(b, c)))
 
 
 def _tangent(vectors: Floats, u: Floats) -> Floats:
-    """The parts of vectors (n, 3) that are tangent to the unit sphere at u (n, 3)."""
+    """Tangential components of vectors (n, 3) on the unit sphere at u (n, 3)."""
     return vectors - np.einsum("ni,ni->n", vectors, u)[:, None] * u

@@ -12,11 +12,11 @@ from isoembed.meshing.sphere import directions_at
 
 Zone = tuple[float, float]
 WHOLE: Zone = (0.0, np.pi)
-CHUNK = 4096  # points at a time whose angles are looked up, which bounds the memory
+CHUNK = 4096  # points whose angles are looked up at once, which bounds the memory
 
 
 def roundest_axis(sizes: Floats) -> int:
-    """The Cartesian axis across which the other two of three sizes differ least in ratio, z when in doubt."""
+    """Cartesian axis for which the ratio of the other two of three sizes is closest to 1; z if tied."""
     logs = np.log(sizes)
     spread = [abs(logs[(k + 1) % 3] - logs[(k + 2) % 3]) for k in (2, 1, 0)]
     return 2 - int(np.argmin(np.round(spread, 9)))
@@ -24,16 +24,16 @@ def roundest_axis(sizes: Floats) -> int:
 
 @dataclass(frozen=True)
 class Cells:
-    """A positive function on a zone of the sphere, by its values in the middle of cells.
+    """Positive function on a zone of the sphere, represented by its values at cell centers.
 
-    The cells have even steps in theta and phi.
+    The cells are uniform in theta and phi.
 
     Attributes
     ----------
     values : ndarray, shape (m, n)
-        By theta, then phi; these are angles about the axis, not those of the function's own coordinates.
+        Values by theta, then phi, which are angles about the axis, not those of the function's coordinates.
     axis : int
-        0, 1 or 2: the Cartesian axis about which the angles are taken.
+        Cartesian axis of the angles: 0, 1 or 2.
     zone : tuple of float
         Range of theta; by default the whole sphere.
     """
@@ -54,7 +54,7 @@ class Cells:
         return float(2.0 * np.pi * np.mean(self.values, axis=1) @ _heights(len(self.values), self.zone))
 
     def at(self, u: Floats) -> Floats:
-        """Values (k,) in the directions u (k, 3), linear between the middles of the cells."""
+        """Values (k,) in the directions u (k, 3), by bilinear interpolation between cell centers."""
         m, n = self.values.shape
         x, y, z = np.roll(u, 2 - self.axis, axis=1).T
         row = self._row(np.arctan2(np.hypot(x, y), z))
@@ -68,10 +68,10 @@ class Cells:
         )
 
     def spread(self, square: Floats) -> Floats:
-        """Carry points of the unit square (k, 2) to directions (k, 3) whose density is this function.
+        """Map points of the unit square (k, 2) to directions (k, 3) with this function as density.
 
-        Points that are even in the square, whose second coordinate is periodic, come out with the density:
-        the inverses of the marginal distribution in theta and of the conditional one in phi carry them.
+        Points uniformly distributed in the square, periodic in the second coordinate, are mapped by the
+        inverses of the marginal distribution in theta and of the conditional one in phi.
         """
         m, n = self.values.shape
         cells = self.values * _heights(m, self.zone)[:, None]
@@ -95,14 +95,14 @@ class Cells:
         return np.roll(directions_at(np.cos(theta), phi), self.axis - 2, axis=-1)
 
     def _row(self, theta: Floats) -> Floats:
-        """The row (k,) of angles, with fractions: whole in the middle of a cell."""
+        """Fractional row indices (k,) of angles theta: integers at cell centers."""
         start, stop = self.zone
         m = len(self.values)
         return np.clip((theta - start) * (m / (stop - start)) - 0.5, 0.0, m - 1.0)
 
 
 def cell_centers(shape: tuple[int, int], axis: int, zone: Zone = WHOLE) -> Floats:
-    """The directions (m n, 3) in the middle of the cells, by theta, then phi."""
+    """Directions (m n, 3) of the cell centers, by theta, then phi."""
     start, stop = zone
     theta = start + (np.arange(shape[0]) + 0.5) * ((stop - start) / shape[0])
     phi = (np.arange(shape[1]) + 0.5) * (2.0 * np.pi / shape[1])
@@ -110,5 +110,5 @@ def cell_centers(shape: tuple[int, int], axis: int, zone: Zone = WHOLE) -> Float
 
 
 def _heights(m: int, zone: Zone) -> Floats:
-    """The heights (m,) of the parts of a zone of the unit sphere between even steps in theta."""
+    """Heights (m,) of the parts of a zone of the unit sphere between uniform steps in theta."""
     return -np.diff(np.cos(np.linspace(*zone, m + 1)))

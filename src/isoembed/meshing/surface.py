@@ -12,19 +12,19 @@ CELLS = (1024, 256)  # in theta and phi, where the density is sampled
 
 
 class Surface(Protocol):
-    """A closed surface that is the image of the unit sphere: a unit vector, its direction, names a point.
+    """Closed surface parametrized by the unit sphere: each point has a unit vector, its direction.
 
-    The underscored methods take unit vectors u (n, 3) and compute in the surface's own unit of length, in
-    which it is of ordinary size.
+    The underscored methods take unit vectors u (n, 3) and use the surface's own unit of length, in which its
+    size is of order 1.
     """
 
     @property
     def _unit(self) -> float:
-        """The surface's own unit of length."""
+        """Unit of length of the underscored methods."""
 
     @property
     def _radius(self) -> float:
-        """Radius of the sphere of the same area."""
+        """Radius of the sphere with the same area."""
 
     def point(self, directions: ArrayLike) -> Floats:
         """Points (n, 3), in the unit of the user."""
@@ -42,14 +42,14 @@ class Surface(Protocol):
         """Area of the surface over area of the sphere of directions (n,)."""
 
     def _moved(self, u: Floats, displacement: Floats) -> Floats:
-        """Directions of the points displaced by tangent vectors, right to first order."""
+        """Directions of the points displaced by tangent vectors, to first order."""
 
 
 @runtime_checkable
 class ZoneSurface(Protocol):
-    """A surface that is the image of a zone of the unit sphere: a disc, a band, or a torus cut open.
+    """Surface parametrized by a zone of the unit sphere: a disc, a band, or a torus cut open.
 
-    The underscored methods are as those of a `Surface`.
+    The underscored methods are those of a `Surface`.
     """
 
     @property
@@ -74,18 +74,18 @@ class ZoneSurface(Protocol):
 
 
 def vertex_density(surface: Surface, u: Floats) -> Floats:
-    """Vertices per area (n,) that a surface asks for, up to a factor: 1 + share |K| A / 4 pi.
+    """Prescribed number of vertices per area (n,), up to a factor: 1 + 0.1 |K| A / 4 pi.
 
-    One part of the vertices is spread over the area, the other over the absolute Gaussian curvature.
-    int |K| dA does not depend on how sharp a tip is, so every tip gets its share at every sharpness
-    and no tip starves the rest; a sphere stays uniform.
+    One part of the vertices is distributed by area, the other by absolute Gaussian curvature.
+    int |K| dA over a tip does not depend on its sharpness, so every tip gets a fixed number of vertices
+    and none takes them from the rest; a sphere stays uniform.
     """
     K, _ = surface._curvatures(u)
-    return 1.0 + 0.1 * np.abs(K) * surface._radius**2  # vertices by curvature against one by area
+    return 1.0 + 0.1 * np.abs(K) * surface._radius**2  # weight of curvature relative to area
 
 
 def spread_directions(surface: Surface, square: Floats) -> Floats:
-    """Directions (n, 3) with the `vertex_density`, carried from points of the unit square (n, 2)."""
+    """Directions (n, 3) with the `vertex_density`, mapped from points of the unit square (n, 2)."""
 
     def density(u: Floats) -> Floats:
         return np.asarray(surface._area_density(u) * vertex_density(surface, u))

@@ -1,6 +1,6 @@
 """Triangulations of a closed-form surface, regular and irregular.
 
-Regular: spread points, connect them, relax them, keep the best. Irregular: blue noise, connected.
+Regular meshes: distribute, connect and relax points, and keep the best mesh. Irregular: connected blue noise.
 """
 
 from operator import index
@@ -19,24 +19,24 @@ from isoembed.meshing.touch_up import touch_up
 from isoembed.meshing.zone_mesh import zone_mesh
 
 MIN_VERTICES = 12  # of a triangulated surface
-LARGE = 20_000  # vertices: beyond them only those near bad angles move
-ANGLES = (38.0, 97.0)  # degrees between which relaxation stops
+LARGE = 20_000  # vertices: in larger meshes only those near bad angles move
+ANGLES = (38.0, 97.0)  # degrees: target range of the relaxation
 
 
 def _inward_faces(vertices: Floats, normals: Floats, faces: Indices) -> int:
-    """Number of triangles that look against the surface's own normals."""
+    """Number of triangles oriented opposite to the surface normals."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     outward = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals[faces].sum(axis=1))
     return int(np.count_nonzero(outward <= 0.0))
 
 
 def checked_count(name: str, value: SupportsIndex, least: int, most: float = np.inf) -> int:
-    """An integer between bounds.
+    """Validate an integer between bounds.
 
     Raises
     ------
     InvalidParameter
-        It is something else; the message says what.
+        The value is not an integer, or out of bounds.
     """
     try:
         n = index(value)
@@ -52,21 +52,21 @@ def checked_count(name: str, value: SupportsIndex, least: int, most: float = np.
 def triangulate(
     surface: Surface | ZoneSurface, n_vertices: SupportsIndex, *, irregular: SupportsIndex | None = None
 ) -> tuple[Floats, Indices]:
-    """Triangulate a surface with vertices that lie on it: nearly equilateral triangles, or irregular ones.
+    """Triangulate a surface, with vertices on it, by nearly equilateral or irregular triangles.
 
     Parameters
     ----------
     surface
-        Such as those of `isoembed.gallery`.
+        Surface, such as those of `isoembed.gallery`.
     n_vertices
         Exact number of vertices, at least 12.
     irregular
-        None for nearly equilateral triangles; a seed, an integer of at least 0, for irregular ones.
+        None for nearly equilateral triangles; a nonnegative integer seed for irregular ones.
 
     Returns
     -------
     vertices : (V, 3)
-        Points of the surface, denser where it is more curved if it is closed and of genus 0. Those on a
+        Points of the surface, on closed surfaces of genus 0 denser where it is more curved. Those on a
         boundary come first.
     faces : (F, 3)
         Triangles, oriented outward. The same input gives the same mesh.
@@ -74,19 +74,19 @@ def triangulate(
     Raises
     ------
     InvalidParameter
-        If ``n_vertices`` is not an integer of at least 12, or so few that all would be on the boundary, or
-        ``irregular`` not an integer of at least 0.
+        If ``n_vertices`` is not an integer of at least 12, or so small that all would be on the boundary, or
+        ``irregular`` is not a nonnegative integer.
 
     Notes
     -----
-    Regular: a Fibonacci lattice with the wanted density, connected by the convex hull of its directions and
-    Delaunay flips, is relaxed by Lloyd steps with flips in between, until all angles lie in 38-97 degrees or
-    for 100 sweeps; the mesh with the best angles of all sweeps is returned. Beyond 20,000 vertices only those
-    near angles outside of the window move. Irregular: blue noise of the same density (random points that
-    keep their distance), connected in the same way and left alone; its angles lie in about 15-135 degrees.
-    Surfaces with boundary, and tori, are triangulated in the same way, by `isoembed.meshing.zone`, with even
-    triangles between 35 and 100 degrees.
-    Where the vertices are too few for the surface's sharpest features either window may be missed.
+    Regular meshes: a Fibonacci lattice with the prescribed density, connected by the convex hull of its
+    directions and Delaunay flips, is relaxed by Lloyd steps alternating with flips, until all angles are in
+    38-97 degrees or for 100 sweeps; the mesh with the best angles is returned. Beyond 20,000 vertices only
+    those near angles outside of this range move. Irregular meshes: blue noise of the same density (random
+    points with a minimal distance), connected in the same way but not relaxed; angles are in about 15-135
+    degrees. Surfaces with boundary, and tori, are triangulated in the same way, by `isoembed.meshing.zone`,
+    with uniform density and angles between 35 and 100 degrees.
+    If the vertices are too few for the surface's sharpest features, either range may be missed.
     """
     n = checked_count("the number of vertices", n_vertices, MIN_VERTICES)
     seed = None if irregular is None else checked_count("the seed of an irregular mesh", irregular, 0)

@@ -11,7 +11,7 @@ from isoembed.meshing.surface import Surface, vertex_density
 GOOD, OUTSIDE, INWARD = 0, 1, 2
 
 
-PATIENCE = 200  # sweeps after which fewer triangles should be bad
+PATIENCE = 200  # sweeps without progress after which the relaxation ends
 
 
 def touch_up(
@@ -19,8 +19,8 @@ def touch_up(
 ) -> tuple[Floats, Indices]:
     """Directions (V, 3) and triangles (F, 3) after Lloyd steps and flips near angles outside a window.
 
-    The steps begin with a Delaunay triangulation of the directions u and end when all angles are between
-    those of the window (2,), in radians, or patience does; the mesh with the best angles is returned.
+    The iteration starts with a Delaunay triangulation of the directions u and ends when all angles are within
+    the window (2,), in radians, or after `PATIENCE` sweeps; the mesh with the best angles is returned.
     """
     u, faces, twin = u.copy(), faces.copy(), twin.copy()
     x, normals = surface._points(u), surface._normals(u)

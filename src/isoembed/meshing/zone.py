@@ -14,19 +14,19 @@ from isoembed.meshing.metric_relaxation import MetricMesh
 from isoembed.meshing.sphere import GOLDEN, angles_of, directions_at, fibonacci_lattice
 from isoembed.meshing.spreading import Cells, Zone
 
-ROWS = 256  # of cells, on which the wanted vertices are sampled
+ROWS = 256  # rows of cells on which the vertex density is sampled
 ALONG = 2048  # samples of the metric along a circle
-STRIP = np.sqrt(3.0) / 4.0  # width of the cells of vertices on a boundary, over the edge length
+STRIP = np.sqrt(3.0) / 4.0  # width of the Voronoi cells of vertices on a boundary, over the edge length
 
 
 def even_points(cells: Cells, k: int) -> Floats:
-    """Directions (k, 3) without chance, with the density of the cells."""
+    """Deterministic directions (k, 3) with the density of the cells."""
     return cells.spread(fibonacci_lattice(k))
 
 
 @dataclass(frozen=True, eq=False)
 class ZoneLayout:
-    """Places for the vertices of a triangulation of a zone in a metric.
+    """Distribution of the vertices of a triangulation of a zone in a metric.
 
     Attributes
     ----------
@@ -35,11 +35,11 @@ class ZoneLayout:
     tensor : callable
         Takes unit vectors (n, 3) and returns the metric (n, 3, 3) there.
     area : callable
-        Takes unit vectors (n, 3) and returns the area over that of the unit sphere (n,).
+        Takes unit vectors (n, 3) and returns the area element over that of the unit sphere (n,).
     density : callable
-        Takes unit vectors (n, 3) and returns the wanted vertices per area (n,), up to a factor.
+        Takes unit vectors (n, 3) and returns the prescribed vertices per area (n,), up to a factor.
     is_ring : bool
-        Whether the two circles are one curve of the surface, a torus.
+        Whether the two circles are identified, forming a torus.
     """
 
     zone: Zone
@@ -50,16 +50,16 @@ class ZoneLayout:
 
     @property
     def circles(self) -> tuple[float, ...]:
-        """The angles theta of the boundaries."""
+        """Angles theta of the boundaries."""
         return tuple(theta for theta in self.zone if 0.0 < theta < np.pi)
 
     def vertices(self, size: float) -> float:
-        """Number of vertices with edges of this length where the density is one."""
+        """Number of vertices for edges of this length at unit density."""
         whole, around = self._measures
         return float(2.0 / np.sqrt(3.0) * whole / size**2 + 0.5 * around / size + self._characteristic)
 
     def size(self, n: int) -> float:
-        """Length of edges where the density is one if there are n vertices: the inverse of `vertices`."""
+        """Edge length at unit density for n vertices: the inverse of `vertices`."""
         whole, around = self._measures
         a, b = 2.0 / np.sqrt(3.0) * whole, 0.5 * around
         inner = n - self._characteristic
@@ -71,17 +71,17 @@ class ZoneLayout:
         distances: Callable[[Floats, Floats], Floats],
         points: Callable[[Cells, int], Floats] = even_points,
     ) -> MetricMesh:
-        """Triangulation with n vertices in the zone, closed by cones, that is not yet relaxed.
+        """Unrelaxed triangulation with n vertices in the zone, closed by cones.
 
-        The vertices of a ring's second circle are those of the first, and are not counted.
+        The vertices of a ring's second circle coincide with those of the first, and are not counted.
 
         Parameters
         ----------
         n : int
         distances : callable
-            As of a `MetricMesh`.
+            As in `MetricMesh`.
         points : callable
-            Takes the wanted vertices on cells and a number k and returns k directions inside the zone.
+            Takes the density on cells and a number k and returns k directions inside the zone.
 
         Raises
         ------
@@ -89,7 +89,7 @@ class ZoneLayout:
             The boundaries alone need more vertices, or triangles would cross one.
         """
         size = self.size(n)
-        # In a narrow band vertices opposite to each other would make squares.
+        # In a narrow band, aligned vertices on both sides would form squares.
         turns = (0.0, 0.0 if self.is_ring else GOLDEN)
         rims = [self._rim(theta, size, turn) for theta, turn in zip(self.circles, turns, strict=False)]
         boundary = sum(map(len, rims))
@@ -109,23 +109,23 @@ class ZoneLayout:
 
     @property
     def _characteristic(self) -> int:
-        """Vertices less edges plus triangles."""
+        """Euler characteristic of the zone."""
         return 2 - len(self.circles)
 
     @cached_property
     def _measures(self) -> tuple[float, float]:
-        """Area and length of the boundaries where the density is one, as many vertices elsewhere."""
+        """Area, and length of the boundaries, scaled to unit density."""
         whole = self._wanted_cells.integral()
         boundaries = () if self.is_ring else self.circles
         return whole, sum(float(self._circle(theta)[1].mean()) * 2.0 * np.pi for theta in boundaries)
 
     @cached_property
     def _wanted_cells(self) -> Cells:
-        """The wanted vertices over the area of the unit sphere."""
+        """Prescribed vertices per area of the unit sphere."""
         return Cells.of(lambda u: self.area(u) * self.density(u), (ROWS, ROWS), zone=self.zone)
 
     def _circle(self, theta: float) -> Floats:
-        """Speeds (2, n) of theta and phi at even steps along a circle, in local edge lengths."""
+        """Speeds (2, n) of theta and phi at uniform steps along a circle, in local edge lengths."""
         phi = 2.0 * np.pi / ALONG * (np.arange(ALONG) + 0.5)
         cos, sin, zero = np.cos(phi), np.sin(phi), np.zeros(ALONG)
         u = directions_at(np.full(ALONG, np.cos(theta)), phi)
@@ -135,7 +135,7 @@ class ZoneLayout:
         return np.asarray(np.sqrt(np.einsum("ani,nij,anj->an", v, self.tensor(u), v) * self.density(u)))
 
     def _rim(self, theta: float, size: float, turn: float) -> Floats:
-        """Directions (k, 3) at even distances on a circle, turned by a part of such a distance."""
+        """Equidistant directions (k, 3) on a circle, shifted by a fraction of their distance."""
         along = np.concatenate([[0.0], np.cumsum(self._circle(theta)[1])])
         count = max(3, round(2.0 * np.pi * float(along[-1]) / ALONG / size))
         fractions = (np.arange(count) + turn % 1.0) / count
@@ -143,7 +143,7 @@ class ZoneLayout:
         return directions_at(np.full(count, np.cos(theta)), phi)
 
     def _inside(self, u: Floats, size: float) -> Floats:
-        """Directions (k, 3) of the zone, moved out of the cells of the vertices on its boundaries."""
+        """Directions (k, 3) in the zone, moved out of the Voronoi cells of vertices on its boundaries."""
         start, stop = self.zone
         theta, phi = angles_of(u)
         widths = np.zeros((2, len(u)))
@@ -151,7 +151,7 @@ class ZoneLayout:
             if end in self.circles:
                 at = 2.0 * np.pi / ALONG * (np.arange(ALONG) + 0.5)
                 width[:] = STRIP * size / np.interp(phi, at, self._circle(end)[0], period=2.0 * np.pi)
-        # Half of a band is left where it is as narrow as a triangle.
+        # At least half of the width remains in bands as narrow as a triangle.
         widths *= np.minimum(1.0, 0.5 * (stop - start) / np.maximum(widths.sum(axis=0), 1e-300))
         before, after = widths
         theta = start + before + (theta - start) * (1.0 - (before + after) / (stop - start))

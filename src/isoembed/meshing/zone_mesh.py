@@ -10,7 +10,7 @@ from isoembed.meshing.zone import ZoneLayout, even_points
 
 
 def zone_mesh(surface: ZoneSurface, n: int, seed: int | None) -> tuple[Floats, Indices]:
-    """Vertices (n, 3) on a surface and triangles (F, 3), nearly equilateral, or irregular with a seed."""
+    """Vertices (n, 3) on a surface and triangles (F, 3): nearly equilateral, or irregular with a seed."""
 
     def distances(start: Floats, end: Floats) -> Floats:
         return np.asarray(np.linalg.norm(surface._points(end) - surface._points(start), axis=1))

@@ -1,11 +1,11 @@
 """Discrete conformal map of a polyhedral metric to the unit sphere.
 
 Two metrics on one triangulation are discretely conformally equivalent if their lengths differ by a factor
-``e^{(u_a + u_b) / 2}`` an edge; on the sphere and in the hyperbolic plane it is the chords ``2 sn(l / 2)``
-that differ by it, and these count here instead of the lengths.  One vertex is removed and the rest flattened
-into the plane, which is a convex problem in u; stereographic projection back is again an equivalence; a
-Moebius map centers the result.  The chords of the layout are then the lengths of an equivalent metric that is
-embedded, exactly.
+``e^{(u_a + u_b) / 2}`` per edge; on the sphere and in the hyperbolic plane this holds for the chords
+``2 sn(l / 2)``, which replace the lengths here.  One vertex is removed and the rest flattened into the plane,
+a convex problem in u; stereographic projection back is also a conformal equivalence; a Moebius transformation
+centers the result.  The chords of the layout are then the lengths of an equivalent metric with an exact
+embedding.
 
 References
 ----------
@@ -34,15 +34,15 @@ from isoembed.progress.stages import StageRecorder
 
 @dataclass(frozen=True)
 class ConformalSphere:
-    """A layout on the unit sphere.
+    """Layout on the unit sphere.
 
     Attributes
     ----------
     points : ndarray, shape (V, 3)
-        On the unit sphere, centered: the mean over the metric's area vanishes.
+        Points on the unit sphere, centered: their area-weighted mean vanishes.
     exact : bool
-        Whether it is discretely conformal.  Where it is not (triangles that had to be flipped could not),
-        Tutte's embedding stands in.
+        Whether the layout is discretely conformal.  If not (required flips were impossible), it is Tutte's
+        embedding.
     """
 
     points: Floats
@@ -55,9 +55,9 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
     Parameters
     ----------
     metric : PolyhedralMetric
-        Best on Delaunay triangles: see `isoembed.metric.delaunay.delaunay`.
+        Preferably on a Delaunay triangulation: see `isoembed.metric.delaunay.delaunay`.
     recorder : StageRecorder
-        Counts the Newton steps and their factorizations.
+        Counter of Newton steps and factorizations.
 
     Returns
     -------
@@ -70,8 +70,7 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
     """
     metric.triangulation.check_sphere()
     triangulation, lengths = metric.triangulation, _chords(metric.normalized)
-    # The star of the pole is never flipped; where that keeps triangles broken, another pole may do.
-    # vertices that are taken to infinity, in turn
+    # The star of the pole is never flipped; if that leaves triangles broken, other poles are tried.
     for pole in np.argsort(-triangulation.degrees, kind="stable")[:5]:
         plane = _Plane(triangulation, lengths, int(pole), recorder.work)
         plane, u, exact = _flattened(plane, plane.start(), recorder)
@@ -81,14 +80,14 @@ def conformal_sphere(metric: PolyhedralMetric, recorder: StageRecorder) -> Confo
     if exact:
         x = _centered(_projected(plane.lay_out(u), plane.pole), weights)
         a, b = metric.edges.T
-        # A metric so long and thin that neighbors meet on the sphere within rounding has no layout either.
-        if (np.linalg.norm(x[a] - x[b], axis=1) > 1e-12).all():  # neighbors do not coincide
+        # Metrics so long and thin that neighbors coincide on the sphere within rounding have no layout.
+        if (np.linalg.norm(x[a] - x[b], axis=1) > 1e-12).all():  # neighbors are distinct
             return ConformalSphere(x, True)
     return ConformalSphere(_centered(_projected(plane.tutte(), plane.pole), weights), False)
 
 
 def _projected(z: Points, pole: int) -> Floats:
-    """Points of the plane on the unit sphere, the pole at infinity: stereographic projection."""
+    """Stereographic projection of points from the plane to the unit sphere, with the pole at infinity."""
     others = np.delete(z, pole)
     z = z - np.median(others.real) - 1j * np.median(others.imag)
     z /= np.median(np.abs(np.delete(z, pole)))
@@ -99,14 +98,14 @@ def _projected(z: Points, pole: int) -> Floats:
 
 
 def conformal_factors(metric: PolyhedralMetric, sphere: ConformalSphere) -> Floats:
-    """The u_a of ``|x_a - x_b| = l_ab e^{(u_a + u_b) / 2}``, shape (V,), averaged over the corners at a.
+    """Factors u_a of ``|x_a - x_b| = l_ab e^{(u_a + u_b) / 2}``, shape (V,), averaged over the corners at a.
 
     On the sphere and in the hyperbolic plane l_ab is the chord.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        With lengths of order 1.
+        Metric with lengths of order 1.
     sphere : ConformalSphere
     """
     a, b = metric.edges.T
@@ -121,7 +120,7 @@ def _chords(metric: PolyhedralMetric) -> Floats:
 
 
 class _Plane:
-    """The metric without its pole, to be flattened: unknowns u at the vertices off the pole's star."""
+    """Metric without its pole, to be flattened: unknowns u at the vertices outside the pole's star."""
 
     def __init__(
         self,
@@ -139,7 +138,7 @@ class _Plane:
         spokes = np.flatnonzero((triangulation.edges == pole).any(axis=1))
         rim = triangulation.edges[spokes].sum(axis=1) - pole
         self.ring = _ring(triangulation, pole)
-        # With this u all spokes have one length: the pole goes to infinity.
+        # With this u all spokes have the same length: the pole goes to infinity.
         self.rim_u = np.zeros(n)
         self.rim_u[rim] = -2 * np.log(self.lengths[spokes])
         self.inner = np.setdiff1d(np.arange(n), np.append(rim, pole))
@@ -157,9 +156,9 @@ class _Plane:
         self._edge = triangulation.edge_indices(np.column_stack([self._row, self.inner[column]]))
 
     def measure(self, u: Floats) -> tuple[Floats, Floats, Floats, bool]:
-        """Angle sums (V,), weights (E,) of half the Laplacian, lengths (E,), and whether triangles break.
+        """Angle sums (V,), cotangent weights (E,), lengths (E,), and whether triangles are broken.
 
-        A triangle whose inequality is broken has the angles pi, 0, 0, which keeps the problem convex.
+        A triangle that violates the triangle inequality has the angles pi, 0, 0: the problem stays convex.
         """
         a, b = self.triangulation.edges.T
         lengths = self.lengths * np.exp((u[a] + u[b]) / 2)
@@ -178,7 +177,7 @@ class _Plane:
         return sums, weights, lengths, bool(broken.any())
 
     def solve(self, weights: Floats, right: Floats, boundary: Floats) -> Floats:
-        """Solve ``L y = right`` for y (V, k), L with these weights, y given on the ring."""
+        """Solve ``L y = right`` for y (V, k), with the weighted Laplacian L and y given on the ring."""
         edges = self.triangulation.edges
         n = self.triangulation.n_vertices
         a, b = edges.T
@@ -196,7 +195,7 @@ class _Plane:
         return y
 
     def start(self) -> Floats:
-        """The u of the smooth problem, one Poisson equation, unless it breaks triangles; else 0."""
+        """Initial u from the linearized (Poisson) equation, or 0 if it breaks triangles."""
         if len(self.inner) == 0:
             return self.rim_u
         sums, weights, _, _ = self.measure(np.zeros(self.triangulation.n_vertices))
@@ -204,14 +203,14 @@ class _Plane:
             u = self.solve(weights, (sums - 2 * np.pi)[:, None], self.rim_u[:, None])[:, 0]
         except SingularMatrix:  # needles
             return self.rim_u
-        # larger factors: the metric has no place on the sphere
+        # larger factors do not fit on the sphere
         return u if np.abs(u).max() < 40.0 and not self.measure(u)[3] else self.rim_u
 
     def whole(self, u: Floats) -> tuple[_Plane, tuple[Floats, Floats, Floats, bool]]:
-        """Copy of the conformal class on triangles that u does not break, and its measures.
+        """Conformal class on triangles that are not broken at u, and its measures.
 
-        Where it does, triangles that are Delaunay at u take their place, by Ptolemy's flips.  From then on
-        they are kept Delaunay: only then does the layout not depend on which edges were flipped.
+        Broken triangles are replaced by Delaunay triangles at u, by Ptolemaic flips.  From then on they are
+        kept Delaunay: otherwise the layout would depend on the choice of flipped edges.
         """
         measures = self.measure(u)
         if not measures[3] and not self.flipped:
@@ -227,7 +226,7 @@ class _Plane:
         return plane, plane.measure(u)
 
     def lay_out(self, u: Floats) -> Points:
-        """Place the ring by its lengths and angles, the rest by harmonic functions, as coordinates are."""
+        """Lay out the ring by its lengths and angles, and the other vertices by harmonic extension."""
         sums, weights, lengths, _ = self.measure(u)
         sides = self.triangulation.edge_indices(np.column_stack([self.ring, np.roll(self.ring, -1)]))
         direction = np.cumsum(np.pi - sums[self.ring])
@@ -235,7 +234,7 @@ class _Plane:
         return self._extended(np.concatenate([[0], np.cumsum(steps)[:-1]]), weights)
 
     def tutte(self) -> Points:
-        """Place every vertex at the mean of its neighbors within a regular polygon: valid for any lengths."""
+        """Tutte embedding in a regular polygon, vertices at means of their neighbors, for any lengths."""
         corners = np.exp(2j * np.pi * np.arange(len(self.ring)) / len(self.ring))
         return self._extended(corners, np.ones(self.triangulation.n_edges))
 
@@ -248,10 +247,10 @@ class _Plane:
 
 
 def _flattened(plane: _Plane, u: Floats, recorder: StageRecorder) -> tuple[_Plane, Floats, bool]:
-    """Newton on the convex energy whose gradient is ``2 pi - (angle sum)``: flat where it vanishes.
+    """Minimize the convex energy with gradient ``2 pi - (angle sum)`` by Newton's method.
 
-    Returns the plane, whose triangles may have been flipped on the way, u, and whether the surface is flat
-    with all triangles whole.
+    Returns the plane, possibly with flipped triangles, u, and whether the surface is flat without broken
+    triangles.
     """
     inner, zero = plane.inner, np.zeros((len(u), 1))
     plane, (sums, weights, _, broken) = plane.whole(u)
@@ -259,18 +258,18 @@ def _flattened(plane: _Plane, u: Floats, recorder: StageRecorder) -> tuple[_Plan
         g = np.zeros(len(u))
         g[inner] = 2 * np.pi - sums[inner]
         recorder.show(residual=float(np.abs(g).max()))
-        if np.abs(g).max() < 1e-10:  # the deficits are rounding
+        if np.abs(g).max() < 1e-10:  # deficits within rounding
             return plane, u, not broken
-        if broken:  # straight triangles have no second derivative: keep the matrix definite
-            weights = weights + 1e-3  # of straight triangles, whose cotangents vanish
+        if broken:  # degenerate triangles have no second derivative: keep the matrix definite
+            weights = weights + 1e-3  # degenerate triangles have zero cotangents
         try:
             step = plane.solve(weights, -g[:, None], zero)[:, 0]
         except SingularMatrix:  # needles
             return plane, u, False
         recorder.iterations += 1
-        # a Newton step changes no factor by more than e^2
+        # a Newton step changes each factor by at most e^2
         slope, s = step @ g, min(1.0, 2.0 / np.abs(step).max())
-        while True:  # a convex function has decreased where its slope has not turned around
+        while True:  # a convex function decreases as long as its slope is negative
             trial, (sums, weights, _, broken) = plane.whole(u + s * step)
             if step[inner] @ (2 * np.pi - sums[inner]) <= 0.9 * abs(slope):
                 break
@@ -282,7 +281,7 @@ def _flattened(plane: _Plane, u: Floats, recorder: StageRecorder) -> tuple[_Plan
 
 
 def _ring(triangulation: Triangulation, pole: int) -> Indices:
-    """The neighbors of the pole, in order, counterclockwise as seen from the rest of the surface."""
+    """Neighbors of the pole, counterclockwise as seen from the rest of the surface."""
     f, c = np.nonzero(triangulation.faces == pole)
     faces = triangulation.faces
     before = dict(zip(faces[f, (c + 2) % 3].tolist(), faces[f, (c + 1) % 3].tolist(), strict=True))
@@ -299,14 +298,14 @@ def _vertex_weights(metric: PolyhedralMetric) -> Floats:
 
 
 def _centered(x: Floats, weights: Floats) -> Floats:
-    """Move points on the sphere by a Moebius map until their weighted mean vanishes.
+    """Center points on the sphere by a Moebius transformation, so that their weighted mean vanishes.
 
-    Newton's method on boosts: the center is the minimum of a convex function on hyperbolic space
-    (Springborn, A unique representation of polyhedral types, 2005).
+    Newton's method on boosts: the center minimizes a convex function on hyperbolic space (Springborn, A
+    unique representation of polyhedral types, 2005).
     """
     for _ in range(100):
         mean = weights @ x
-        if np.linalg.norm(mean) < 1e-12:  # the mean is at the center
+        if np.linalg.norm(mean) < 1e-12:  # the points are centered
             break
         rapidity = -np.linalg.solve(np.eye(3) - (weights[:, None] * x).T @ x, mean)
         size = float(np.linalg.norm(rapidity))

@@ -1,4 +1,4 @@
-"""Convexity check of a metric: non-negative angle deficits, up to rounding or noise."""
+"""Convexity check of a metric: nonnegative angle deficits, up to rounding or noise."""
 
 from functools import reduce
 from typing import cast
@@ -11,22 +11,22 @@ from isoembed.metric.triangle_metric import TriangleMetric
 from isoembed.metric.triangles import Triangles
 from isoembed.thresholds import rounded_up
 
-ROUNDINGS = 64  # machine epsilons of error in a length, from a few steps before
-MIN_NOISE = 1e-12  # radians: flips round more than triangles show
-MAX_NOISE = 1e-6  # radians: slivers hide no more
-HARDLY_NOISE = 0.1  # radians: a deficit farther below zero is hardly noise
-DEVIATIONS = 6.0  # standard deviations that errors of coordinates do not exceed
-GAP = 30.0  # deficits of so many times the noise are no noise
+ROUNDINGS = 64  # error of a length from preceding computations, in machine epsilons
+MIN_NOISE = 1e-12  # radians: rounding by flips may exceed the estimate from the triangles
+MAX_NOISE = 1e-6  # radians: upper limit for slivers
+HARDLY_NOISE = 0.1  # radians: more negative deficits are unlikely to be noise
+DEVIATIONS = 6.0  # bound on errors of coordinates, in standard deviations
+GAP = 30.0  # deficits larger than the noise by this factor are significant
 
 
 def deficit_rounding(metric: TriangleMetric) -> Floats:
     """Bounds on the effect of rounded lengths on the deficits, shape (V,), radians.
 
-    An angle moves by ``l dl / (2 A)`` or less when a side of its triangle, l or shorter, moves by dl; on the
-    sphere and in the hyperbolic plane by ``sn l dl`` over the amplitude.
+    With longest side l, a change dl of one side of a triangle changes its angles by at most ``l dl / (2 A)``;
+    on the sphere and in the hyperbolic plane by ``sn l dl`` over the amplitude.
     """
     triangles = metric.triangles
-    # Three columns are compared in a fifth of the time of rows of three.
+    # Columns are compared five times faster than rows of three.
     longest, sine = (reduce(np.maximum, sides.T) for sides in (triangles.opposite, triangles.sines))
     slenderness = longest * sine / triangles.amplitudes
     at_corners = np.repeat(ROUNDINGS * np.finfo(np.float64).eps * slenderness, 3)
@@ -36,8 +36,8 @@ def deficit_rounding(metric: TriangleMetric) -> Floats:
 def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices, curvature: float = 0.0) -> Floats:
     """Effect of errors of the lengths on the deficits, shape (V,), radians.
 
-    For independent errors of one mean edge length, root mean square; to first order, so for smaller ones they
-    are in proportion.  Errors of rounded coordinates fit to one another and put most deficits off by less.
+    First-order standard deviations for independent errors of one mean edge length, to be scaled for smaller
+    ones.  Errors due to rounded coordinates are correlated and have a smaller effect on most deficits.
 
     Parameters
     ----------
@@ -45,15 +45,15 @@ def deficit_spread(faces: Indices, face_lengths: Floats, twins: Indices, curvatu
     face_lengths : ndarray, shape (F, 3)
         Length of each half-edge.
     twins : ndarray of int, shape (3F,)
-        The half-edge on the other side of each, -1 on a boundary.
+        Twin of each half-edge, -1 on a boundary.
     curvature : float
-        Of the triangles.
+        Gaussian curvature of the triangles.
     """
     triangles = Triangles.of(face_lengths, curvature)
     lengths, sines = np.roll(triangles.opposite, 1, axis=1), np.roll(triangles.sines, 1, axis=1)
     cotangents = triangles.cotangents
-    # The angle between b and c, across from a, grows by da a / (2 A) - db cot(a, b) / b - dc cot(a, c) / c,
-    # with the sines of the sides in their place, and the amplitude in that of 2 A.
+    # The angle between b and c, opposite to a, grows by da a / (2 A) - db cot(a, b) / b - dc cot(a, c) / c,
+    # with sines of the sides instead of the sides, and the amplitude instead of 2 A.
     across = triangles.sines / triangles.amplitudes[:, None]
     at_start, at_end = np.roll(cotangents, -1, axis=1) / sines, cotangents / sines
     bounded = twins < 0
@@ -71,15 +71,15 @@ def check_convex(deficits: Floats, rounding: Floats | float, doubt: tuple[str, F
     ----------
     deficits : ndarray, shape (V,)
     rounding : ndarray, shape (V,), or float
-        Radians by which a deficit may be negative.
+        Tolerance of negative deficits, in radians.
     doubt : str and ndarray, shape (V,), optional
-        What the coordinates were rounded to, and by how much that puts the deficits off, root mean square:
-        the sentence says whether it explains them.
+        Precision of rounded coordinates, and its root mean square effect on the deficits; the message states
+        whether it explains negative ones.
 
     Raises
     ------
     InvalidMetric
-        Naming the vertex where the deficit is most negative.
+        A deficit is negative; the message names the vertex with the most negative one.
     """
     negative = deficits < -rounding
     if negative.any():
@@ -98,11 +98,11 @@ def check_convex(deficits: Floats, rounding: Floats | float, doubt: tuple[str, F
 
 
 def largest_noise(deficits: Floats) -> float:
-    """The largest deficit, radians, that noise may have left, by the most negative one.
+    """Largest deficit, in radians, attributable to noise, estimated from the most negative one.
 
-    Errors of lengths move curvature between neighbors, so that they leave deficits of both signs where there
-    should be none.  In Gaussian noise of one size the largest of a thousand deficits is seldom twice the size
-    of the most negative; vertices of slender triangles are off by more: hence a factor of 10.
+    Errors of lengths move curvature between neighbors, causing deficits of both signs at flat vertices.  In
+    uniform Gaussian noise the largest of a thousand deficits is seldom twice the size of the most negative;
+    vertices of slender triangles have larger errors: hence a factor of 10.
     """
     return 10.0 * max(-float(deficits.min()), 0.0)
 
@@ -117,8 +117,8 @@ def noise_level(deficits: Floats) -> float:
     Returns
     -------
     float
-        Radians.  The size below the widest gap, relative, between those of deficits, if by `largest_noise`
-        it may be noise; where there is no gap, that of the most negative one, or 0 if none is negative.
+        Radians.  The absolute deficit below the widest relative gap in their sorted values, if it may be
+        noise by `largest_noise`; if there is no gap, that of the most negative one, or 0 if none is negative.
     """
     lowest, most = max(-float(deficits.min()), 0.0), largest_noise(deficits)
     sizes = np.sort(np.abs(deficits[np.abs(deficits) > MIN_NOISE]))
@@ -130,13 +130,13 @@ def noise_level(deficits: Floats) -> float:
 
 
 def repair_level(deficits: Floats, least: Floats | float) -> float | None:
-    """The noise, radians, that a repair may take away where no polyhedron was found; None if there is none.
+    """Noise, in radians, that a repair may remove if no polyhedron was found; None if there is none.
 
     Parameters
     ----------
     deficits : ndarray, shape (V,)
     least : ndarray, shape (V,), or float
-        Those that are smaller have been taken for zero.
+        Smaller deficits were already treated as zero.
     """
     level = noise_level(deficits)
     small = (np.abs(deficits) > least) & (np.abs(deficits) <= level)
@@ -144,7 +144,7 @@ def repair_level(deficits: Floats, least: Floats | float) -> float | None:
 
 
 def _explanation(deficits: Floats, doubt: tuple[str, Floats] | None) -> str:
-    """Whether the precision of the coordinates explains negative deficits."""
+    """Clause stating whether the precision of the coordinates explains negative deficits."""
     if doubt is None:
         return ""
     name, spread = doubt

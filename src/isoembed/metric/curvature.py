@@ -16,7 +16,7 @@ def corner_angles(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (F, 3)
-        At each corner, radians.
+        Angle at each corner, in radians.
     """
     return metric.triangles.angles
 
@@ -27,14 +27,14 @@ def face_areas(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (F,)
-        In the unit of the lengths, squared.
+        Areas, in the unit of the lengths squared.
     """
     triangles = metric.triangles
     return triangles.areas * triangles.unit * triangles.unit
 
 
 def area(metric: PolyhedralMetric) -> float:
-    """Area of the surface, in the unit of the lengths, squared."""
+    """Area of the surface, in the unit of the lengths squared."""
     return metric.area
 
 
@@ -44,26 +44,26 @@ def deficits(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (V,)
-        Radians; see `PolyhedralMetric.deficits`.
+        Deficits in radians; see `PolyhedralMetric.deficits`.
     """
     return metric.deficits.copy()
 
 
 def negative_deficits(metric: PolyhedralMetric) -> Mask:
-    """Vertices whose deficit is below -1e-9 radians, shape (V,): there the metric is not convex."""
+    """Vertices with a deficit below -1e-9 radians, shape (V,), where the metric is not convex."""
     return deficits(metric) < -ANGLE_ROUNDING
 
 
 def dual_areas(metric: PolyhedralMetric) -> Floats:
     """Circumcentric (Voronoi) dual areas ``A*_a``; they sum to the area.
 
-    Signed: beyond an obtuse angle a triangle's share may be negative, which is harmless as long as a
-    vertex's sum is positive.
+    They are signed: in obtuse triangles a contribution may be negative, which is harmless as long as the sum
+    at the vertex is positive.
 
     Returns
     -------
     ndarray, shape (V,)
-        In the unit of the lengths, squared.
+        Dual areas, in the unit of the lengths squared.
     """
     triangles = metric.triangles
     duals = cast(Floats, np.bincount(metric.faces.ravel(), triangles.kites.ravel()))
@@ -76,8 +76,8 @@ def gaussian_curvature(metric: PolyhedralMetric) -> Floats:
     Returns
     -------
     ndarray, shape (V,)
-        In the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.  NaN on a
-        boundary, where the deficit is the exterior angle of the boundary.
+        Curvature, in the unit of the lengths to the power -2.  Meaningful where `dual_areas` is positive.
+        NaN on a boundary, where the deficit is the exterior angle of the boundary.
     """
     normalized = metric.normalized
     turned = np.where(metric.triangulation.boundary_vertices, np.nan, deficits(normalized))

@@ -13,14 +13,14 @@ from isoembed.space import Space
 
 
 def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
-    """Flip edges until the angles across every edge sum to at most pi.
+    """Flip edges until the two angles opposite to every edge sum to at most pi.
 
-    On the sphere and in the hyperbolic plane they sum to no more than the other four angles beside the edge:
-    no vertex is inside the circle through the corners of a triangle next to it.
-    The vertices and the distances on the surface stay; an edge is replaced by the straight line across its
-    two triangles unfolded.  An edge is left alone where the new one would join vertices that are joined
-    already: the result is a triangulation in which two vertices share at most one edge, and so may miss
-    being Delaunay on surfaces with long thin ends.
+    On the sphere and in the hyperbolic plane, their sum is at most that of the other four angles beside the
+    edge: no vertex is inside the circumcircle of an adjacent triangle.
+    The vertices and the distances on the surface are unchanged; an edge is replaced by the other diagonal of
+    its two unfolded triangles.  Flips that would create multiple edges are omitted: the result is a
+    triangulation in which two vertices share at most one edge, and may fail to be Delaunay on surfaces with
+    long thin ends.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
     Returns
     -------
     PolyhedralMetric
-        `metric` itself if nothing is to be flipped, or if rounding would break a flipped triangle.
+        `metric` itself if no flip is needed, or if rounding would break a flipped triangle.
 
     References
     ----------
@@ -49,21 +49,21 @@ def delaunay(metric: PolyhedralMetric) -> PolyhedralMetric:
 def ideal_delaunay(triangulation: Triangulation, lengths: Floats, fixed: int) -> tuple[Triangulation, Floats]:
     """Flip edges to Delaunay by Ptolemy's relation, which commutes with conformal change.
 
-    The lengths need not obey the triangle inequality: they stand for a decorated ideal hyperbolic
-    polyhedron (Penner), and do obey it once no edge is left to flip.
+    The lengths may violate the triangle inequality: they represent a decorated ideal hyperbolic polyhedron
+    (Penner), and satisfy the inequality when all edges are Delaunay.
 
     Parameters
     ----------
     triangulation : Triangulation
     lengths : ndarray, shape (E,)
-        On the sphere and in the hyperbolic plane the chords, ``2 sn(l / 2)``.
+        Lengths; on the sphere and in the hyperbolic plane the chords, ``2 sn(l / 2)``.
     fixed : int
-        A vertex whose star is left alone.
+        Vertex with a fixed star.
 
     Returns
     -------
     Triangulation, ndarray
-        The arguments themselves if nothing is to be flipped.
+        The arguments themselves if no flip is needed.
 
     References
     ----------
@@ -79,7 +79,7 @@ def _flipped(
     fixed: int,
     curvature: float,
 ) -> tuple[Triangulation, Floats]:
-    """Flip edges until ``cos(alpha) + cos(alpha') >= 0`` across every edge whose flip is possible."""
+    """Flip edges until ``cos(alpha) + cos(alpha') >= 0`` at every edge that can be flipped."""
     l = Space(curvature).chord(lengths)[triangulation.face_edges]
     a, b = np.roll(l, -1, axis=1), np.roll(l, -2, axis=1)
     cosines = (b / a + a / b - l * l / (b * a)).ravel()

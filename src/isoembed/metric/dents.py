@@ -1,10 +1,10 @@
-"""Dents of a metric: patches that can be reflected without change of the lengths.
+"""Dents of a metric: patches that can be reflected without changing the lengths.
 
-A plane that is tangent to a surface of revolution along a circle cuts off a patch; reflected in the plane, it
-has the same metric and fits as smoothly as before, up to the sign of the curvature across the circle.  A dent
+A plane tangent to a surface of revolution along a circle cuts off a patch; reflected in the plane, it has the
+same metric and fits as smoothly as before, up to the sign of the normal curvature across the circle.  A dent
 is such a patch: a cap with K > 0 and a ring with K < 0 around it.  The circle is the outer boundary of the
-ring, and as its normals are parallel, the total curvature of the patch vanishes.  It nearly does on surfaces
-that have no symmetry.
+ring, and as its normals are parallel, the total curvature of the patch vanishes.  On surfaces without
+symmetry this holds approximately.
 """
 
 import numpy as np
@@ -16,11 +16,11 @@ from isoembed.mesh.components import connected_parts
 from isoembed.metric.curvature import deficits, face_areas, negative_deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 
-MIN_PATCH = 4  # vertices: smaller patches are for the search for nearby realizations
+MIN_PATCH = 4  # vertices: smaller patches are left to the search for nearby realizations
 
 
 def dents(metric: PolyhedralMetric) -> list[Mask]:
-    """Patches that are dents, or the reflections of dents.
+    """Patches that are dents or reflections of dents.
 
     Parameters
     ----------
@@ -29,8 +29,7 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
     Returns
     -------
     list of ndarray of bool, shape (V,)
-        The vertices inside of the rim of each, no vertex in two of them; the patch with the most curvature
-        on its cap comes first.
+        Vertices inside the rim of each patch, disjoint; sorted by decreasing total curvature of the caps.
 
     Raises
     ------
@@ -43,7 +42,7 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
         return []
     curvature, adjacency = deficits(metric), metric.triangulation.adjacency
     area = np.bincount(metric.faces.ravel(), np.repeat(face_areas(metric), 3))
-    # Gaps of an edge or two in the rings are closed: about irregular triangles deficits are noisy.
+    # Gaps of an edge or two in the rings are closed: on irregular triangulations deficits are noisy.
     ring = ~_grown(adjacency, ~_grown(adjacency, negative)) | negative
     outside = connected_parts(adjacency, ~ring)
     if not outside:
@@ -60,10 +59,10 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
             continue
         is_dent = _vanishes(curvature[region].sum(), totals.sum())
         if is_dent:
-            plain = np.flatnonzero(totals > 0.3 * totals.max())  # caps of less curvature are noise
-        else:  # it may be one that has grown together with something else, such as a horn
+            plain = np.flatnonzero(totals > 0.3 * totals.max())  # caps with less curvature are noise
+        else:  # it may be merged with another feature, such as a horn
             plain = np.flatnonzero([len(cap) >= MIN_PATCH for cap in caps])
-            if not 1 < len(plain) <= 3:  # rough bodies have more caps
+            if not 1 < len(plain) <= 3:  # rough surfaces have more caps
                 continue
         patches = [inside]
         if len(plain) > 1:
@@ -75,25 +74,25 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
             if is_dent or _vanishes(curvature[patch].sum(), totals[k])
         ]
     found.sort(key=lambda pair: -pair[0])
-    # caps of less curvature, in radians, are noise
+    # caps with less curvature, in radians, are noise
     return [patch for cap, patch in found if cap > 3e-3 and patch.sum() >= MIN_PATCH]
 
 
 def _vanishes(total: float, caps: float) -> bool:
-    """Whether a patch has the total curvature of a dent, given that of its caps."""
-    least, most = np.multiply((-0.5, 0.2), caps)  # of a ring with its caps, over that of the caps
+    """Whether the total curvature of a patch is that of a dent, given that of its caps."""
+    least, most = np.multiply((-0.5, 0.2), caps)  # range of the total curvature relative to the caps
     return bool(least <= total <= most)
 
 
 def _grown(adjacency: csr_array, mask: Mask) -> Mask:
-    """The vertices and their neighbors."""
+    """Vertices and their neighbors."""
     return mask | (adjacency @ mask.astype(np.float64) > 0)
 
 
 def _shared(metric: PolyhedralMetric, region: Mask, caps: list[Indices]) -> list[Mask]:
-    """Rings that have grown together, shared among their caps.
+    """Split merged rings among their caps.
 
-    A vertex is with the nearest cap, and as far away from it as makes the total curvature least.
+    Vertices are assigned to the nearest cap, up to the distance that minimizes the total curvature.
     """
     n, curvature = len(region), deficits(metric)
     a, b = metric.edges.T
@@ -112,5 +111,5 @@ def _shared(metric: PolyhedralMetric, region: Mask, caps: list[Indices]) -> list
 
 
 def _distances(lengths: csr_array, sources: Indices) -> Floats:
-    """Distances along edges from the nearest of some vertices."""
+    """Distances along edges to the nearest of the source vertices."""
     return np.asarray(dijkstra(lengths, directed=False, indices=sources, min_only=True))

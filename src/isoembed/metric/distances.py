@@ -7,15 +7,15 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.metric.triangle_checks import first_broken
 from isoembed.space import Space
 
-ROUNDING = 8 * 2.0**-52  # of heights and of sums of sides, in largest coordinates
-MARGIN = 4 * 2.0**-52  # relative: the longest side is then below the sum of the others
+ROUNDING = 8 * 2.0**-52  # error of heights and of sums of sides, in largest coordinates
+MARGIN = 4 * 2.0**-52  # relative: keeps the longest side below the sum of the others
 
 
 def lengths_between(triangulation: Triangulation, points: Floats, space: Space) -> Floats:
-    """Lengths of edges between points of size 1, (E,), rounded so that no triangle with a height loses it.
+    """Lengths of edges between points of size 1, (E,), rounded so that triangles with area do not degenerate.
 
-    Two sides of a triangle that is 1e-8 of its longest high are as long as that, in floats: the longest is
-    rounded down.
+    If the height of a triangle is 1e-8 of its longest side, the sum of the other two equals it in floats: the
+    longest side is then rounded down.
     """
     t = triangulation
     if space.is_euclidean:
@@ -24,7 +24,7 @@ def lengths_between(triangulation: Triangulation, points: Floats, space: Space) 
         lengths = space.distances(*np.moveaxis(points[t.edges], 1, 0))
     if first_broken(t.face_edges, lengths, MARGIN / 2) < 0:
         return lengths
-    for _ in range(50):  # the side of one may be the longest of another
+    for _ in range(50):  # shortened sides may be short sides of other triangles
         sides = lengths[t.face_edges]
         longest = sides.argmax(axis=1)
         least, middle, most = np.sort(sides, axis=1).T

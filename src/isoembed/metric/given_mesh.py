@@ -23,7 +23,7 @@ from isoembed.thresholds import rounded_up, threshold
 
 @dataclass(frozen=True)
 class MergingThresholds:
-    """Thresholds of vertices that coincide."""
+    """Thresholds for coincident vertices."""
 
     usual: float = threshold(
         1e-5, "mean edge lengths", "Distance within which vertices coincide: rounding in single precision."
@@ -44,36 +44,36 @@ def triangle_mesh(
     repeated: bool = False,
     error: float = 0.0,
 ) -> tuple[Floats, Indices]:
-    """Points and triangles of a mesh; what is done to it is said by a `MeshNote`.
+    """Points and triangles of a mesh; changes are reported by a `MeshNote`.
 
     Parameters
     ----------
     vertices : array_like of float, shape (V, n)
     faces : array_like of int, shape (F, 3), or polygons of any sizes in space
-        Polygons are cut into triangles; those that are not planar are said.
+        Polygons are cut into triangles; nonplanar ones are reported.
     merge : float, optional
-        Vertices as near as this, in mean edge lengths, become the first of them; at 0 those that are equal.
-        Faces that then are edges or points are left out.  Above 0, sides that only one face has are split at
-        vertices as near to them.
+        Vertices within this distance, in mean edge lengths, are merged into the first of them; at 0, equal
+        ones.  Faces that degenerate to edges or points are removed.  Above 0, sides of only one face are
+        split at vertices within this distance.
     space : Space
-        Where the vertices are points: polygons are cut along its straight lines.
+        Space of the vertices: polygons are cut along its geodesics.
     leave_out : bool
-        Leave out vertices that are in no face, so that others may be renumbered; so does `merge`.
+        Remove vertices in no face, possibly renumbering others; so does `merge`.
     repeated : bool
-        Every face has vertices of its own, and that they are merged is not worth a note.
+        Every face has its own vertices, so that merging is not reported.
     error : float
-        Bound on the error of a vertex, from coordinates that were rounded: planar is what may be so.
+        Bound on the error of a vertex from rounded coordinates, as a tolerance of planarity.
 
     Returns
     -------
     vertices : ndarray, shape (V', n)
     faces : ndarray of int64, shape (F', 3)
-        As given, if there is nothing to do.
+        The given ones if there is nothing to do.
 
     Raises
     ------
     InvalidMetric
-        A coordinate or an index makes no sense, or a polygon cannot be cut.
+        A coordinate or an index is invalid, or a polygon cannot be cut.
     InvalidParameter
         `merge` is not a number from 0 to below 1.
     """
@@ -107,7 +107,7 @@ def triangle_mesh(
 
 
 def merging_advice(points: Floats, faces: ArrayLike, space: Space = EUCLIDEAN) -> str:
-    """The end of a sentence about faces that are not a closed surface: vertices that merging makes one.
+    """Clause on faces that do not form a closed surface: advice to merge vertices.
 
     Merging is tried before it is advised.
     """
@@ -126,7 +126,7 @@ def merging_advice(points: Floats, faces: ArrayLike, space: Space = EUCLIDEAN) -
 
 
 Finding = tuple[str, str, float]
-"""A fact, its remedy, and the tolerance that it needs, in mean edge lengths."""
+"""Fact, remedy, and the tolerance needed, in mean edge lengths."""
 
 
 def _coincidences(points: Floats, corners: Indices, sizes: Indices, mean: float) -> Finding | None:
@@ -136,7 +136,7 @@ def _coincidences(points: Floats, corners: Indices, sizes: Indices, mean: float)
     suspects = np.unique(edges[:, (count == 1) | (lengths == 0)])
     if suspects.size < 2:
         return None
-    from scipy.spatial import cKDTree  # slow to import, and seldom needed
+    from scipy.spatial import cKDTree  # slow to import, rarely needed
 
     distances, near = cKDTree(points[suspects]).query(points[suspects], k=2)
     distances = distances[:, 1] / mean
@@ -176,7 +176,7 @@ def _is_mended(points: Floats, faces: ArrayLike, merge: float, space: Space) -> 
 
 
 def _scaled(points: Floats) -> Floats:
-    """Points of the size of 1."""
+    """Points scaled to order 1."""
     return np.ldexp(points, -_exponent(points))
 
 
@@ -185,7 +185,7 @@ def _exponent(points: Floats) -> int:
 
 
 def _side_advice(points: Floats, corners: Indices, sizes: Indices) -> str:
-    """The end of a sentence about a polygon without area, if sides without length are why."""
+    """Clause on a polygon without area, if the reason is sides without length."""
     after = corners[next_corners(sizes)]
     lengths = np.linalg.norm(points[corners] - points[after], axis=1)
     short = lengths <= MERGING.usual * lengths.mean()
@@ -232,7 +232,7 @@ def _mean_side(points: Floats, corners: Indices, sizes: Indices) -> float:
 
 
 def _split(points: Floats, corners: Indices, sizes: Indices, distance: float) -> tuple[Indices, Indices]:
-    """Faces whose sides are split at vertices on them, without triangles that have no area."""
+    """Faces with sides split at vertices on them, without triangles of zero area."""
     thin = slivers(points, corners, sizes, distance)
     if thin.all():
         return corners, sizes
@@ -273,7 +273,7 @@ def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> Indi
 
 
 def _renumbered(points: Floats, triangles: Indices, given: Indices) -> tuple[Floats, Indices]:
-    """The vertices that are in triangles; said are those that are not among the given corners either."""
+    """Vertices in triangles, renumbered; reports those that were not in the given faces either."""
     kept = np.bincount(triangles.ravel(), minlength=len(points)) > 0
     if kept.all():
         return points, triangles

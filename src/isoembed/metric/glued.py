@@ -1,4 +1,4 @@
-"""Polyhedral metrics glued from triangles side by side, without the restriction to simplicial complexes."""
+"""Polyhedral metrics glued from triangles along sides, not restricted to simplicial complexes."""
 
 from __future__ import annotations
 
@@ -25,23 +25,22 @@ from isoembed.space import Space
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class GluedMetric(TriangleMetric):
-    """A polyhedral metric on the sphere: triangles, and the pairs of sides along which they are glued.
+    """Polyhedral metric on the sphere: triangles and the pairs of sides along which they are glued.
 
-    Half-edge ``h = 3 f + c`` is the side of face f from its corner c to the next.  Loops, repeated edges,
-    triangles glued to themselves and the doubly covered triangle are allowed: what counts is that the result
-    is a sphere.
+    Half-edge ``h = 3 f + c`` is the side of face f from its corner c to the next.  Loops, multiple edges,
+    triangles glued to themselves and the doubly covered triangle are allowed, as long as the result is a
+    sphere.
 
     Parameters
     ----------
     faces : array_like of int, shape (F, 3)
-        The vertex at each corner, counterclockwise; vertices numbered from 0 without gaps.
+        Vertex at each corner, counterclockwise; vertices are numbered from 0 without gaps.
     twins : array_like of int, shape (3F,)
-        The half-edge that each half-edge is glued to, which runs the other way.
+        Half-edge to which each half-edge is glued, in opposite direction.
     face_lengths : array_like of float, shape (F, 3)
-        Length of each half-edge, in any unit and of any size.
+        Length of each half-edge, in any unit.
     curvature : float, optional
-        Of the triangles, in 1/length^2, and of the space that the surface is to be in, as of
-        `isoembed.PolyhedralMetric`.
+        Curvature of the triangles and of the ambient space, in 1/length^2, as in `isoembed.PolyhedralMetric`.
 
     Attributes
     ----------
@@ -50,23 +49,23 @@ class GluedMetric(TriangleMetric):
     face_lengths : ndarray, shape (F, 3)
         Equal on glued sides.
     space : Space
-        Euclidean, hyperbolic or spherical, of this curvature.
+        Euclidean, hyperbolic or spherical space of this curvature.
     seams : ndarray of bool, shape (3F,)
-        Half-edges along which sheets of paper were glued: none, unless it is a `isoembed.gluing.Net` or was
-        one.
+        Half-edges along which sheets of paper were glued: none, unless the metric comes from an
+        `isoembed.gluing.Net`.
     precision : Precision or None
-        To which the coordinates that the lengths come from were rounded, if that is known.
+        Precision of the coordinates from which the lengths were computed, if known.
 
     Raises
     ------
     InvalidMetric
         A side is glued to none, to itself or to two; glued sides have different ends or lengths; a length is
-        not positive and finite, or too long for triangles of this curvature; a triangle inequality is broken;
-        or the result is not one sphere.  The message names the first offender.
+        not positive and finite, or too long for triangles of this curvature; a triangle inequality is
+        violated; or the result is not a single sphere.  The message names the first offender.
 
     Examples
     --------
-    A triangle folded shut along two of its sides, and another that closes the loop:
+    A triangle with two of its sides glued to each other, and another that closes the loop:
 
     >>> GluedMetric([[0, 0, 1], [0, 0, 2]], [3, 2, 1, 0, 5, 4], [[1.0] * 3] * 2)
     GluedMetric(3 vertices, 3 edges, 2 faces, mean edge length 1)
@@ -95,7 +94,7 @@ class GluedMetric(TriangleMetric):
 
     @classmethod
     def of(cls, metric: PolyhedralMetric | GluedMetric) -> GluedMetric:
-        """See the edges of a polyhedral metric as glued sides; a glued metric is returned as it is.
+        """Convert a polyhedral metric to a glued one; a glued metric is returned unchanged.
 
         Parameters
         ----------
@@ -104,7 +103,7 @@ class GluedMetric(TriangleMetric):
         Raises
         ------
         InvalidMetric
-            It is not a metric on the sphere.
+            The metric is not on a sphere.
         """
         if isinstance(metric, GluedMetric):
             metric.check_sphere()
@@ -123,13 +122,13 @@ class GluedMetric(TriangleMetric):
         seams: Mask | None = None,
         precision: Precision | None = None,
     ) -> GluedMetric:
-        """Tables that are known to be a metric."""
+        """Create a metric from valid tables, without checks."""
         metric = cls.__new__(cls)
         metric._set(faces, twins, face_lengths, space, seams, precision)
         return metric
 
     def _set_any_surface(self, faces: Indices, twins: Indices, face_lengths: Floats, space: Space) -> None:
-        """The triangles of a manifold, on whose boundary half-edges are their own twins, or with handles."""
+        """Set the triangles of any manifold; half-edges on its boundary are their own twins."""
         _check_triangles(faces, face_lengths, space)
         self._set(faces, twins, _matched(twins, face_lengths), space)
 
@@ -162,31 +161,31 @@ class GluedMetric(TriangleMetric):
 
     @property
     def n_vertices(self) -> int:
-        """V: F / 2 + 2 on the sphere."""
+        """Number of vertices, V = F / 2 + 2 on the sphere."""
         return int(self.faces.max()) + 1
 
     @property
     def n_edges(self) -> int:
-        """E: 3 V - 6 on the sphere."""
+        """Number of edges, E = 3 V - 6 on the sphere."""
         return (self.twins.size + len(self._boundary)) // 2
 
     @property
     def n_faces(self) -> int:
-        """F: 2 V - 4 on the sphere."""
+        """Number of faces, F = 2 V - 4 on the sphere."""
         return len(self.faces)
 
     @cached_property
     def _boundary(self) -> Indices:
-        """Half-edges on the boundary of a `Net`: their own twins."""
+        """Half-edges on the boundary of a `Net`, which are their own twins."""
         return np.flatnonzero(self.twins == np.arange(self.twins.size))
 
     @property
     def is_sphere(self) -> bool:
-        """Whether it has neither boundary nor handles: always, unless it is a `isoembed.gluing.Net`."""
+        """Whether the surface has no boundary or handles: always, except for an `isoembed.gluing.Net`."""
         return not len(self._boundary) and self.n_vertices - self.n_edges + self.n_faces == 2
 
     def check_sphere(self) -> None:
-        """Refuse nets of surfaces with boundary or handles; raises InvalidMetric."""
+        """Raise InvalidMetric for nets of surfaces with boundary or handles."""
         if len(self._boundary):
             raise InvalidMetric(
                 f"{_side(int(self._boundary[0]))} is glued to none ({len(self._boundary)} such sides): the "
@@ -203,7 +202,7 @@ class GluedMetric(TriangleMetric):
         return float(largest * np.mean(lengths / largest))
 
     def scaled(self, factor: float) -> GluedMetric:
-        """Return the metric in another unit: every length times this factor."""
+        """Return the metric in another unit, with every length multiplied by this factor."""
         return self._with(self.face_lengths * factor, self.space.scaled(factor))
 
     def with_lengths(self, face_lengths: ArrayLike) -> GluedMetric:
@@ -219,12 +218,12 @@ class GluedMetric(TriangleMetric):
 
     @classmethod
     def flipped(cls, tables: HalfEdges) -> GluedMetric:
-        """The triangles that flips, or other numbers, have made of those of a metric; without seams.
+        """Metric from the flipped or renumbered triangles of another one; without seams.
 
         Raises
         ------
         InvalidMetric
-            Rounding broke one of them.
+            Rounding broke a triangle.
         """
         space = Space(tables.curvature)
         _check_triangles(tables.faces, tables.face_lengths, space)
@@ -232,16 +231,16 @@ class GluedMetric(TriangleMetric):
 
     @property
     def tables(self) -> tuple[NDArray, ...]:
-        """Arrays that define it up to its `unit`: faces, twins, lengths; in curved space the curvature."""
+        """Arrays that define the metric up to its `unit`: faces, twins, lengths, and curvature if not 0."""
         normalized = self.normalized
         curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
         return self.faces, self.twins, normalized.face_lengths, *curved
 
     @cached_property
     def deficits(self) -> Floats:
-        """Angle deficits, 2 pi less the sum of the angles at each vertex, pi on a boundary, shape (V,).
+        """Angle deficits, 2 pi (pi on a boundary) minus the sum of the angles at each vertex, shape (V,).
 
-        On the sphere they sum to 4 pi less curvature times area.
+        On the sphere they sum to 4 pi minus curvature times area.
         """
         total = np.bincount(self.faces.ravel(), self.triangles.angles.ravel())
         full = np.full(self.n_vertices, 2 * np.pi)
@@ -249,20 +248,20 @@ class GluedMetric(TriangleMetric):
         return frozen(full - cast(Floats, total))
 
     def half_edges(self, directed: bool = True) -> HalfEdges:
-        """Copy of the triangles as half-edges, which may be flipped, with or without directions."""
+        """Copy of the triangles as half-edge tables for flips, with or without directions."""
         made = HalfEdges.of if directed else HalfEdges.without_directions
         return made(self.faces, self.twins, self.face_lengths, self.curvature)
 
     def simplicial(self) -> PolyhedralMetric:
-        """The metric on a simplicial complex, so that it can be written to a file.
+        """Metric on a simplicial complex, as required for files.
 
-        Loops are cut into three and edges that share their two ends with another into two; the faces at them
-        get a vertex inside, and those that meet a vertex twice also a ring around it.
+        Loops are cut into three and multiple edges into two; adjacent faces get a vertex inside, and those
+        that meet a vertex twice also a ring around it.
 
         Returns
         -------
         PolyhedralMetric
-            With the vertices of this metric first, in order, and the flat new ones after them.
+            Metric with the vertices of this one first, in order, followed by the flat new ones.
 
         Raises
         ------
@@ -322,7 +321,7 @@ def _length_table(face_lengths: ArrayLike, faces: int) -> Floats:
 
 
 def _check_ends(faces: Indices, twins: Indices) -> None:
-    """Refuse glued sides that do not join the same vertices, each running against the other."""
+    """Refuse glued sides that do not join the same vertices in opposite directions."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     differ = start[twins] != end
     if differ.any():
@@ -339,7 +338,7 @@ def _check_triangles(faces: Indices, lengths: Floats, space: Space) -> None:
 
 
 def _matched(twins: Indices, lengths: Floats) -> Floats:
-    """Give both of two glued sides the length of the first, if they agree up to rounding."""
+    """Assign the length of the first of two glued sides to both, if they agree up to rounding."""
     flat = lengths.ravel()
     differs = np.abs(flat - flat[twins]) > SAME_LENGTH * flat
     if differs.any():
@@ -353,7 +352,7 @@ def _matched(twins: Indices, lengths: Floats) -> Floats:
 
 
 def _check_sphere(faces: Indices, twins: Indices) -> None:
-    """Refuse more or other than one sphere."""
+    """Refuse surfaces other than a single sphere."""
     reached = reached_faces(twins)
     if not reached.all():
         f = int(np.argmin(reached))

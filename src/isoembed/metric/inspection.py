@@ -20,15 +20,15 @@ from isoembed.metric.polyhedral import ANGLE_ROUNDING, PolyhedralMetric
 from isoembed.metric.vertex_links import link_gaps, without_link
 from isoembed.strict_json import plain
 
-NEEDLE = 5.0  # degrees: a triangle with a smaller angle is a needle
-NARROW = 30.0  # degrees: least angle for which the paper expects convexity to work
+NEEDLE = 5.0  # degrees: triangles with a smaller angle are needles
+NARROW = 30.0  # degrees: smallest angle for which the paper expects convexity to work
 WHERE = {"plane": "in a plane", "heights": "at given heights", "curve": "along a given curve"}
 WIDE = 120.0  # degrees: largest angle for which the paper expects convexity to work
 
 
 @dataclass(frozen=True)
 class Measure:
-    """One measure of a metric: its name, a sentence for the eye, and values for programs."""
+    """Measure of a metric: name, human-readable text, and values for programs."""
 
     name: str
     text: str
@@ -37,7 +37,7 @@ class Measure:
 
 @dataclass(frozen=True)
 class Caution:
-    """A warning: its kind, how often it applies, and where first and what it means for an embedding."""
+    """Warning: kind, number of occurrences, and text on the worst one and its effect on an embedding."""
 
     kind: str
     count: int
@@ -46,7 +46,7 @@ class Caution:
 
 @dataclass(frozen=True)
 class Inspection:
-    """Measures and warnings of a metric; as a string, a line for each.
+    """Measures and warnings of a metric; the string representation has one line for each.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Inspection:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Plain numbers for JSON: an entry a measure, and the warnings; what is not finite is None."""
+        """Plain numbers for JSON: one entry per measure, and the warnings; None for nonfinite numbers."""
         document: dict[str, Any] = {
             measure.name.replace(" ", "_"): plain(measure.values) for measure in self.measures
         }
@@ -77,7 +77,7 @@ class Inspection:
 
 
 def inspect(metric: PolyhedralMetric) -> Inspection:
-    """Measure a metric, and warn of what its embedding will feel.
+    """Measure a metric, and warn of properties that affect its embedding.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def inspect(metric: PolyhedralMetric) -> Inspection:
     angles, epsilon, duals = corner_angles(unit), deficits(unit), dual_areas(unit)
     t = metric.triangulation
     face, corner = np.divmod(t.edge_sides[~t.boundary_edges], 3)
-    # Angles across each edge, their sum minus half that of all: positive where the edge is not Delaunay.
+    # Sum of the opposite angles at each edge, minus half that of all: positive if it is not Delaunay.
     excess = np.full(t.n_edges, -np.inf)
     inner = angles[face, (corner + 2) % 3].sum(axis=1) - np.pi
     excess[~t.boundary_edges] = inner - unit.curvature * face_areas(unit)[face].sum(axis=1) / 2
@@ -166,7 +166,7 @@ def _measures(
 
 
 def _surface(metric: PolyhedralMetric, epsilon: Floats) -> Measure:
-    """The kind of a surface that is not a sphere, its motions, and the conditions that may fix these."""
+    """Topology of a surface that is not a sphere, its motions, and boundary conditions that may fix these."""
     t = metric.triangulation
     sizes = [len(loop) for loop in t.boundaries]
     free = 3 * t.n_vertices - 6 - t.n_edges
@@ -187,7 +187,7 @@ def _surface(metric: PolyhedralMetric, epsilon: Floats) -> Measure:
 
 
 def _conditions(metric: PolyhedralMetric, epsilon: Floats) -> list[str]:
-    """The conditions at the boundary that suit a metric."""
+    """Boundary conditions suitable for a metric."""
     t = metric.triangulation
     is_cap = t.genus == 0 and len(t.boundaries) == 1 and (epsilon >= -ANGLE_ROUNDING).all()
     is_curved = (epsilon[~t.boundary_vertices] > ANGLE_ROUNDING).all()
@@ -205,7 +205,6 @@ def _warnings(
     least, largest = angles.min(axis=1), angles.max(axis=1)
     needle = least < np.radians(NEEDLE)
     beyond = (least < np.radians(NARROW)) | (largest > np.radians(WIDE))
-    # less bending than the square root of rounding
     inside, gaps = ~t.boundary_vertices, link_gaps(metric)
     found = (
         (

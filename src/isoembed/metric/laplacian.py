@@ -11,39 +11,39 @@ from isoembed.metric.glued import GluedMetric
 
 
 def cotangent_laplacian(metric: GluedMetric, least: float = -np.inf) -> csc_array:
-    """The Laplacian with the weights ``(cot alpha + cot beta) / 2`` of the two angles across from an edge.
+    """Laplacian with weights ``(cot alpha + cot beta) / 2`` from the two angles opposite to an edge.
 
-    It is that of linear finite elements.  On the sphere and in the hyperbolic plane the tilts of the
-    triangles, which in the plane are these cotangents, take their place.
+    It is that of linear finite elements.  On the sphere and in the hyperbolic plane, the cotangents are
+    replaced by the tilts of the triangles, which coincide with them in the plane.
 
     Parameters
     ----------
     metric : GluedMetric
     least : float
-        Weights below this are raised to it; on a Delaunay triangulation none is negative.
+        Lower bound to which weights are clipped; on a Delaunay triangulation none is negative.
 
     Returns
     -------
     csc_array, shape (V, V)
-        Symmetric; its rows sum to zero.
+        Symmetric matrix with zero row sums.
     """
     weights = np.maximum(_weights(metric), least)
     return _assembled(metric, -weights, weights)
 
 
 def deficit_laplacian(metric: GluedMetric) -> csc_array:
-    """The derivative of the deficits by conformal factors u, at u = 0.
+    """Derivative of the deficits with respect to conformal factors u, at u = 0.
 
-    Under these the chord c of the edge from i to j becomes ``c exp((u_i + u_j) / 2)``, see
+    The chord c of the edge from i to j becomes ``c exp((u_i + u_j) / 2)``, see
     `isoembed.metric.conformal.equivalent`.  In the plane it is the `cotangent_laplacian`.  With curvature k,
-    weights W of that and edges of length l the quadratic form has the terms
+    weights W of the latter and edges of length l, the quadratic form has the terms
     ``W ((u_i - u_j)^2 - k tn(l / 2)^2 (u_i + u_j)^2)`` (in the hyperbolic plane: Bobenko, Pinkall and
     Springborn, Discrete conformal maps and ideal hyperbolic polyhedra, Geom. Topol. 19, 2015, section 6).
 
     Returns
     -------
     csc_array, shape (V, V)
-        Symmetric.
+        Symmetric matrix.
     """
     weights = _weights(metric)
     if metric.space.is_euclidean:
@@ -59,7 +59,7 @@ def _weights(metric: GluedMetric) -> Floats:
 
 
 def _assembled(metric: GluedMetric, beside: Floats, diagonal: Floats) -> csc_array:
-    """The matrix of entries of half-edges: beside the diagonal, and on it at the vertex where they begin."""
+    """Matrix from off-diagonal entries of half-edges, and diagonal entries at their start vertices."""
     corners = metric.faces.ravel()
     on_it = cast(Floats, np.bincount(corners, diagonal))
     return vertex_matrix(corners, metric.twins, beside, on_it)

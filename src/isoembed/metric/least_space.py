@@ -11,19 +11,19 @@ from isoembed.space import Euclidean, Space
 def least_convex_space(metric: PolyhedralMetric) -> Space:
     """Find the least curved space, Euclidean or hyperbolic, in which a convex polyhedron has given lengths.
 
-    The angles of a hyperbolic triangle shrink as the curvature grows in size, and every deficit grows: the
-    least curvature at which none is negative is unique.  There Alexandrov's theorem holds.
+    With increasing absolute curvature, the angles of a hyperbolic triangle decrease and all deficits
+    increase: the least curvature with no negative deficit is unique.  There Alexandrov's theorem applies.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Whatever its own space is.
+        Metric; its own space is ignored.
 
     Returns
     -------
     Space
-        In which the vertex with the least deficit has none, to rounding; or Euclidean space, where no deficit
-        is negative but for rounding.
+        Space in which the smallest deficit vanishes up to rounding; or Euclidean space, if no deficit is
+        negative there up to rounding.
 
     Raises
     ------
@@ -40,9 +40,9 @@ def least_convex_space(metric: PolyhedralMetric) -> Space:
     flat = PolyhedralMetric.on(t, lengths)
     if (deficits(flat) >= -deficit_rounding(flat)).all():
         return Euclidean()
-    from scipy.optimize import brentq  # slow to import, and seldom needed
+    from scipy.optimize import brentq  # slow to import, rarely needed
 
-    low, high = 0.0, 1e-6  # over squared mean edge lengths, the curvature that is tried first
+    low, high = 0.0, 1e-6  # first trial curvature, over squared mean edge lengths
     while least(high) < 0:
         low, high = high, 4.0 * high
     size = brentq(least, low, high, xtol=1e-300, rtol=4 * np.finfo(np.float64).eps)

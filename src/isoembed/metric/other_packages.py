@@ -1,4 +1,4 @@
-"""Arrays of trimesh and PyVista meshes, by their attributes and without their import."""
+"""Arrays of trimesh and PyVista meshes from their attributes, without importing these packages."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ def of_trimesh(mesh: Any) -> dict[str, Any]:
     Raises
     ------
     InvalidParameter
-        It has no vertices and faces.
+        The object has no vertices and faces.
     """
     _check(mesh, ("vertices", "faces"), "a trimesh.Trimesh has; of a Scene give one mesh")
     return {
@@ -30,7 +30,7 @@ def of_pyvista(mesh: Any) -> dict[str, Any]:
     Raises
     ------
     InvalidParameter
-        It has no points and faces.
+        The object has no points and faces.
     """
     _check(mesh, ("points", "faces"), "a pyvista.PolyData has; of other datasets give the extract_surface()")
     if len(getattr(mesh, "strips", ())):
@@ -49,7 +49,7 @@ def _check(mesh: Any, names: tuple[str, str], who: str) -> None:
 
 
 def _space(data: Any) -> dict[str, Any]:
-    """The space that the vertices are in, as `isoembed.io.to_trimesh` and `isoembed.io.to_pyvista` say it."""
+    """Ambient space as recorded by `isoembed.io.to_trimesh` and `isoembed.io.to_pyvista`."""
     if "curvature" not in data:
         return {}
     return {"curvature": float(np.ravel(data["curvature"])[0]), "model": "conformal"}

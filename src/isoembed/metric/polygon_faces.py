@@ -13,9 +13,9 @@ from isoembed.intrinsic.ears import triangulated
 from isoembed.intrinsic.plane import flattened
 from isoembed.mesh.polygons import polygon_normals
 
-PLANAR = 1e-5  # sizes of the polygon: corners as near to its plane change no diagonal by more than 1e-10
-ERRORS = 4.0  # of a vertex: as far are corners of a face in `isoembed.surface.flat_faces` from its plane
-MIN_AREA = 1e-12  # of the polygon's: smaller triangles are lost in rounding
+PLANAR = 1e-5  # in polygon sizes: smaller distances from the plane change diagonals by at most 1e-10
+ERRORS = 4.0  # in vertex errors: distance from the plane allowed in `isoembed.surface.flat_faces`
+MIN_AREA = 1e-12  # relative to the polygon: smaller triangles degenerate by rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,11 +25,11 @@ class PolygonFaces:
     Parameters
     ----------
     points : ndarray, shape (V, 3)
-        Of the size of 1 at most.
+        Coordinates of at most order 1.
     corners : ndarray of int, shape (n,)
-        The vertices around the polygons, one polygon after the other.
+        Concatenated vertices of the polygons.
     sizes : ndarray of int, shape (F,)
-        How many each polygon has: at least 3.
+        Number of corners of each polygon, at least 3.
     """
 
     points: Floats
@@ -50,17 +50,17 @@ class PolygonFaces:
 
     @cached_property
     def normals(self) -> Floats:
-        """Normals as long as the area of the polygon's projection, shape (F, 3)."""
+        """Normals with the area of the polygon's projection as length, shape (F, 3)."""
         return polygon_normals(self.points[self.corners], self.sizes) / 2
 
     @cached_property
     def extents(self) -> Floats:
-        """Largest distance of corners from the center of their polygon, its size, shape (F,)."""
+        """Sizes of the polygons: largest distance of corners from the center, shape (F,)."""
         return cast(Floats, np.maximum.reduceat(np.linalg.norm(self.arms, axis=1), self.starts))
 
     @cached_property
     def warps(self) -> Floats:
-        """Largest distance of corners from the plane of their polygon, over its size, shape (F,)."""
+        """Largest distance of corners from the polygon's plane, divided by its size, shape (F,)."""
         areas = np.linalg.norm(self.normals, axis=1, keepdims=True)
         units = np.divide(self.normals, areas, out=np.zeros_like(self.normals), where=areas > 0)
         heights = np.abs((self.arms * np.repeat(units, self.sizes, axis=0)).sum(axis=1))
@@ -68,24 +68,24 @@ class PolygonFaces:
         return np.divide(off, self.extents, out=np.zeros_like(off), where=self.extents > 0)
 
     def warped(self, error: float, tolerance: float = PLANAR) -> Mask:
-        """Polygons that are not planar, shape (F,).
+        """Nonplanar polygons, shape (F,).
 
         Parameters
         ----------
         error : float
-            Bound on that of a vertex.
+            Bound on the error of a vertex.
         tolerance : float
-            Sizes of the polygon.
+            Distance from the plane, in polygon sizes.
         """
         return (self.warps > tolerance) & (self.warps * self.extents > ERRORS * error)
 
     def triangles(self) -> Indices:
-        """Triangles of all polygons, in their order, Delaunay in each, shape (sum of sizes - 2, 3).
+        """Delaunay triangles of all polygons, in their order, shape (sum of sizes - 2, 3).
 
         Raises
         ------
         InvalidMetric
-            A polygon repeats a vertex, has no area or crosses itself; the message names the first.
+            A polygon repeats a vertex, has no area or intersects itself; the message names the first.
         """
         self._check_repetitions()
         counts = self.sizes - 2
@@ -124,7 +124,7 @@ class PolygonFaces:
         )
 
     def _quads(self, which: Indices, rows: Indices) -> Indices:
-        """Corners of two triangles for each quadrilateral, on the diagonal across its smaller angles."""
+        """Corners of two triangles for each quadrilateral, split by its Delaunay diagonal."""
         p, normals = self.arms[rows], self.normals[which]
         areas = (normals**2).sum(axis=1)
 
@@ -140,13 +140,13 @@ class PolygonFaces:
         back = -np.roll(sides, 1, axis=1)
         across = np.linalg.norm(np.cross(sides, back), axis=2)
         angles = np.arctan2(across, (sides * back).sum(axis=2))
-        # two diagonals are equally good up to rounding
+        # both diagonals are equally good up to rounding
         better = angles[:, [1, 3]].sum(axis=1) <= angles[:, [0, 2]].sum(axis=1) + 1e-9
         use = first & (better | ~second)
         return np.where(use[:, None, None], [[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]])
 
     def _ears(self, which: Indices, rows: Indices) -> Indices:
-        """Corners of the triangles of polygons that all have as many corners."""
+        """Corners of the triangles of polygons with equally many corners."""
         found = []
         for f, row in zip(which.tolist(), rows, strict=True):
             arms, normal = self.arms[row], self.normals[f]
@@ -161,7 +161,7 @@ class PolygonFaces:
         return np.array(found)
 
     def _part(self, triangles: Indices, owners: Indices) -> None:
-        """Flip diagonals that are edges elsewhere, too: polygons may share more than a side."""
+        """Flip diagonals that coincide with other edges, as polygons may share more than a side."""
         ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
         keys, count = np.unique(ends @ [len(self.points), 1], return_counts=True)
         if (count <= 2).all():
@@ -186,7 +186,7 @@ class PolygonFaces:
                     uses[a, b] -= 2
 
     def _turns_left(self, triangles: Indices, f: int) -> bool:
-        """Whether triangles are turned like a polygon."""
+        """Whether triangles are oriented like their polygon."""
         a, b, c = np.moveaxis(self.points[triangles], 1, 0)
         turns = np.cross(b - a, c - a) @ self.normals[f] / 2
         return bool((turns > MIN_AREA * (self.normals[f] ** 2).sum()).all())

@@ -14,7 +14,7 @@ from isoembed.thresholds import threshold
 
 @dataclass(frozen=True)
 class PrecisionThresholds:
-    """Thresholds by which rounded coordinates are recognized."""
+    """Thresholds for the detection of rounded coordinates."""
 
     fewest: int = threshold(5, "digits", "Coordinates with fewer are more likely exact than rounded.")
     bits: int = threshold(12, "bits", "Coordinates with fewer, like small whole numbers, are exact.")
@@ -30,14 +30,14 @@ SINGLE = "single precision"
 
 @dataclass(frozen=True)
 class Precision:
-    """A precision to which coordinates were rounded.
+    """Precision of rounded coordinates.
 
     Attributes
     ----------
     name : str
-        ``"single precision"``, or ``"7 digits"``.
+        Description, such as ``"single precision"`` or ``"7 digits"``.
     length_error : float
-        Of an edge, root mean square, in mean edge lengths.
+        Root mean square error of the edge lengths, in mean edge lengths.
     """
 
     name: str
@@ -47,26 +47,26 @@ class Precision:
     def vertex_error(self) -> float:
         """Bound on the error of a vertex in any direction, in mean edge lengths.
 
-        The error of a coordinate is at most half a unit of the last digit, and that of a length is the square
-        root of a sixth of the unit, root mean square.
+        The error of a coordinate is at most half a unit of the last digit, and the root mean square error of
+        a length is that unit divided by the square root of 6.
         """
         return math.sqrt(4.5) * self.length_error
 
     def in_means(self, factor: float) -> Precision:
-        """Precision of edges whose mean length is smaller by this factor."""
+        """Precision relative to a mean edge length smaller by this factor."""
         return replace(self, length_error=self.length_error * factor)
 
     @classmethod
     def of(cls, points: Floats, mean_length: float, fewest: int = PRECISION.fewest) -> Precision | None:
-        """Recognize the precision of coordinates, shape (V, n); None if they are doubles, or exact.
+        """Detect the precision of coordinates, shape (V, n); None if they are doubles or exact.
 
         Parameters
         ----------
         points : ndarray, shape (V, n)
         mean_length : float
-            Of the edges between them.
+            Mean length of the edges between them.
         fewest : int, optional
-            Decimal digits: coordinates with fewer are exact.
+            Coordinates with fewer decimal digits are taken as exact.
         """
         values = np.abs(points[points != 0])
         sample = values[:: len(values) // PRECISION.sample + 1]
@@ -74,33 +74,32 @@ class Precision:
         if found is None:
             return None
         name, quanta = found
-        # The errors of a coordinate are spread evenly over a unit of its last digit; an edge has two ends.
+        # Errors are uniformly distributed over a unit of the last digit; an edge has two ends.
         scale = float(quanta.max())
         spread = scale * math.sqrt(float(((quanta / scale) ** 2).sum()) / points.size / 6)
         return cls(name, spread / mean_length)
 
 
 DESIGNED = 30
-"""Fewer different lengths are as likely those of a design as those of a measurement."""
+"""Number of different lengths below which they may come from a design rather than a measurement."""
 
 FEW = 12
-"""Fewer different lengths are those of a design, even if they are most that there are in their range."""
+"""Number of different lengths below which they come from a design, even if they nearly fill their range."""
 
 COARSE = 0.01
-"""Standard deviation, in mean lengths, above which the last digit is not rounding."""
+"""Standard deviation, in mean lengths, above which the last digit is not attributed to rounding."""
 
 
 SHARE = 0.4
-"""Share of lengths in whole units above which they were rounded to these: of those rounded to a tenth of it
-one in ten is whole, and of those in halves, one in two."""
+"""Fraction of lengths in whole units above which they were rounded to these: of lengths rounded to tenths of
+the unit, one in ten is whole; of lengths in halves, one in two."""
 
 
 def rounding_error(lengths: Floats) -> float | None:
-    """Standard deviation of lengths that were rounded to a decimal place, over their mean.
+    """Standard deviation of lengths rounded to a decimal place, divided by their mean.
 
-    A few lengths, or those in halves, may have one decimal more than the others.  None if they have more than
-    nine digits, take few different values, or are whole multiples of too coarse a unit to be measurements:
-    such lengths are taken as exact.
+    A few lengths, or halves, may have one decimal more than the others.  None for lengths that are taken as
+    exact: those with more than nine digits, few different values, or a unit too coarse for measurements.
     """
     if not 1e-200 < lengths.max() < 1e200:
         return None
@@ -122,33 +121,33 @@ def rounding_error(lengths: Floats) -> float | None:
 
 
 def _look_measured(values: Floats, count: int) -> bool:
-    """Whether the different values, ascending whole numbers, of a number of lengths are of a measurement.
+    """Whether the distinct values, ascending whole numbers, of `count` lengths look like measurements.
 
-    They are many, or those of many lengths and most that there are in their range, but for one at each end.
+    They must be many, or come from many lengths and nearly fill their range, except for one at each end.
     """
     most = len(values) >= FEW and 2 * len(values) > values[-2] - values[1]
     return len(values) >= DESIGNED or (most and count >= 2 * DESIGNED)
 
 
 def common_unit(lengths: Floats, unit: float) -> float:
-    """The unit of the last digit that most lengths have, all being multiples of a power of ten, the unit."""
-    values = np.unique(lengths)  # many struts of one type tell as much as one
+    """Unit of the last digit of most lengths, given a power of ten of which all are multiples."""
+    values = np.unique(lengths)  # equal struts count once
     whole = _are_multiples(values, 10.0 * unit)
     most = whole.mean() > SHARE and len(values) >= DESIGNED
     return 10.0 * unit if most or (whole.all() and len(lengths) >= DESIGNED) else unit
 
 
 def shared_errors(lengths: Floats, errors: Floats) -> Indices:
-    """Labels of the lengths, equal where the error is one and the same, shape (E,).
+    """Labels of the lengths, equal for lengths with a common error, shape (E,).
 
-    Lengths of a design that are equal were equal before they were rounded, so their errors are, too.  Those
-    of a measured body are equal by chance: then no label is repeated.  Nor is one where the errors are not
-    those of a rounded decimal, a unit over the root of 12.
+    Equal lengths of a design were equal before rounding, and so are their errors.  Lengths of a measured body
+    are equal by chance: then labels are distinct.  They are also distinct if the errors are not those of a
+    rounded decimal, a unit divided by the square root of 12.
 
     Parameters
     ----------
     lengths, errors : ndarray, shape (E,)
-        With standard deviations.
+        Lengths and their standard deviations.
     """
     each = np.arange(len(lengths))
     unit = rounded_unit(lengths, errors)
@@ -156,12 +155,12 @@ def shared_errors(lengths: Floats, errors: Floats) -> Indices:
         return each
     values, labels = np.unique(np.rint(lengths / unit), return_inverse=True)
     places = float(values[-1] - values[0]) + 1
-    by_chance = places * -math.expm1(-len(lengths) / places)  # different values of so many lengths
+    by_chance = places * -math.expm1(-len(lengths) / places)  # expected number of different values
     return labels if len(values) == 1 or len(values) < by_chance / 2 else each
 
 
 def rounded_unit(lengths: Floats, errors: Floats) -> float | None:
-    """The power of ten to which lengths were rounded, by their standard deviations; None if by none."""
+    """Power of ten to which lengths were rounded, from their standard deviations; None if there is none."""
     if not 1e-200 < errors.min() == errors.max():
         return None
     step = math.sqrt(12) * float(errors[0])
@@ -173,18 +172,18 @@ def rounded_unit(lengths: Floats, errors: Floats) -> float | None:
 def last_digits(
     values: Floats, fewest: int = PRECISION.fewest, most: int = PRECISION.most
 ) -> tuple[str, Floats] | None:
-    """Name of the rounding of numbers, and the unit of the last digit of each; None if exact or doubles.
+    """Precision of numbers, and the unit of the last digit of each; None if they are exact or doubles.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
-        Positive.
+        Positive numbers.
     fewest, most : int
         Decimal digits, at most `PRECISION.written`: numbers with fewer are exact, those with more doubles.
     """
     if values.size == 0 or _multiples(values, 2.0 ** (np.frexp(values.max())[1] - PRECISION.bits)):
         return None
-    with np.errstate(all="ignore"):  # numbers beyond single precision are not in it
+    with np.errstate(all="ignore"):  # overflow beyond single precision
         single = values.astype(np.float32)
         off = np.abs(values - single)
         spacing = np.spacing(single).astype(np.float64)
@@ -200,7 +199,7 @@ def last_digits(
     if digits < fewest:
         return None
     last = _units(np.full(values.shape, exponents.max()), digits)
-    if _multiples(values, last):  # as many digits behind the point in all of them
+    if _multiples(values, last):  # equally many decimals in all of them
         quanta = last
     if (off <= quanta * (0.5 + PRECISION.error)).all() and (quanta < spacing).mean() > 0.5:
         return SINGLE, spacing
@@ -208,7 +207,7 @@ def last_digits(
 
 
 def _units(exponents: Floats, digits: int) -> Floats:
-    with np.errstate(all="ignore"):  # next to zero there are not so many digits
+    with np.errstate(all="ignore"):  # underflow close to zero
         return 10.0 ** (exponents - digits + 1)
 
 

@@ -1,28 +1,28 @@
 """Repair of negative deficits within the noise, by the least conformal change.
 
-A vertex inside a face or an edge of a polyhedron has no deficit; errors of the lengths leave it one of either
-sign.  The edge from i to j becomes ``l_ij exp((u_i + u_j) / 2)``, as a chord on the sphere and in the
+A vertex inside a face or an edge of a polyhedron has zero deficit; errors of the lengths cause deficits of
+either sign.  The edge from i to j becomes ``l_ij exp((u_i + u_j) / 2)``, as a chord on the sphere and in the
 hyperbolic plane.  To first order in the factors u the deficits become ``delta + H u``, where H is the
-Laplacian with cotangent weights, or what takes its place there.  With F the vertices that
-are to be flat, wanted are factors with
+cotangent Laplacian or its analog in curved space.  With the set F of vertices to be flattened, the factors
+satisfy
 
     (delta + H u)_i = 0                                                      at i in F,
     u_i >= 0,  (delta + H u)_i >= 0,  and one of the two is zero             at all others.
 
-Curvature that is missing, or too much, is exchanged with the nearest vertices that keep a deficit; lengths
-farther away stay as they are.  Which vertices are to be flat the deficits tell: if those above the noise are
-all larger by far than those within, then F is the vertices within.  If not, deficits of that size belong to
-the body, F is empty, and only negative deficits are lifted.  Noise leaves deficits of both signs: a positive
-one that is far larger than the most negative belongs to the body, too.
+Missing or excess curvature is exchanged with the nearest vertices that keep a deficit; lengths farther away
+are unchanged.  F is determined from the deficits: if all deficits above the noise are far larger than those
+within, F consists of the vertices within.  Otherwise, deficits of that size belong to the body, F is empty,
+and only negative deficits are lifted.  Noise leaves deficits of both signs: a positive deficit far larger
+than the most negative one also belongs to the body.
 
-This is a mixed linear complementarity problem.  Once it is known where the deficits become zero, it is
-Poisson's equation there, with u = 0 elsewhere.  Of all factors that make just these deficits zero, the
-solution has the least Dirichlet energy ``u^T H u`` (Pinkall and Polthier, Computing discrete minimal surfaces
-and their conjugates, Experimental Mathematics 2, 1993): at the least, ``H u = H w`` with multipliers w that
-vanish elsewhere, so u is w up to a constant, which only changes the unit.  On a Delaunay triangulation H is
-an M-matrix, and of all factors that make the deficits in F zero and none negative, and are not negative
-elsewhere, the solution is the smallest at every vertex at once (Cottle, Pang and Stone, The Linear
-Complementarity Problem, 1992, section 3.11).
+This is a mixed linear complementarity problem.  Given the vertices where the deficits become zero, it is a
+Poisson equation there, with u = 0 elsewhere.  Of all factors that make just these deficits zero, the solution
+minimizes the Dirichlet energy ``u^T H u`` (Pinkall and Polthier, Computing discrete minimal surfaces and
+their conjugates, Experimental Mathematics 2, 1993): at the minimum, ``H u = H w`` with multipliers w that
+vanish elsewhere, so u equals w up to a constant, which only changes the unit.  On a Delaunay triangulation H
+is an M-matrix, and the solution is the pointwise smallest of all factors that make the deficits in F zero and
+none negative, and are nonnegative elsewhere (Cottle, Pang and Stone, The Linear Complementarity Problem,
+1992, section 3.11).
 """
 
 import math
@@ -52,7 +52,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 Metric = TypeVar("Metric", bound=PolyhedralMetric | GluedMetric)
 
 
-MAX_BLOCK_EXCHANGES = 10  # of many vertices that may fail to help, before single ones
+MAX_BLOCK_EXCHANGES = 10  # unsuccessful exchanges of many vertices before exchanging single ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +62,13 @@ class Repair:
     Attributes
     ----------
     vertices : ndarray of int64, shape (k,)
-        Vertices whose deficits, beyond rounding, were to be zero or were negative.
+        Repaired vertices: those to be flattened with a deficit beyond rounding, or with a negative one.
     deficits : ndarray, shape (k,)
         Their deficits before the repair, radians.
     factors : ndarray, shape (V,)
-        The conformal factors u.
+        Conformal factors u.
     largest_change : float
-        Of a length, relative.
+        Largest relative change of a length.
     """
 
     vertices: Indices
@@ -78,7 +78,7 @@ class Repair:
 
     @property
     def largest_factor(self) -> float:
-        """The largest of `factors` in size."""
+        """Maximum absolute value of `factors`."""
         return float(np.abs(self.factors).max())
 
     def as_json(self) -> dict[str, object]:
@@ -94,30 +94,29 @@ class Repair:
 def repaired(
     metric: Metric, noise: float, tolerance: float = 0.0, *, flat: Mask | None = None
 ) -> tuple[Metric, Repair]:
-    """Flatten vertices whose deficits are within the noise, or at least lift negative deficits to zero.
+    """Flatten vertices with deficits within the noise, or at least lift negative deficits to zero.
 
     Parameters
     ----------
     metric : PolyhedralMetric or GluedMetric
     noise : float
-        Radians, not negative; with 0 the metric is only checked.
+        Noise level in radians, nonnegative; with 0 the metric is only checked.
     tolerance : float
-        Of the lengths, relative: deficits that are negative by so few radians may be met within it, and are
-        no reason to refuse the metric.
+        Relative tolerance of the lengths: deficits negative by at most as many radians are accepted.
     flat : ndarray of bool, shape (V,), optional
-        The vertices that are to be flat; by default the deficits tell.
+        Vertices to be flattened; by default determined from the deficits.
 
     Returns
     -------
     metric : as given
-        The same triangles, with deficits that are negative by rounding only, and as small as that where they
-        were within the noise, if all others are larger by far; the metric itself if it was so.
+        Metric on the same triangles in which negative deficits are within rounding, and also those that were
+        within the noise, if all others are far larger; the given metric itself if it already satisfies this.
     repair : Repair
 
     Raises
     ------
     InvalidMetric
-        A deficit is below minus the noise, or is too negative to be repaired; the message names the worst.
+        A deficit is below minus the noise, or too negative to be repaired; the message names the worst.
     InvalidParameter
         The noise is negative or not finite.
     """
@@ -137,13 +136,13 @@ def repaired(
     changed = (np.where(flat, np.abs(before), -before) > rounding) & (noise > 0)
     u = np.zeros(given.n_vertices)
     result, left = metric, math.inf
-    for _ in range(20):  # far beyond what small deficits need: each squares the error
+    for _ in range(20):  # more than needed for small deficits: each step squares the error
         current = GluedMetric.of(result)
         delta = current.deficits
         errors = np.where(flat, np.abs(delta), -delta)
         before_step, left = left, max(float(errors.max()), 0.0)
         allowed = deficit_rounding(current)
-        # a step that leaves more than half of the errors is at rounding
+        # a step that leaves more than half of the errors has reached rounding
         if not changed.any() or ((errors <= allowed).all() and left >= 0.5 * before_step):
             change = float(np.abs(current.face_lengths / given.face_lengths - 1).max())
             vertices = np.flatnonzero(changed)
@@ -162,7 +161,7 @@ def repaired(
 
 
 def small_by_far(deficits: Floats, noise: float) -> Mask:
-    """All vertices within the noise, if the deficits of the others are larger by far; otherwise none."""
+    """Vertices within the noise, if the deficits of all others are far larger; otherwise none."""
     within = np.abs(deficits) <= noise
     if within.all() or deficits[~within].min() < GAP * np.abs(deficits[within]).max(initial=0.0):
         return np.zeros_like(within)
@@ -170,16 +169,16 @@ def small_by_far(deficits: Floats, noise: float) -> Mask:
 
 
 def _least_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Floats:
-    """Find ``u >= 0`` with ``H u + delta >= -slack``, where u is not zero equal to zero; shape (V,).
+    """Find ``u >= 0`` with ``H u + delta >= -slack``, and ``H u + delta = 0`` where u is not zero; (V,).
 
-    Where a vertex is to be flat, u may have either sign, and ``H u + delta`` is zero.  By exchanging many
-    vertices at a time, which on a Delaunay triangulation only adds to those with positive factors; one by one
-    where that does not help (Judice and Pires, A block principal pivoting algorithm for large-scale strictly
-    monotone linear complementarity problems, Computers Ops. Res. 21, 1994).
+    At vertices to be flattened, u may have either sign, and ``H u + delta`` is zero.  By block principal
+    pivoting, which on a Delaunay triangulation only adds vertices with positive factors, and single pivots
+    if that stalls (Judice and Pires, A block principal pivoting algorithm for large-scale strictly monotone
+    linear complementarity problems, Computers Ops. Res. 21, 1994).
     """
     lifted = flat | (delta < -slack)
     fewest, left = lifted.size + 1, MAX_BLOCK_EXCHANGES
-    for _ in range(200):  # far beyond what a Delaunay triangulation needs
+    for _ in range(200):  # more than needed on a Delaunay triangulation
         u = np.zeros(delta.size)
         if lifted.any():
             u[lifted] = factor_general(H[lifted][:, lifted]).solve(-delta[lifted])
@@ -200,6 +199,6 @@ def _least_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Fl
 def _rescaled(metric: Metric, u: Floats) -> Metric:
     if isinstance(metric, GluedMetric):
         return cast(Metric, equivalent(metric, u))
-    with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
+    with np.errstate(over="ignore"):  # overflowing lengths are refused as infinite
         chords = metric.space.chord(metric.lengths) * np.exp(u / 2)[metric.edges].prod(axis=1)
         return cast(Metric, metric.with_lengths(metric.space.arc(chords)).rounded_as(metric))

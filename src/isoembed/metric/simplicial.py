@@ -11,25 +11,25 @@ from isoembed.space.trigonometry import apex
 def simplicial(faces: Indices, twins: Indices, face_lengths: Floats, space: Space) -> PolyhedralMetric:
     """Subdivide the triangles of a gluing where it is not a simplicial complex.
 
-    Once loops are cut into three and repeated edges into two, no two edges have the same ends.  A face with a
-    cut side is then a polygon, and is filled with triangles around a new vertex; if it meets a vertex at two
-    corners, a ring of new vertices comes between them.  Of two faces with the same corners, which have the
-    surface to themselves, one gets a new vertex too.
+    After loops are cut into three and multiple edges into two, no two edges have the same ends.  A face with
+    a cut side is then a polygon, and is filled with triangles around a new vertex; if it meets a vertex at
+    two corners, a ring of new vertices is inserted in between.  If the surface consists of two faces with the
+    same corners, one of them also gets a new vertex.
 
     Parameters
     ----------
     faces : ndarray of int, shape (F, 3)
     twins : ndarray of int, shape (3F,)
-        Of a half-edge on a boundary, itself.
+        Half-edges on a boundary are their own twins.
     face_lengths : ndarray, shape (F, 3)
-        All of a glued metric, its lengths near 1.
+        Lengths of order 1.
     space : Space
-        Of the curvature of the triangles.
+        Space with the curvature of the triangles.
 
     Returns
     -------
     PolyhedralMetric
-        Old vertices first, in order.
+        Metric with the old vertices first, in order.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def simplicial(faces: Indices, twins: Indices, face_lengths: Floats, space: Spac
 
 
 def _pieces(faces: Indices, twins: Indices) -> Indices:
-    """Into how many pieces each half-edge is to be cut, shape (3F,)."""
+    """Number of pieces into which each half-edge is cut, shape (3F,)."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     h = np.flatnonzero(np.arange(twins.size) <= twins)
     low, high = np.minimum(start[h], end[h]), np.maximum(start[h], end[h])
@@ -89,7 +89,7 @@ def _pieces(faces: Indices, twins: Indices) -> Indices:
 
 
 def _cuts(twins: Indices, pieces: Indices, count: int) -> tuple[list[list[int]], int]:
-    """Number the new vertices on every half-edge, in its direction; return them and the next free number."""
+    """Number the new vertices on every half-edge, in its direction; return them and the next free index."""
     between: list[list[int]] = [[] for _ in range(twins.size)]
     for h in np.flatnonzero((pieces > 1) & (np.arange(twins.size) <= twins)).tolist():
         new = list(range(count, count + int(pieces[h]) - 1))
@@ -102,9 +102,9 @@ def _cuts(twins: Indices, pieces: Indices, count: int) -> tuple[list[list[int]],
 def _outline(
     corners: Indices, lengths: Floats, between: list[list[int]], space: Space
 ) -> tuple[Indices, Floats, Floats]:
-    """A triangle as a polygon: its vertices, where they lie, and the lengths of its sides.
+    """Vertices of a triangle as a polygon, their positions, and the lengths of its sides.
 
-    They lie at (x, y, w), on the sphere, on the hyperboloid, or in the plane w = 1.
+    Positions are (x, y, w), on the sphere, on the hyperboloid, or in the plane w = 1.
     """
     l, second, third = lengths.tolist()
     plane = np.zeros((3, 3))
@@ -126,7 +126,7 @@ def _sides(ring: Indices) -> Indices:
 
 
 def _along(p: Floats, q: Floats, l: float, part: float, space: Space) -> Floats:
-    """The point this part of the way from p to q, at a distance l."""
+    """Point at the fraction `part` of the geodesic of length l from p to q."""
     if space.is_euclidean:
         return p + (q - p) * part
     before, after, whole = space.sn(np.array([(1 - part) * l, part * l, l]))
@@ -134,7 +134,7 @@ def _along(p: Floats, q: Floats, l: float, part: float, space: Space) -> Floats:
 
 
 def _middle(points: Floats, space: Space) -> Floats:
-    """The point of the sphere or hyperboloid in the direction of the sum of points (n, 3)."""
+    """Point of the sphere or hyperboloid in the direction of the sum of points (n, 3)."""
     mean = points.mean(axis=0)
     if space.is_euclidean:
         return mean
@@ -143,7 +143,7 @@ def _middle(points: Floats, space: Space) -> Floats:
 
 
 def _halfway(points: Floats, center: Floats, space: Space) -> Floats:
-    """The points in the middle of the way from others (n, 3) to a center."""
+    """Midpoints between points (n, 3) and a center."""
     return np.asarray((points + center) / 2 / space.cs(_distances(points, center, space) / 2)[:, None])
 
 
@@ -151,7 +151,7 @@ def _distances(a: Floats, b: Floats, space: Space) -> Floats:
     d = a - b
     if space.is_euclidean:
         return np.asarray(np.hypot(*d[:, :2].T))
-    # The chord by stereographic projection, which does not cancel far out in the hyperbolic plane.
+    # Chords by stereographic projection, without cancellation far from the origin of the hyperbolic plane.
     here, there = 1 + a[:, 2:], 1 + b[..., 2:]
     moved = there * d[:, :2] - b[..., :2] * d[:, 2:]
     return space.arc(np.hypot(*(moved / np.sqrt(here * there)).T))

@@ -35,7 +35,7 @@ class TriangleMetric(ABC):
 
     @abstractmethod
     def scaled(self, factor: float) -> Self:
-        """Return the metric in another unit: every length times this factor."""
+        """Return the metric in another unit, with every length multiplied by this factor."""
 
     @property
     def curvature(self) -> float:
@@ -44,18 +44,18 @@ class TriangleMetric(ABC):
 
     @property
     def triangles(self) -> Triangles:
-        """Shapes of the faces, measured anew: they take more memory than the metric."""
+        """Shapes of the faces, not cached as they take more memory than the metric."""
         return Triangles.of(self.face_lengths, self.curvature)
 
     @property
     def area(self) -> float:
-        """Area of the surface, in the unit of the lengths, squared."""
+        """Area of the surface, in the unit of the lengths squared."""
         triangles = self.triangles
         return float((triangles.areas * triangles.unit * triangles.unit).sum())
 
     @property
     def unit(self) -> float:
-        """Power of two below the mean edge length: dividing by it rounds nothing."""
+        """Power of two below the mean edge length, so that dividing by it is exact."""
         return float(np.ldexp(1.0, int(np.frexp(self.mean_length)[1]) - 1))
 
     @property

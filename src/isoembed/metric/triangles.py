@@ -1,8 +1,8 @@
 """Shapes of triangles in spaces of constant curvature: angles, areas and circumcenters from the sides.
 
-Corner c of a face lies at ``faces[f, c]``, between half-edges c and c - 1 and across from half-edge c + 1.
-The formulas are Kahan's: every difference of lengths is formed before it can cancel, so that needles and
-caps keep their relative accuracy ("Miscalculating area and angles of a needle-like triangle", 2014).  On the
+Corner c of a face is at ``faces[f, c]``, between half-edges c and c - 1 and opposite to half-edge c + 1.
+The formulas are Kahan's: differences of lengths are computed without cancellation, so that needles and caps
+keep their relative accuracy ("Miscalculating area and angles of a needle-like triangle", 2014).  On the
 sphere and in the hyperbolic plane they are the half-angle formulas: each sum and difference of sides is
 replaced by its chord, ``2 sn(x / 2)``.
 """
@@ -20,20 +20,20 @@ from isoembed.space import Space
 
 @dataclass(frozen=True)
 class Triangles:
-    """Shapes of triangles, in a unit near the largest side so that no product over- or underflows.
+    """Shapes of triangles, in a unit close to the largest side to avoid over- and underflow.
 
     Attributes
     ----------
     unit : float
-        The power of two below the largest side of all.
+        Power of two below the largest side of all.
     space : Space
-        Of the curvature of the triangles, in this unit.
+        Space with the curvature of the triangles, in this unit.
     opposite : ndarray, shape (F, 3)
-        Length across from each corner.
+        Length of the side opposite to each corner.
     excess : ndarray, shape (F, 3)
-        Sum of the two sides at each corner minus the side across, as a chord.
+        Sum of the two sides at each corner minus the opposite side, as a chord.
     perimeter : ndarray, shape (F, 1)
-        As a chord.
+        Perimeter, as a chord.
     """
 
     unit: float
@@ -44,10 +44,10 @@ class Triangles:
 
     @classmethod
     def of(cls, face_lengths: Floats, curvature: float = 0.0) -> Triangles:
-        """Measure the triangles of this curvature with these half-edge lengths, shape (F, 3)."""
+        """Measure triangles with these half-edge lengths, shape (F, 3), and this curvature."""
         unit = 2.0 ** float(np.frexp(face_lengths.max())[1] - 1)  # a power of two: dividing by it is exact
         space = Space(curvature * unit * unit)
-        z, x, y = (face_lengths / unit).T.copy()  # across from the last corner, the first and the second
+        z, x, y = (face_lengths / unit).T.copy()  # opposite to the last corner, the first and the second
         low, high = np.minimum(x, y), np.maximum(x, y)
         a, b, c = np.maximum(high, z), np.maximum(low, np.minimum(high, z)), np.minimum(low, z)  # a >= b >= c
         at_c, at_b, at_a = a + (b - c), c + (a - b), c - (a - b)
@@ -62,26 +62,26 @@ class Triangles:
 
     @property
     def sines(self) -> Floats:
-        """(F, 3): `Space.sn` of the side across from each corner; its length in the plane."""
+        """Values `Space.sn` of the side opposite to each corner (its length in the plane), shape (F, 3)."""
         return self.space.sn(self.opposite)
 
     @property
     def amplitudes(self) -> Floats:
-        """(F,): the sines of two sides times that of the angle between; twice the area in the plane."""
+        """Sines of two sides times that of their angle (in the plane, twice the area), shape (F,)."""
         return np.sqrt(self.perimeter[:, 0] * reduce(np.multiply, self.excess.T)) / 2
 
     @property
     def areas(self) -> Floats:
-        """(F,) in units squared."""
+        """Areas, in units squared, shape (F,)."""
         if self.space.is_euclidean:
             return self.amplitudes / 2
-        # Of the solid angle at the center, of three unit vectors, and its like on the hyperboloid.
+        # Formula for the solid angle of three unit vectors, and its analog on the hyperboloid.
         k, cosines = self.space.curvature, self.space.cs(self.opposite).sum(axis=1)
         return 2 * np.arctan2(k * self.amplitudes, 1 + cosines) / k
 
     @property
     def angles(self) -> Floats:
-        """(F, 3) at each corner, radians."""
+        """Angles at each corner in radians, shape (F, 3)."""
         t, s = self.excess, self.perimeter
         return 2 * np.arctan2(
             np.sqrt(np.roll(t, 1, axis=1) * np.roll(t, -1, axis=1)),
@@ -90,16 +90,16 @@ class Triangles:
 
     @property
     def cotangents(self) -> Floats:
-        """(F, 3) at each corner."""
+        """Cotangents of the angles at each corner, shape (F, 3)."""
         t, s = self.excess, self.perimeter
         return (s * t - np.roll(t, 1, axis=1) * np.roll(t, -1, axis=1)) / (4 * self.amplitudes[:, None])
 
     @property
     def tilts(self) -> Floats:
-        """(F, 3): tangents of the angles from the side across from each corner to the circumcenter.
+        """Tangents of the angles from the side opposite to each corner to the circumcenter, shape (F, 3).
 
-        At its two ends, and negative if the circumcenter is beyond it: ``tan((B + C - A) / 2)`` at the corner
-        A, which in the plane is the cotangent of A.
+        The angles are at the ends of the side, and negative if the circumcenter is beyond it: ``tan((B + C -
+        A) / 2)`` at the corner A, which in the plane is the cotangent of A.
         """
         if self.space.is_euclidean:
             return self.cotangents
@@ -109,10 +109,10 @@ class Triangles:
 
     @property
     def kites(self) -> Floats:
-        """(F, 3): signed areas between each corner, the middles of its two sides and the circumcenter.
+        """Signed areas between each corner, midpoints of its two sides and circumcenter, shape (F, 3).
 
-        In units squared; they sum to the area.  A triangle of the hyperbolic plane that has no circumcenter
-        is shared in thirds.
+        They are in units squared and sum to the area.  A hyperbolic triangle without circumcenter is divided
+        into thirds.
         """
         space, tilts = self.space, self.tilts
         if space.is_euclidean:

@@ -11,11 +11,11 @@ from isoembed.metric.triangles import Triangles
 
 
 def deficit_derivative(metric: PolyhedralMetric) -> csr_array:
-    """``d epsilon_a / d l_e``, sparse of shape (V, E), in the unit of length to the power -1.
+    """Derivatives ``d epsilon_a / d l_e``, sparse of shape (V, E), in the inverse unit of length.
 
-    In a triangle with angle i across from side i: ``d theta_i / d l_i = l_i / 2A``,
+    In a triangle with angle i opposite to side i: ``d theta_i / d l_i = l_i / 2A``,
     ``d theta_i / d l_j = -cot(theta_k) / l_j``; on the sphere and in the hyperbolic plane with the sines of
-    the sides and with the amplitude in place of 2A.
+    the sides and the amplitude instead of 2A.
     """
     shape = metric.triangles
     sines, amplitudes = shape.sines, shape.amplitudes
@@ -30,7 +30,7 @@ def deficit_derivative(metric: PolyhedralMetric) -> csr_array:
 
 
 def dual_area_derivative(metric: PolyhedralMetric) -> csr_array:
-    """``d A*_a / d l_e`` of the circumcentric dual areas, sparse of shape (V, E), in the unit of length.
+    """Derivatives ``d A*_a / d l_e`` of circumcentric dual areas, sparse, (V, E), in the unit of length.
 
     For flat triangles only.
     """
@@ -47,7 +47,7 @@ def dual_area_derivative(metric: PolyhedralMetric) -> csr_array:
 
 
 def area_derivative(metric: PolyhedralMetric) -> Floats:
-    """Derivative of the area by every length, shape (E,), in the unit of length."""
+    """Derivative of the area with respect to the lengths, shape (E,), in the unit of length."""
     shape = metric.triangles
     across = np.roll(metric.triangulation.face_edges, -1, axis=1)
     by_side = shape.space.chord(shape.opposite) / shape.space.cs(shape.opposite / 2) * shape.tilts / 2
@@ -55,12 +55,12 @@ def area_derivative(metric: PolyhedralMetric) -> Floats:
 
 
 def length_derivative(metric: PolyhedralMetric, u: Floats) -> csr_array:
-    """``d l_e / d u_a`` of ``l_ab (e^{u_a} + e^{u_b}) / 2``, sparse of shape (E, V).
+    """Derivatives ``d l_e / d u_a`` of ``l_ab (e^{u_a} + e^{u_b}) / 2``, sparse of shape (E, V).
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        rho_0, of which u are the conformal factors.
+        Reference metric rho_0 of the conformal factors u.
     u : ndarray, shape (V,)
     """
     edges = metric.edges
@@ -70,7 +70,7 @@ def length_derivative(metric: PolyhedralMetric, u: Floats) -> csr_array:
 
 
 def _assembled(metric: PolyhedralMetric, by_side: Floats) -> csr_array:
-    """Sum derivatives (F, corner, side across from corner) into a (V, E) matrix."""
+    """Sum derivatives (F, corner, side opposite to corner) into a (V, E) matrix."""
     across = np.roll(metric.triangulation.face_edges, -1, axis=1)
     rows = np.repeat(metric.faces, 3, axis=1)
     columns = np.tile(across, (1, 3))

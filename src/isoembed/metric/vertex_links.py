@@ -1,12 +1,12 @@
-"""Links of vertices: spherical polygons whose sides are the angles of the triangles at a vertex.
+"""Links of vertices: spherical polygons with the angles of the triangles at a vertex as sides.
 
-A surface in R^3, or in hyperbolic or spherical space, has such a polygon at each inner vertex.  One with the
-sides a_i, none longer than pi, exists only if for every subset S of an odd number of sides
+A surface in R^3, or in hyperbolic or spherical space, has such a polygon at each inner vertex.  A polygon
+with sides a_i, none longer than pi, exists only if for every subset S of an odd number of sides
 
     sum over S of (pi - a_i) + sum over the others of a_i >= pi
 
 (Kapovich & Millson 1999).  Moving corners to their antipodes replaces the sides of an even subset by ``pi -
-a_i``; of what results no side is longer than all others together.
+a_i``; in the resulting polygon no side is longer than the sum of all others.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ NO_LINK = "the angles at an inner vertex are the sides of a spherical polygon"
 
 
 def link_gaps(metric: PolyhedralMetric) -> Floats:
-    """Amounts by which the inequality fails beyond rounding, (V,), radians; above 0 there is no link."""
+    """Violations of the inequality beyond rounding, (V,), in radians; if positive, there is no link."""
     t, angles, corners = metric.triangulation, metric.triangles.angles.ravel(), metric.faces.ravel()
     sums = np.bincount(corners, np.minimum(angles, np.pi - angles))
     one_more = np.full(t.n_vertices, np.inf)
@@ -29,7 +29,7 @@ def link_gaps(metric: PolyhedralMetric) -> Floats:
 
 
 def without_link(metric: PolyhedralMetric, v: int) -> str:
-    """Clause on a vertex that has no link: why no surface has its angles."""
+    """Clause on a vertex without link: reason why no surface has its angles."""
     angles = np.sort(np.degrees(metric.triangles.angles[metric.faces == v]))
     largest, others = angles[-1], angles[:-1].sum()
     if largest > others:

@@ -1,7 +1,7 @@
 """Acceptance rules: sufficient decrease with a backtracking line search, and Levenberg-Marquardt damping.
 
-A rule tries parameters of a curve in turn, and accepts the first whose value is small enough: never one that
-is not a number.  It says with which parameter the next step begins.
+A rule tries parameters of a curve in turn, accepts the first with a sufficiently small value (never NaN), and
+determines the initial parameter of the next step.
 
 References
 ----------
@@ -23,9 +23,9 @@ class LineSearch:
     Attributes
     ----------
     decrease : float
-        c in ``value < (1 - c * fraction) * before``; 0 for any decrease.
+        Constant c in ``value < (1 - c * fraction) * before``; 0 for any decrease.
     shortest : float
-        Least fraction that is tried.
+        Smallest fraction tried.
     """
 
     decrease: float
@@ -33,7 +33,7 @@ class LineSearch:
     first = 1.0
 
     def parameters(self, first: float = 1.0) -> Iterator[float]:
-        """Fractions from the first on, each half of the one before."""
+        """Fractions, starting with the first and halved successively."""
         return takewhile(lambda fraction: fraction >= self.shortest, _powers(first, 0.5))
 
     def accepts(self, value: float, before: float, fraction: float) -> bool:
@@ -41,7 +41,7 @@ class LineSearch:
         return value < (1 - self.decrease * fraction) * before
 
     def following(self, value: float, before: float, fraction: float) -> float:
-        """A whole step."""
+        """Initial fraction of the next step: a full step."""
         return 1.0
 
 
@@ -50,7 +50,7 @@ FULL_STEPS = LineSearch(-np.inf, 1.0)
 
 
 def contraction(share: float) -> LineSearch:
-    """Full steps, each of which must reduce the value to less than `share` of itself."""
+    """Full steps, each of which must reduce the value by at least the factor `share`."""
     return LineSearch(1 - share, 1.0)
 
 
@@ -62,13 +62,13 @@ class Damping:
     ----------
     first : float
     stiffer, softer : float
-        Factors after a step uphill, and after one downhill.
+        Factors after an increase, and after a decrease.
     largest : float
-        No step helps with more.
+        Largest damping tried.
     tries : int
-        Most dampings for one step.
+        Maximum number of dampings per step.
     eased_below : float
-        Share of the value below which a step must lead for the damping to be lowered.
+        Ratio of values below which the damping is lowered.
     """
 
     first: float
@@ -79,7 +79,7 @@ class Damping:
     eased_below: float = 1.0
 
     def parameters(self, first: float) -> Iterator[float]:
-        """Dampings, each stiffer than the one before."""
+        """Dampings in increasing order."""
         return islice(takewhile(lambda mu: mu <= self.largest, _powers(first, self.stiffer)), self.tries)
 
     def accepts(self, value: float, before: float, damping: float) -> bool:
@@ -87,7 +87,7 @@ class Damping:
         return value < before
 
     def following(self, value: float, before: float, damping: float) -> float:
-        """A softer damping after a decrease."""
+        """Damping for the next step, softer after a sufficient decrease."""
         return damping * self.softer if value < self.eased_below * before else damping
 
 

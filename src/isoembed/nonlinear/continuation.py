@@ -8,7 +8,7 @@ from isoembed.arrays import Floats
 
 
 def extrapolated(known: list[tuple[float, Floats]], t: float) -> Floats:
-    """Predictor of a path: the polynomial through points at given times, all different, at another t."""
+    """Polynomial predictor of a path at time t, from points at given distinct times."""
     times = np.array([s for s, _ in known])
     guess = np.zeros_like(known[0][1])
     for i, (s, x) in enumerate(known):
@@ -33,18 +33,18 @@ def penalty_continuation(
     ----------
     start : ndarray
     minimized : callable
-        Takes x and mu, and returns the minimum nearby, or what is nearer to it.
+        Takes x and mu, and returns a nearby minimum, or an approximation of it.
     residual : callable
-        What is to vanish without the penalty.
+        Residual, which vanishes at a solution without the penalty.
     mu : float
-        The first weight.
+        Initial weight.
     factor : float
-        Of mu from one weight to the next.
+        Ratio of successive weights.
     max_weights : int
     tolerance : float
-        Residual at which it ends; it ends, too, where this hardly falls twice in a row.
+        Residual at which the loop ends; it also ends after two weights in a row with little progress.
     exhausted : callable
-        Whether no more may be spent, asked after each weight.
+        Whether the budget is used up, called after each weight.
     """
     x, before, slow = start, np.inf, 0
     for _ in range(max_weights):

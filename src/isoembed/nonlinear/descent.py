@@ -35,12 +35,12 @@ class Solution(Generic[P]):
     Attributes
     ----------
     point, value
-        The last point.
+        Last point.
     best, least
-        The point of least value: another one only after `FULL_STEPS`.
+        Point with the smallest value, which differs from the last one only after `FULL_STEPS`.
     reason : Reason
     iterations : int
-        Accepted steps.
+        Number of accepted steps.
     """
 
     point: P
@@ -74,20 +74,20 @@ def descend(
     ----------
     start : P
     step : callable
-        The curve of a step from a point: it takes a fraction or a damping, as the acceptance rule does, and
-        returns a point.  Where there is none it returns None or raises SingularMatrix, LinAlgError,
-        InvalidMetric or InvalidParameter, and another parameter is tried.  A SingularMatrix that is raised by
-        `step` itself ends the iteration.
+        Takes a point and returns the curve of a step: a callable that takes a fraction or a damping,
+        according to the acceptance rule, and returns a point.  If there is none it returns None or raises
+        SingularMatrix, LinAlgError, InvalidMetric or InvalidParameter, and another parameter is tried.  A
+        SingularMatrix raised by `step` itself ends the iteration.
     acceptance : LineSearch or Damping
     value : callable
-        The norm of the residual at a point, or an energy.
+        Norm of the residual at a point, or an energy.
     converged, stalled : callable
         Stopping rules, applied at each point.
     max_iterations : int
     exhausted : callable
-        Whether no more may be spent, asked with the point before each trial.
+        Whether the budget is used up, called with the point before each trial.
     max_trials : float
-        Of all iterations together.
+        Maximum number of trials in all iterations.
     """
     best = point = start
     least, size, before, parameter = np.inf, value(start), np.inf, acceptance.first

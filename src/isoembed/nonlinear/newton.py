@@ -1,7 +1,7 @@
 """Newton's method and the Gauss-Newton method on arrays: residual, linear solve, step.
 
-Newton's method solves ``J d = r`` for the step ``x - d``.  Where there are more equations than unknowns, d is
-the solution of least squares (Gauss and Newton); where there are fewer, that of least norm.
+Newton's method solves ``J d = r`` for the step ``x - d``.  If there are more equations than unknowns, d is
+the least-squares solution (Gauss-Newton); if there are fewer, the minimum-norm solution.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from isoembed.nonlinear.stopping import Stop, never
 
 
 class Point(NamedTuple):
-    """Unknowns, their residual, and the most by which one changed in the last step, infinite at the start."""
+    """Unknowns, their residual, and the largest change in the last step (infinite at the start)."""
 
     x: Floats
     residual: Floats
@@ -25,7 +25,7 @@ class Point(NamedTuple):
 
 
 def largest(point: Point) -> float:
-    """The largest absolute value in the residual."""
+    """Maximum absolute value of the residual."""
     return float(np.abs(point.residual).max(initial=0.0))
 
 
@@ -40,7 +40,7 @@ def newton(
     stalled: Stop = never,
     norm: Callable[[Point], float] = largest,
 ) -> Solution[Point]:
-    """Solve ``residual(x) = 0``, or its least squares, near a start.
+    """Solve ``residual(x) = 0``, exactly or in least squares, near a starting point.
 
     Parameters
     ----------
@@ -50,9 +50,9 @@ def newton(
     solve : callable
         Takes x and its residual, and returns the d of the step ``x - d``; may raise SingularMatrix.
     acceptance, converged, stalled, max_iterations
-        As of `descend`.
+        See `descend`.
     norm : callable
-        The value of a point.
+        Value of a point.
     """
 
     def step(p: Point) -> Curve[Point]:

@@ -1,6 +1,6 @@
 """Stopping rules: a residual, a short step, a small decrease, stagnation at rounding.
 
-A rule takes a point, its value, and the least value before it, which is infinite at the start.
+A rule takes a point, its value, and the smallest previous value, which is infinite at the start.
 """
 
 from collections.abc import Callable
@@ -10,25 +10,25 @@ Stop = Callable[[Any, float, float], bool]
 
 
 def never(*_: Any) -> bool:
-    """No stop."""
+    """Never stop."""
     return False
 
 
 def below(tolerance: float) -> Stop:
-    """Stop where the value is at most a tolerance."""
+    """Stop when the value is at most a tolerance."""
     return lambda _, value, before: value <= tolerance
 
 
 def short_step(tolerance: float) -> Stop:
-    """Stop where no unknown of a `Point` moved more than a tolerance in the last step."""
+    """Stop when no unknown of a `Point` changed by more than a tolerance in the last step."""
     return lambda point, value, before: point.moved <= tolerance
 
 
 def settled(share: float) -> Stop:
-    """Stop where a step decreased the value by at most this share."""
+    """Stop when a step decreased the value by at most this fraction."""
     return lambda _, value, before: not value < (1 - share) * before
 
 
 def stagnated(rounding: float) -> Stop:
-    """Stop where values below rounding cease to fall."""
+    """Stop when values below the rounding level cease to decrease."""
     return lambda _, value, before: before < rounding and not value < before

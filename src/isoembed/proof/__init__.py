@@ -1,4 +1,4 @@
 """Proofs: certificates that a realization is near computed vertices.
 
-What is computed in floats here has a bound on its rounding errors.
+All floating-point results here come with bounds on their rounding errors.
 """

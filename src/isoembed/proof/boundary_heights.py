@@ -1,14 +1,14 @@
 """Certificates of discs with prescribed boundary heights, and of convex caps.
 
-Beside the length equations of `nearby_realization` stand ``z_v = h_v + c`` for the B vertices of the
-boundary, c being any number: E + B = 3 V - 3 equations, which only horizontal motions leave as they are.  The
-theorem holds as it is.  The new equations are linear, so Q has no more entries; and where no horizontal
+The length equations of `nearby_realization` are supplemented by ``z_v = h_v + c`` for the B vertices of the
+boundary, with an arbitrary number c: E + B = 3 V - 3 equations, invariant only under horizontal motions.  The
+theorem holds unchanged.  The new equations are linear and contribute nothing to Q; and if no horizontal
 motion brings y + d nearer to y, ``S^2 d`` is orthogonal to infinitesimal ones, which span the kernel of J.
 
-Where all heights are equal, let a polygon close the surface.  If `prove_nearby_hulls` shows that all points
-near the given ones span convex polyhedra, in which no edge of the surface may be flat, then the exact surface
-is the boundary of its convex hull without that polygon: the convex cap of its metric, which has no other
-(Pogorelov; Izmestiev 2008).
+If all heights are equal, let a polygon close the surface.  If `prove_nearby_hulls` shows that all points near
+the given ones span convex polyhedra in which no edge of the surface is flat, then the exact surface is the
+boundary of its convex hull without that polygon: the unique convex cap of its metric (Pogorelov; Izmestiev
+2008).
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from isoembed.thresholds import rounded_down, rounded_up
 
 @dataclass(frozen=True)
 class CapCertificate(Certificate):
-    """Whether an exact surface with given boundary heights is proven to be near, and numbers of the proof.
+    """Certificate of an exact surface with given boundary heights, with the constants of the proof.
 
-    A number that the proof did not get to is None.
+    Constants that the proof did not reach are None.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class CapCertificate(Certificate):
     convex : bool or None
         Whether the exact surface is proven to be the convex cap of its metric.
     smallest_dihedral : float or None
-        Of a cap, lower bound on the exterior dihedral angles of its edges, radians.
+        Lower bound on the exterior dihedral angles of a cap's edges, radians.
     """
 
     convex: bool | None = None
@@ -61,14 +61,14 @@ class CapCertificate(Certificate):
 
 @dataclass(frozen=True, eq=False)
 class HeightEquations:
-    """The equations ``z_v = h_v + c``, c being chosen so that the first one holds for the given vertices.
+    """Equations ``z_v = h_v + c``, with c such that the first one holds for the given vertices.
 
     Attributes
     ----------
     vertices : ndarray of int, shape (B,)
     heights : ndarray, shape (B,)
     points : ndarray, shape (V, 3)
-        The given vertices.
+        Given vertices.
     """
 
     vertices: Indices
@@ -84,7 +84,7 @@ class HeightEquations:
         return off + rest, 4 * GUARD * U * sizes
 
     def matrix(self, weights: Floats) -> csr_array:
-        """Their derivatives over the weights of the vertices, (B, 3 V)."""
+        """Jacobian divided by the weights of the vertices, (B, 3 V)."""
         count = len(self.vertices)
         columns = 3 * self.vertices.astype(np.int64) + 2
         entries = 1 / weights[self.vertices]
@@ -92,16 +92,16 @@ class HeightEquations:
 
 
 def certify(metric: PolyhedralMetric, vertices: Floats, heights: Floats) -> CapCertificate:
-    """Prove that a disc with these lengths and boundary heights is near vertices, and none else.
+    """Prove that exactly one disc with these lengths and boundary heights is near the vertices.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        On a disc, of flat triangles.
+        Flat triangles of a disc.
     vertices : ndarray, shape (V, 3)
         In the unit of the lengths.
     heights : ndarray, shape (B,)
-        Of the vertices along the boundary, as z, up to a constant; zeros of a cap.
+        z coordinates of the vertices along the boundary, up to a constant; zero for a cap.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def certify(metric: PolyhedralMetric, vertices: Floats, heights: Floats) -> CapC
 
 
 def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str, Any]) -> str:
-    """Carry out the proof, in the unit of a normalized metric: note its numbers, return what it shows else.
+    """Carry out the proof for a normalized metric: record its constants, return further conclusions.
 
     Raises
     ------
@@ -167,14 +167,14 @@ def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str
 
 
 def _smallest_dihedral(t: Triangulation, x: Floats, reach: float) -> float:
-    """Lower bound on the dihedral angles inside of a convex cap, near points; raises NotProven of others."""
+    """Lower bound on the dihedral angles inside a convex cap near points; raises NotProven if not convex."""
     [loop] = t.boundaries
     a, b = x[loop, :2], np.roll(x[loop, :2], -1, axis=0)
     is_upward = np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 0  # as seen from above
     inside = ~t.boundary_edges
     joined = t.boundary_vertices[t.edges].all(axis=1) & inside
     chords = np.bincount(t.edges[joined].ravel(), minlength=t.n_vertices)[loop]
-    around = np.roll(loop, -int(np.argmin(chords)))  # chords do not cross, so that one vertex has none
+    around = np.roll(loop, -int(np.argmin(chords)))  # chords do not cross, so some vertex has none
     fan = np.column_stack([np.full(len(loop) - 2, around[0]), around[2:], around[1:-1]])
     faces = np.concatenate([t.faces, fan])
     closed = Triangulation(faces if is_upward else faces[:, ::-1])

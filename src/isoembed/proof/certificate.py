@@ -1,7 +1,7 @@
-"""Certificates of surfaces of any shape: assembly of existence, uniqueness and embeddedness.
+"""Certificates of arbitrary surfaces: existence, uniqueness and embeddedness.
 
-The theorem is that of `nearby_realization`.  That faces do not cross is verified for all vertices that are as
-near as the exact ones.
+The theorem is that of `nearby_realization`.  Embeddedness is verified for all vertices in the neighborhood
+that contains the exact ones.
 """
 
 from dataclasses import asdict, dataclass
@@ -23,29 +23,29 @@ from isoembed.thresholds import rounded_down, rounded_up
 @short_repr
 @dataclass(frozen=True)
 class Certificate:
-    """Whether an exact realization is proven to be near, and the numbers of the proof.
+    """Certificate of a nearby exact realization, with the constants of the proof.
 
-    A number that the proof did not get to is None.
+    Constants that the proof did not reach are None.
 
     Attributes
     ----------
     certified : bool
     reason : str
-        A sentence: what is proven, or why nothing is.
+        Statement proven, or reason why nothing is.
     radius : float or None
-        A realization of the lengths has all vertices within this of the given ones, in mean edge lengths.
+        Bound on the distances of an exact realization's vertices from the given ones, in mean edge lengths.
     isolation : float or None
-        Any other realization, after the isometry that fits best in weighted least squares, has a vertex that
-        is no nearer to its place in that one, in mean edge lengths.  None where a family is as near, of
-        surfaces with boundary.
+        Lower bound on the largest vertex distance between any other realization and that one, after the best
+        isometry in weighted least squares, in mean edge lengths.  None for surfaces with boundary that belong
+        to a family of realizations.
     embedded : bool or None
-        Whether the faces of the exact surface are proven to meet in their common corners and edges only.
+        Whether the faces of the exact surface are proven to meet only in their common corners and edges.
     residual : float or None
         Upper bound on ``| |x_a - x_b| - l_ab |`` over the mean edge length.
     sigma_min : float or None
         Lower bound on the singular values of the weighted rigidity matrix, over the mean edge length.
     kantorovich : float or None
-        The number h of the theorem; at most 1.
+        Constant h of the theorem; at most 1.
     """
 
     certified: bool
@@ -63,7 +63,7 @@ class Certificate:
 
     @property
     def evidence(self) -> Evidence | None:
-        """Evidence for what the `reason` says of other realizations; None if nothing is proven."""
+        """Evidence for the uniqueness stated in `reason`; None if nothing is proven."""
         return Evidence("proved", self._basis) if self.certified else None
 
     @property
@@ -71,18 +71,18 @@ class Certificate:
         return self._THEOREMS
 
     def as_json(self) -> dict[str, Any]:
-        """Return the fields and the evidence, as they stand in a report."""
+        """Return the fields and the evidence for a report."""
         return {**asdict(self), **(self.evidence.report if self.evidence else {})}
 
 
 HIDDEN = 1e-10
-"""Residual, in mean edge lengths, that may be rounding."""
+"""Residual, in mean edge lengths, within the effect of rounding."""
 
 NOT_ASKED = Certificate(False, "not certified, because a report asks for no certificate of so many vertices")
 
 
 def overdetermined(more: int, residual: float) -> Certificate:
-    """The refusal of a problem with more equations than unknowns, and a residual in mean edge lengths."""
+    """Failed certificate of an overdetermined problem, given its residual in mean edge lengths."""
     open_question = (
         "so that nearly all lengths have no exact surface, and within rounding none can be proven to exist"
         if residual < HIDDEN
@@ -94,17 +94,18 @@ def overdetermined(more: int, residual: float) -> Certificate:
 
 
 def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | None = None) -> Certificate:
-    """Prove that a realization of a metric, in its triangles, is near vertices, and none else.
+    """Prove that exactly one realization of a metric, with its triangles, is near the vertices.
 
-    Of a surface with boundary that has fewer lengths than unknowns only the former is proven: others are as
-    near.  One that has more lengths, as those with handles, has no certificate.
+    For surfaces with boundary that have fewer lengths than unknowns, only existence is proven, as there is a
+    family of nearby realizations.  Surfaces with more lengths than unknowns, such as those with handles, have
+    no certificate.
 
     Parameters
     ----------
     metric : PolyhedralMetric
     vertices : ndarray, shape (V, 3)
-        In the unit of the lengths.  In hyperbolic and spherical space, as on hyperboloid or sphere, and about
-        the origin.
+        In the unit of the lengths.  In hyperbolic and spherical space, coordinates on the hyperboloid or
+        sphere, centered at the origin.
     length_errors : ndarray, shape (E,), optional
         Upper bounds on the errors of the lengths, in their unit: the proof then holds for all metrics within
         them.  By default the lengths are exact.
@@ -141,7 +142,7 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
 def _prove(
     metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: dict[str, Any]
 ) -> list[int] | None:
-    """Carry out the proof, in the unit of a normalized metric: note its numbers, return faces that may cross.
+    """Carry out the proof for a normalized metric: record its constants, return two faces that may cross.
 
     Raises
     ------

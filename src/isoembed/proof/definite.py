@@ -1,23 +1,23 @@
 """Proof of positive definiteness of a sparse symmetric matrix in floating point.
 
-Elimination down the diagonal without exchanges leaves factors with ``L U = A + dA``. In whatever order it
-adds, ``|dA_ij| <= gamma_k (|L| |U|)_ij``, where ``gamma_k = k u / (1 - k u)``, u = 2^-53 and k is the
-number of terms of the sum behind the entry (Higham, Accuracy and stability of numerical algorithms, 2002,
-lemma 8.4 and theorem 9.3): at most the number of entries in row i of L, and one more as pivots are divided
-by through their reciprocals. Let D be the diagonal of U, and ``G = U - D L^T``, which is small because A is
-symmetric, and is computed.  With ``H = G^T D^-1 / 2`` the symmetric part of L U is
+Elimination without pivoting gives factors with ``L U = A + dA``. In any order of summation,
+``|dA_ij| <= gamma_k (|L| |U|)_ij``, where ``gamma_k = k u / (1 - k u)``, u = 2^-53 and k is the
+number of terms in the sum for the entry (Higham, Accuracy and stability of numerical algorithms, 2002,
+lemma 8.4 and theorem 9.3): at most the number of entries in row i of L, plus one because divisions by pivots
+use their reciprocals. Let D be the diagonal of U, and ``G = U - D L^T``, which is small because A is
+symmetric, and is computed.  With ``H = G^T D^-1 / 2``, the symmetric part of L U is
 
     (L U + U^T L^T) / 2 = (L + H) D (L + H)^T - G^T D^-1 G / 4.
 
-If D is positive, the first term is positive semidefinite, and no eigenvalue of A is less than minus the norm
-of the symmetric part of dA minus that of the second term.  Both are at most the spectral radius of
+If D is positive, the first term is positive semidefinite, and the eigenvalues of A are at least minus the
+norm of the sum of the second term and the symmetric part of dA.  This norm is at most the spectral radius of
 
     B = (gamma |L| |U| + |U|^T |L|^T gamma) / 2 + |G|^T D^-1 |G| / 4,
 
-and so at most ``max_i (B v)_i / v_i`` for any positive v (Collatz and Wielandt; Horn and Johnson, Matrix
-analysis, 8.1.26): a few products with B give a good one.  Applied to A - s I, this bounds the eigenvalues of
-A from below.  The idea is Rump's (Verification of positive definiteness, BIT 46, 2006), who takes a bound a
-priori on the error of Cholesky's method, which would be some ten thousand times as large here.
+and hence at most ``max_i (B v)_i / v_i`` for any positive v (Collatz and Wielandt; Horn and Johnson, Matrix
+analysis, 8.1.26): a few products with B give a good v.  Applied to A - s I, this bounds the eigenvalues of A
+from below.  The idea is due to Rump (Verification of positive definiteness, BIT 46, 2006), who uses an a
+priori bound on the error of Cholesky factorization, which would be some ten thousand times larger here.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
 
-POWER_ITERATIONS = 6  # products with the bounds on rounding: more would gain a few percent
+POWER_ITERATIONS = 6  # products with the error bounds: more would gain a few percent
 LEAST_ENTRY = 1e-3  # of the positive vector, relative to its largest entry
-PROVEN_SHARE = 0.5  # of the estimated least eigenvalue, leaving room for rounding
+PROVEN_SHARE = 0.5  # of the estimated smallest eigenvalue, leaving a margin for rounding
 
 
 @dataclass(frozen=True, eq=False)
 class PositiveDefinite:
-    """A symmetric matrix that was proven positive definite: its eigenvalues are at least `eigenvalue` > 0."""
+    """Symmetric matrix proven positive definite, with eigenvalues of at least `eigenvalue` > 0."""
 
     eigenvalue: float
     _lu: SuperLU
@@ -58,7 +58,7 @@ class PositiveDefinite:
 
 
 def least_eigenvalue(matrix: sp.csc_array) -> tuple[SuperLU, float]:
-    """The factors of a symmetric matrix in its own order, and its least eigenvalue, by inverse iteration."""
+    """Factors of a symmetric matrix in its given order, and its smallest eigenvalue by inverse iteration."""
     lu = symmetric_lu(matrix)
     x = np.random.default_rng(0).normal(size=matrix.shape[0])
     for _ in range(12):  # the estimate exceeds the eigenvalue by n^(1/24) or so: 1.6 for 10^5
@@ -67,12 +67,12 @@ def least_eigenvalue(matrix: sp.csc_array) -> tuple[SuperLU, float]:
 
 
 def lost_to_rounding(matrix: sp.csc_array, shift: float) -> float:
-    """Bound how far the eigenvalues of a symmetric matrix may be below this shift, if at all.
+    """Bound on the difference by which eigenvalues of a symmetric matrix may be below the shift.
 
     Raises
     ------
     SingularMatrix
-        One is below it, as far as floats tell.
+        An eigenvalue is below the shift according to the computed pivots.
     """
     shifted = sp.csc_array(matrix - shift * sp.eye_array(matrix.shape[0], format="csc"))
     factors = Pivots.of(symmetric_lu(shifted))
@@ -82,7 +82,7 @@ def lost_to_rounding(matrix: sp.csc_array, shift: float) -> float:
 
 
 def hidden(estimate: float, lost: float) -> SingularMatrix:
-    """The refusal of a matrix whose least eigenvalue rounding may undo."""
+    """Exception for a matrix whose smallest eigenvalue is within the error bound."""
     return SingularMatrix(
         "the matrix cannot be proven positive definite: its least eigenvalue is about "
         f"{estimate:.1e}, and rounding takes up to {lost:.1e}"
@@ -91,18 +91,18 @@ def hidden(estimate: float, lost: float) -> SingularMatrix:
 
 @dataclass(frozen=True, eq=False)
 class Pivots:
-    """Factors without exchanges, and what bounds their errors.
+    """Factors without pivoting, with the quantities that bound their errors.
 
     Attributes
     ----------
     lower, upper : sparse CSC, (n, n)
-        Sizes of the entries of the factors.
+        Absolute values of the entries of the factors.
     rest : sparse CSC, (n, n)
-        Of ``G = U - D L^T``, rounded up.
+        Absolute values of ``G = U - D L^T``, rounded up.
     pivots : ndarray, shape (n,)
         D.
     relative : ndarray, shape (n,)
-        Relative errors of the sums in each row.
+        Bounds gamma on the relative errors of the sums in each row.
     """
 
     lower: sp.csc_array
@@ -113,13 +113,13 @@ class Pivots:
 
     @classmethod
     def of(cls, lu: SuperLU) -> Pivots:
-        """Take the factors of SuperLU; raises SingularMatrix where rows were exchanged or a pivot is zero."""
+        """Take the factors of SuperLU; raises SingularMatrix if rows were exchanged or a pivot is zero."""
         upper = lu.U
         pivots = upper.diagonal()
         if has_row_exchanges(lu) or not (pivots != 0).all():  # an exchange avoids a pivot of zero
             raise SingularMatrix("the matrix is not positive definite, as far as floats tell")
         lower = lu.L
-        # roundings beyond the terms of an entry's sum
+        # 6 roundings in addition to the terms of the sum for an entry
         roundings = np.bincount(lower.indices, minlength=pivots.size) + 6
         relative = roundings * U / (1 - roundings * U)
         rest = abs(upper - sp.diags_array(pivots) @ lower.T) + 4 * U * abs(upper)
@@ -131,7 +131,7 @@ class Pivots:
         return int((self.pivots < 0).sum())
 
     def errors(self, v: Floats) -> Floats:
-        """The product with B of a positive vector, (n,)."""
+        """Product of B with a positive vector, (n,)."""
         w = (
             self.relative * (self.lower @ (self.upper @ v))
             + self.upper.T @ (self.lower.T @ (self.relative * v))

@@ -1,18 +1,18 @@
 """Proven bounds on the change of a surface when its lengths change.
 
-`nearby_realization` proves that lengths within errors of the given ones have a realization y near the
-vertices x.  With z, s, J and r as there, no vertex is farther from x than ``|z_a - x_a| + r / s_a``.  And y
-is the end of a path from z on which the squared lengths are linear in time: that of ``-S^-1 J^+ F(z)``, which
-stays in the ball ``|y - z|_s <= r`` because ``|J(y) - J(z)| <= K |y - z|_s``.
+`nearby_realization` proves that lengths within the given errors have a realization y near the vertices x.
+With z, s, J and r as there, the distance of a vertex from x is at most ``|z_a - x_a| + r / s_a``.  Moreover,
+y is the end of a path from z on which the squared lengths are linear in time, with velocity ``-S^-1 J^+
+F(z)``; it stays in the ball ``|y - z|_s <= r`` because ``|J(y) - J(z)| <= K |y - z|_s``.
 
-Heights tell what that motion does to normals and dihedral angles (`moved_triangles`).  Areas follow from the
-lengths.  The integral of H changes by ``d (1/2 sum l theta) = 1/2 sum theta dl`` (Schlaefli) along the path.
-Of the volume, with its gradient g at x, any v, and A the derivative of F at z,
+Changes of normals and dihedral angles are bounded by the heights of the triangles (`moved_triangles`), those
+of areas by the lengths.  The integral of H changes by ``d (1/2 sum l theta) = 1/2 sum theta dl`` (Schlaefli)
+along the path.  For the volume, with its gradient g at x, any v, and the derivative A of F at z,
 
     g . d = (g - A^T v) . d + v . A d,    A d = -F(z) - Q(d),    |Q(d)| <= r^2 / min s,
 
-and what is of higher order in d is bounded triangle by triangle.  The v for which the first term vanishes
-says how the volume changes with the lengths.
+and terms of higher order in d are bounded triangle by triangle.  The v for which the first term vanishes is
+the derivative of the volume with respect to the lengths.
 """
 
 from __future__ import annotations
@@ -40,29 +40,29 @@ from isoembed.surface.vertex_areas import vertex_area_changes, vertex_areas
 @short_repr
 @dataclass(frozen=True, eq=False)
 class DeviationBound(Changes):
-    """Upper bounds on how far a surface in R^3 is off, whatever its lengths are within given errors.
+    """Upper bounds on the errors of a surface in R^3 for all lengths within given errors.
 
-    There is a surface with these lengths whose quantities differ by no more from those of the given one as
-    they are measured, with all rounding.  A bound is infinite where nothing is proven.
+    For any such lengths there is a surface whose quantities differ by at most these bounds from those
+    computed for the given one, including rounding.  Bounds are infinite where nothing is proven.
 
     Attributes
     ----------
     vertices : ndarray, shape (V,)
-        Of how far each vertex is from its place.
+        Bounds on the displacements of the vertices.
     normals : ndarray, shape (F,)
-        Of the radians by which each triangle is turned.
+        Bounds on the rotation angles of the triangles' normals, in radians.
     dihedral_angles : ndarray, shape (E,)
     mean_curvature : ndarray, shape (V,)
     area, volume, integrated_mean_curvature : float
     reason : str
-        Why nothing is proven; empty if it is.
+        Reason why nothing is proven; empty if the bounds are proven.
     """
 
     reason: str = ""
 
     @property
     def report(self) -> dict[str, Any]:
-        """Area, volume and int H dA; of the arrays root mean square and largest, and the `reason`."""
+        """Area, volume and int H dA; root mean square and maximum of each array, and the `reason`."""
         return {**super().report, "reason": self.reason}
 
     @classmethod
@@ -76,7 +76,7 @@ class DeviationBound(Changes):
     def of(
         cls, metric: PolyhedralMetric, vertices: Floats, errors: Floats, volume_rates: Floats
     ) -> DeviationBound:
-        """Bounds for errors of the lengths that are no larger than the given ones.
+        """Bounds for errors of the lengths up to the given ones.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class DeviationBound(Changes):
         vertices : ndarray, shape (V, 3)
         errors : ndarray, shape (E,)
         volume_rates : ndarray, shape (E,)
-            Derivatives of the volume by the lengths.  The worse they are, the larger is its bound.
+            Derivatives of the volume with respect to the lengths.  Inaccurate ones make its bound larger.
 
         Raises
         ------
@@ -119,12 +119,12 @@ class DeviationBound(Changes):
 def _mean_curvature(
     moved: MovedTriangles, lengths: Floats, missed: Floats, bent: Floats, squares: Floats
 ) -> Floats:
-    """Bounds at the vertices: H is a quarter of the sum of l theta over the vertex's share of the area."""
+    """Bounds at the vertices, where H is a quarter of the sum of l theta, divided by the vertex area."""
     t, x, theta = moved.triangulation, moved.vertices, np.abs(moved.dihedral_angles)
     rounding = gamma(int(t.degrees.max()) + 32)
     integrals = (lengths + missed) * bent + (missed + rounding * lengths) * theta
     of_integrals = np.bincount(t.edges.ravel(), np.repeat(integrals / 4, 2))
-    # The lengths are rounded, and so are the cotangents, by 10 U (sum of l^2) / A or less.
+    # Rounding of the lengths, and of the cotangents by at most 10 U (sum of l^2) / A.
     squares = squares + rounding * lengths * lengths
     of_areas = vertex_area_changes(t, x, squares, moved.area_changes(squares))
     perimeters = (lengths[t.face_edges] ** 2).sum(axis=1)
@@ -138,7 +138,7 @@ def _mean_curvature(
 
 
 def _integral(moved: MovedTriangles, nearby: NearbyRealization, lengths: Floats, theta: Floats) -> float:
-    """Bound on the change of int H dA: of lengths times half the largest angles, on the way to z and to y."""
+    """Bound on the change of int H dA: length changes to z and y, times half the largest angles."""
     t = moved.triangulation
     a, b = t.edges.T
     to_z = moved.steps[a] + moved.steps[b]
@@ -168,7 +168,7 @@ def _volume(moved: MovedTriangles, nearby: NearbyRealization, rates: Floats) -> 
     sides = np.linalg.norm(straight, axis=1)
     around = t.faces.ravel()
     longest = sides[t.face_edges].max(axis=1)
-    sizes = np.bincount(around, np.repeat(longest**2 / 6, 3))  # of the terms of the gradient
+    sizes = np.bincount(around, np.repeat(longest**2 / 6, 3))  # magnitudes of the terms of the gradient
     pulled = rates[:, None] * rows
     left = gradient - np.stack(
         [
@@ -180,12 +180,12 @@ def _volume(moved: MovedTriangles, nearby: NearbyRealization, rates: Floats) -> 
     pulls = np.bincount(t.edges.ravel(), np.repeat(y * sides / lengths, 2))
     rounding = 2 * gamma(int(t.degrees.max()) + 32) * (sizes + pulls)
     left = np.linalg.norm(left, axis=1) + rounding
-    # F' is taken at z.
+    # F' is evaluated at z.
     left += np.bincount(t.edges.ravel(), np.repeat(y * (steps[a] + steps[b]) / lengths, 2))
     first = float(y @ nearby.residuals) + norm(rates) * r * r * float(s.max())
     first += norm(left * s) * r + float((np.linalg.norm(gradient, axis=1) + rounding) @ steps)
 
-    # Higher orders: the normals change by 2 Lambda + Lambda^2 at most, with time linearly and quadratically.
+    # Higher orders: the normals change by at most 2 Lambda + Lambda^2, linear and quadratic in time.
     thirds = moved.areas * (1 + moved.rounding) / 3 * (1 + moved.stretch / 3)
     by_ball = thirds * moved.softness * np.linalg.norm(s[t.faces], axis=1)
     second = r * r * float(np.bincount(around, np.repeat(by_ball, 3)).max())
@@ -193,7 +193,7 @@ def _volume(moved: MovedTriangles, nearby: NearbyRealization, rates: Floats) -> 
     by_steps += moved.stretch * steps[t.faces].sum(axis=1)
     second += float((thirds * by_steps).sum())
 
-    # The volume is measured from the mean of the vertices.
+    # Rounding of the volume, computed relative to the mean of the vertices.
     out = np.linalg.norm(x - x.mean(axis=0), axis=1).max() + 8 * U * np.abs(x).max()
     measured = gamma(t.n_faces + 64) * float((longest**2).sum()) * out
     measured += 64 * U * float(np.abs(x).max()) * float((longest**2).sum())

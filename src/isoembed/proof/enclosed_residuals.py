@@ -1,7 +1,7 @@
 """Enclosures of length residuals in double-double arithmetic.
 
-The residuals of an answer are rounding errors themselves.  So differences and products are split into their
-rounded values and what rounding took from them (`pairs`).
+The residuals of a converged solution are rounding errors themselves.  Differences and products are therefore
+represented by their rounded values and rounding errors (`double_double`).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Chords(NamedTuple):
         k, not zero.
     squares : pair of ndarray, shape (E,)
     off : ndarray, shape (E,)
-        How many U^2 they are off.
+        Error bounds, in units of U^2.
     """
 
     curvature: float
@@ -53,18 +53,18 @@ def enclosed_residuals(
 ) -> tuple[Floats, Floats]:
     """``(|x_a - x_b|^2 - c_ab^2 m_a m_b) / (2 n_ab)`` at x, the exact sums of vertices and corrections.
 
-    In Euclidean space c = l and m = 1; else c is the chord of l, and ``m = 1 + k |x|^2 / 4`` of points in
-    conformal coordinates.
+    In Euclidean space c = l and m = 1; otherwise c is the chord of l, and ``m = 1 + k |x|^2 / 4`` for points
+    in conformal coordinates.
 
     Parameters
     ----------
     edges : ndarray of int, shape (E, 2)
     vertices, corrections : ndarray, shape (V, 3)
-        The corrections are small.
+        Points and small corrections.
     lengths : ndarray, shape (E,)
-        Near 1.
+        Lengths of order 1.
     chords : Chords, optional
-        Those of the lengths, if space is curved.
+        Chords of the lengths, in curved space.
     divisors : ndarray, shape (E,), optional
         n; by default the lengths.
 
@@ -85,13 +85,13 @@ def enclosed_residuals(
     total, second = exact_sum(total, square[:, 2])
     total, third = exact_sum(total, -goal)
     small = first + second + third + (square_lost + 2 * d * lost).sum(axis=1) - goal_lost
-    # Each of the dozen small terms is at most 2 U size, each sum of them is off by U; 1 for |lost|^2.
+    # Each of the dozen small terms is at most 2 U size, each sum of them has an error of U; 1 for |lost|^2.
     value = total + small
     error = 2 * U * np.abs(value) + 200 * U * U * (square.sum(axis=1) + np.abs(goal)) + U * U * size
 
     shift = corrections[a] - corrections[b]
     moved = (2 * d * shift + shift * shift).sum(axis=1)
-    # 2 lost shift is left out, too.
+    # 2 lost shift is also omitted.
     error += 12 * U * (2 * np.abs(d * shift) + shift * shift).sum(axis=1)
     value += moved
     if chords is not None:
@@ -103,9 +103,9 @@ def enclosed_residuals(
 
 
 def squared_chords(lengths: Floats, curvature: float) -> Chords:
-    """The chords of lengths, (E,), of no more than ten radii of curvature.
+    """Chords of lengths, (E,), of at most ten radii of curvature.
 
-    By the series ``l^2 sum 2 (-k l^2)^n / (2 n + 2)!``, of which less than U^3 is left out.
+    Computed by the series ``l^2 sum 2 (-k l^2)^n / (2 n + 2)!`` with a remainder less than U^3.
     """
     square = exact_product(lengths, lengths)
     terms = _terms(abs(curvature) * float(square[0].max(initial=0.0)))
@@ -118,13 +118,13 @@ def squared_chords(lengths: Floats, curvature: float) -> Chords:
         low = float(exact - Fraction(high))
         total = plus(times(total, t), (np.full_like(lengths, high), np.full_like(lengths, low)))
         size = size * np.abs(t[0]) + high
-    # A step is off by as much as the sizes; so is, n times, the n-th power of t.
+    # Error of each step, relative to the sizes; the n-th power of t adds n times its error.
     off = (terms + 1) * (ADDED + 3 * MULTIPLIED) + MULTIPLIED
     return Chords(curvature, times(square, total), off * square[0] * size * GUARD)
 
 
 def _terms(size: float) -> int:
-    """Number of terms of the series of chords, if they grow with the powers of this size."""
+    """Number of terms of the chord series for arguments up to this size."""
     n = 1
     while size ** (n + 1) / factorial(2 * n + 4) > U**3 / 4 or 2 * size > (2 * n + 5) * (2 * n + 6):
         n += 1
@@ -132,7 +132,7 @@ def _terms(size: float) -> int:
 
 
 def _goals(edges: Indices, vertices: Floats, chords: Chords) -> tuple[Pair, Floats]:
-    """``c^2 m_a m_b`` as pairs, and how many U^2 they are off."""
+    """``c^2 m_a m_b`` as pairs, and error bounds in units of U^2."""
     x, y, z = (exact_product(column, column) for column in vertices.T)
     quarter = (np.full(len(vertices), chords.curvature / 4), np.zeros(len(vertices)))
     ones = (np.ones(len(vertices)), np.zeros(len(vertices)))
@@ -141,7 +141,7 @@ def _goals(edges: Indices, vertices: Floats, chords: Chords) -> tuple[Pair, Floa
     a, b = edges.T
     goals = times(chords.squares, times((m[0][a], m[1][a]), (m[0][b], m[1][b])))
     both = sizes[a] * sizes[b]
-    # m is off by four sums and a product, twice; their products and that with c^2 are, once each.
+    # errors of four sums and a product in each m; one more product for theirs and one for that with c^2
     return goals, GUARD * both * (chords.off + chords.squares[0] * (8 * ADDED + 4 * MULTIPLIED))
 
 

@@ -1,7 +1,7 @@
 """Flexibility: infinitesimal flexes of triangulated surfaces, and their finite extension.
 
-Floats prove neither that a surface flexes nor that it does not: a motion that was followed is one along which
-the lengths were kept to rounding, and one that could not be followed is not shown to be of first order only.
+Floating-point results prove neither flexibility nor its absence: along a motion that was followed, the
+lengths are preserved up to rounding, and a motion that could not be followed may extend to higher order.
 """
 
 from __future__ import annotations
@@ -14,28 +14,28 @@ from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity import edge_rows, length_residuals
 
 MOST_VERTICES = 300
-"""Largest number of vertices for which motions are sought: J is decomposed as a dense matrix."""
+"""Largest number of vertices for the search of flexes, which decomposes J as a dense matrix."""
 
 STEPS_TRIED = (0.02, 0.005, 0.001)
-"""Steps of the vertex that moves farthest, in mean edge lengths, tried in turn: where a path bends, Newton's
-method stays on it in short steps only."""
+"""Maximum displacements per step, in mean edge lengths, tried in turn: Newton's method follows curved paths
+only in short steps."""
 
 STEPS = 10
 
 KEPT = 1e-12
-"""Change of the lengths that may be rounding, in mean edge lengths; also the least singular value of J that
-is not rounding, as its rows have unit entries."""
+"""Change of the lengths within the effect of rounding, in mean edge lengths; also the smallest singular value
+of J above rounding, as its rows have unit entries."""
 
 
 def described_flex(triangulation: Triangulation, surface: Projected, lengths: Floats) -> str | None:
-    """Description of how a surface in Euclidean space flexes, as far as floats tell; None if it does not.
+    """Description of the numerically observed flex of a surface in Euclidean space; None if there is none.
 
     Parameters
     ----------
     triangulation : Triangulation
     surface : Projected
     lengths : ndarray, shape (E,)
-        That the surface has.
+        Edge lengths of the surface.
     """
     x = surface.vertices
     if len(x) > MOST_VERTICES or not surface.space.is_euclidean:
@@ -62,7 +62,7 @@ def described_flex(triangulation: Triangulation, surface: Projected, lengths: Fl
 
 
 def _matrix(triangulation: Triangulation, x: Floats, lengths: Floats) -> Floats:
-    """J, (E, 3 V)."""
+    """Dense rigidity matrix J, (E, 3 V)."""
     rows, (a, b), edges = edge_rows(triangulation, x, lengths), triangulation.edges.T, np.arange(len(lengths))
     J = np.zeros((len(lengths), len(x), 3))
     J[edges, a], J[edges, b] = rows, -rows
@@ -70,7 +70,7 @@ def _matrix(triangulation: Triangulation, x: Floats, lengths: Floats) -> Floats:
 
 
 def _infinitesimal_flexes(triangulation: Triangulation, surface: Projected, lengths: Floats) -> Floats:
-    """A basis of the motions that change no length to first order, (k, 3 V), rigid ones apart."""
+    """Basis of the nontrivial motions that change no length to first order, (k, 3 V)."""
     held = np.vstack([_matrix(triangulation, surface.vertices, lengths), surface.rigid_motions().T])
     sizes, motions = np.linalg.svd(held)[1:]
     return motions[sizes <= KEPT]
@@ -79,14 +79,14 @@ def _infinitesimal_flexes(triangulation: Triangulation, surface: Projected, leng
 def _followed(
     triangulation: Triangulation, surface: Projected, lengths: Floats, motion: Floats, step: float
 ) -> tuple[float, bool]:
-    """Most that a length was off where steps of a motion ended, and whether all of them kept the lengths."""
+    """Largest length error after the steps of a motion, and whether all steps preserved the lengths."""
     x, unit, worst = surface.vertices, float(lengths.mean()), 0.0
     for _ in range(STEPS):
         tangent = motion / np.linalg.norm(motion)
         farthest = np.linalg.norm(tangent.reshape(-1, 3), axis=1).max()
         y = x + (step * unit / farthest * tangent).reshape(-1, 3)
         missed = np.inf
-        for _ in range(10):  # of Gauss and Newton, across the motion
+        for _ in range(10):  # Gauss-Newton steps, orthogonal to the motion
             r = length_residuals(triangulation, y, lengths)
             missed = float(np.abs(r).max())
             if not KEPT * unit / 10 < missed < unit:

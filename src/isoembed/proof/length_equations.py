@@ -5,12 +5,12 @@ the square ``|p - q|^2 / (m_p m_q)``.  So
 
     F_ab(p) = (|p_a - p_b|^2 - c_ab^2 m_a m_b) / (2 n_ab) = 0
 
-says that the distance is the l whose chord is c; n is any number, here near ``sn(l) m_a m_b``, so that F is
-the error of the length to first order.  In Euclidean space c = n = l and m = 1.
+states that the distance is the l with chord c; n is arbitrary, here approximately ``sn(l) m_a m_b``, so that
+F is the error of the length to first order.  In Euclidean space c = n = l and m = 1.
 
-*Near* a vertex are points within `room` of it in these coordinates.  What bounds say of near points is
-computed in floats whose rounding their guards exceed many times; of sin and sinh it is assumed that they are
-right to ten digits.
+Points *near* a vertex are within `room` of it in these coordinates.  Bounds for near points are computed in
+floats with guard factors that far exceed the rounding errors; sin and sinh are assumed to be accurate to ten
+digits.
 """
 
 from __future__ import annotations
@@ -28,32 +28,32 @@ from isoembed.proof.rounding import GUARD, U
 from isoembed.space import Space
 from isoembed.space.models import to_model
 
-LONGEST = 10.0  # radii of curvature: for longer edges the series of chords is long
-NEARBY = 2e-5  # size of the neighborhood with known derivatives, in least m or 2 - m and radii of curvature
+LONGEST = 10.0  # radii of curvature: the chord series of longer edges is long
+NEARBY = 2e-5  # size of the neighborhood with bounded derivatives, in min(m, 2 - m) and radii of curvature
 
 
 class NotProven(ArithmeticError):  # noqa: N818 - says what happened
-    """A proof does not go through; the message, part of a sentence, says why."""
+    """A proof fails; the message, part of a sentence, gives the reason."""
 
 
 @dataclass(frozen=True, eq=False)
 class LengthEquations:
-    """The equations of a metric's lengths, about given vertices.
+    """Length equations of a metric near given vertices.
 
     Attributes
     ----------
     space : Space
     edges : ndarray of int, shape (E, 2)
     lengths : ndarray, shape (E,)
-        Near 1.
+        Lengths of order 1.
     vertices : ndarray, shape (V, 3)
-        As on hyperboloid or sphere.
+        Coordinates on the hyperboloid or sphere.
     points : ndarray, shape (V, 3)
-        Floats near their conformal coordinates: what the equations are about.
+        Rounded conformal coordinates of the vertices, the unknowns of the equations.
     densities : ndarray, shape (V,)
-        m of the points.
+        Values of m at the points.
     divisors : ndarray, shape (E,)
-        n.
+        Values of n.
     """
 
     space: Space
@@ -71,7 +71,7 @@ class LengthEquations:
         Raises
         ------
         NotProven
-            An edge is longer than some radii of curvature, or a vertex too far out for floats.
+            An edge is longer than ten radii of curvature, or a vertex too far from the origin for floats.
         """
         space, edges, lengths = metric.space, metric.edges, metric.lengths
         if space.is_euclidean:
@@ -98,7 +98,7 @@ class LengthEquations:
 
     @cached_property
     def _near_densities(self) -> tuple[Floats, Floats]:
-        """Bounds on the m of near points, each (V,)."""
+        """Bounds on m at near points, each (V,)."""
         if self.space.is_euclidean:
             return self.densities, self.densities
         quarter = abs(self.space.curvature) / 4
@@ -108,7 +108,7 @@ class LengthEquations:
 
     @cached_property
     def _near_heights(self) -> tuple[Floats, Floats]:
-        """Bounds on the w = (2 - m) / m of near points, each (V,)."""
+        """Bounds on w = (2 - m) / m at near points, each (V,)."""
         low, high = self._near_densities
         return (2 - high) / high / GUARD, GUARD * (2 - low) / low
 
@@ -118,7 +118,7 @@ class LengthEquations:
 
     @property
     def _squares(self) -> Floats:
-        """The squares of the chords, rounded."""
+        """Squared chords, rounded."""
         return self._chords.squares[0]
 
     def residuals(self, corrections: Floats) -> tuple[Floats, Floats]:
@@ -127,7 +127,7 @@ class LengthEquations:
         return enclosed_residuals(self.edges, self.points, corrections, self.lengths, chords, self.divisors)
 
     def missed(self, residuals: Floats) -> Floats:
-        """Upper bounds on errors of the lengths at the vertices, (E,), from those on |F| at the points."""
+        """Upper bounds on the length errors at the vertices, (E,), from bounds on |F| at the points."""
         a, b = self.edges.T
         if self.space.is_euclidean:
             straight = np.linalg.norm(self.points[a] - self.points[b], axis=1)
@@ -135,14 +135,14 @@ class LengthEquations:
         m, goals = self.densities, np.sqrt(self._squares)
         chords = self.space.chords(self.vertices[a], self.vertices[b])
         steepest = np.maximum(chords, goals) if self.space.curvature > 0 else np.minimum(chords, goals)
-        squares = 1 - self.space.curvature * steepest**2 / 4  # of the cosine, by which arcs grow faster
-        cosines = np.sqrt(np.where(squares > 1e-6, squares, 0.0))  # of nearly half a circle, nothing is known
+        squares = 1 - self.space.curvature * steepest**2 / 4  # squared cosines: d(chord) / d(arc)
+        cosines = np.sqrt(np.where(squares > 1e-6, squares, 0.0))  # no bound near half a circle
         with np.errstate(divide="ignore"):
             shares = GUARD**2 * self.divisors / (m[a] * m[b] * (chords + goals) * cosines)
         return 2 * residuals * shares + self._off[a] + self._off[b]
 
     def changes_by(self, errors: Floats) -> Floats:
-        """Bounds on the change of F by errors of the lengths no larger than these, shape (E,)."""
+        """Bounds on the change of F due to length errors up to these, shape (E,)."""
         if self.space.is_euclidean:
             return errors * (1 + errors / (2 * self.lengths))
         sn, cs = self.space.sn(self.lengths), self.space.cs(self.lengths)
@@ -153,7 +153,7 @@ class LengthEquations:
         return GUARD**2 * errors * growth
 
     def matrix(self) -> csr_array:
-        """J = F' at the points, its columns over the `weights`, shape (E, 3 V); its entries rounded."""
+        """J = F' at the points, with columns divided by the `weights` and rounded entries, shape (E, 3 V)."""
         a, b = self.edges.T
         first = (self.points[a] - self.points[b]) / self.divisors[:, None]
         second = -first
@@ -172,7 +172,7 @@ class LengthEquations:
     def matrix_error(self) -> float:
         """Bound on the effect of rounding on the singular values of J, beyond two roundings of each entry.
 
-        J is that of vertices with `weights`.
+        J is the weighted matrix of `matrix`.
         """
         if self.space.is_euclidean:
             return 0.0
@@ -189,7 +189,7 @@ class LengthEquations:
     def weights(self) -> Floats:
         """Weights s of the vertices, shape (V,).
 
-        At near points no second derivative of F_ab in directions d exceeds ``2 c_ab (|d_a|^2 + |d_b|^2)``,
+        At near points, second derivatives of F_ab in directions d are at most ``2 c_ab (|d_a|^2 + |d_b|^2)``,
         and ``s_a^2`` is the sum of the ``c_ab^2`` at a, rounded up.
         """
         c = 1 / self.divisors
@@ -205,32 +205,32 @@ class LengthEquations:
 
     @cached_property
     def straight(self) -> tuple[Floats, float, float]:
-        """Projective coordinates, (V, 3), how far they are off, and how much they change with the points."""
+        """Projective coordinates, (V, 3), a bound on their errors, and a Lipschitz constant of the map."""
         if self.space.is_euclidean:
             return self.points, 0.0, 1.0
         high = self._near_densities[1]
         straight = self.points / (2 - self.densities)[:, None]
         sizes = np.linalg.norm(straight, axis=1) * (1 + np.abs(self.densities)) / (2 - high)
-        # Along the radius it is m / (2 - m)^2, across it 1 / (2 - m).
+        # The stretch is m / (2 - m)^2 along the radius and 1 / (2 - m) across.
         stretch = GUARD * float((high / (2 - high) ** 2).max()) if self.space.curvature > 0 else 1.0
         return straight, 32 * U * float(sizes.max()), stretch
 
     def distance(self, step: Floats, radius: float) -> float:
-        """Upper bound on the distance of a vertex from where it is moved to.
+        """Upper bound on the displacement of a vertex.
 
         Parameters
         ----------
         step : ndarray, shape (V,)
-            How far each point is moved, in conformal coordinates.
+            Displacement of each point in conformal coordinates.
         radius : float
-            How much farther.
+            Bound on a further displacement.
         """
         if self.space.is_euclidean:
             return GUARD * float((GUARD * step + radius).max())
         return GUARD * float(((GUARD * step + radius) / self._near_densities[0] + self._off).max())
 
     def least_distance(self, move: float) -> float:
-        """Lower bound on how far, in the space, a move of this size takes a vertex that stays near."""
+        """Lower bound on the distance in space for a coordinate displacement of a vertex that stays near."""
         if self.space.curvature <= 0:
             return move  # m is at most 1
         return move / (GUARD * float(self._near_densities[1].max()))
@@ -241,7 +241,7 @@ class LengthEquations:
         if self.space.is_euclidean:
             return np.zeros(len(self.points))
         rounded = self.points / self.densities[:, None]
-        # m is off by five roundings of 1 + |k| |p|^2 / 4, and the quotient by one.
+        # five roundings of 1 + |k| |p|^2 / 4 in m, and one of the quotient
         sizes = 1 + abs(self.space.curvature) / 4 * np.einsum("ij,ij->i", self.points, self.points)
         off = np.linalg.norm(rounded - self.vertices, axis=1)
         off += 8 * U * np.linalg.norm(rounded, axis=1) * sizes / self.densities
@@ -251,18 +251,18 @@ class LengthEquations:
     def _distortion(self) -> float:
         """Bound on the ratio of the sines of small angles to those in projective coordinates, at near points.
 
-        A translation takes a point at the height w to the origin, and stretches projective coordinates by w^2
-        along the radius and w across; normals of planes by the inverse.
+        The translation of a point at the height w to the origin stretches projective coordinates by w^2 along
+        the radius and by w across; normals of planes by the inverse.
         """
         low, high = self._near_heights
         return GUARD * float(max(high.max(), (1 / low).max())) ** 2
 
     def dihedral_shares(self) -> Floats:
-        """The least that sines of dihedral angles are over those in projective coordinates, shape (E,).
+        """Lower bounds on ratios of sines of dihedral angles to those in projective coordinates, shape (E,).
 
-        Normals of planes are stretched by 1 / w^2 along the radius and 1 / w across: areas that two of them
-        span by 1 / w^3 or more where w > 1, their lengths by 1 / w or less.  Both ends of an edge see the
-        same angle.
+        Normals of planes are stretched by 1 / w^2 along the radius and 1 / w across: for w > 1, areas spanned
+        by two of them by at least 1 / w^3, their lengths by at most 1 / w.  The angle is the same at both
+        ends of an edge.
         """
         if self.space.is_euclidean:
             return np.ones(len(self.edges))
@@ -271,17 +271,17 @@ class LengthEquations:
         return np.maximum(*shares[self.edges.T]) / GUARD
 
     def detours(self, flat: Mask, slopes: Floats, reach: float, farther: Floats) -> Floats:
-        """Upper bounds on what longer ways on roofs add to F, shape (E,), at near points.
+        """Upper bounds on the contribution of detours over roofs to F, shape (E,), at near points.
 
         Parameters
         ----------
         flat : ndarray of bool, shape (E,)
         slopes : ndarray, shape (E,)
-            The tangents of the tilts of roofs, in projective coordinates.
+            Tangents of the tilts of roofs, in projective coordinates.
         reach : float
-            How far points are from the given ones, in projective coordinates.
+            Bound on the distance of points from the given ones, in projective coordinates.
         farther : ndarray, shape (E,)
-            By how much the distances of their ends exceed the lengths, at most.
+            Bounds on the excess of the distances of the edges' ends over the lengths.
 
         Raises
         ------

@@ -1,15 +1,15 @@
-"""Proof of convexity for all points near given ones: the same faces of the convex hull.
+"""Proof of convexity for all points near given ones, with the same faces of the convex hull.
 
-Faces across edges that may be flat are put together into *cells*. *Near* means: within a distance R, the
-reach, of the given point of the same number. Of every cell, with a unit normal n, it is verified that
+Faces are merged across possibly flat edges into *cells*. *Near* means within a distance R, the reach, of the
+given point with the same index. For every cell, with a unit normal n, it is verified that
 
-- it is a disc of triangles without inner vertices, its vertices are within w of a plane across n, and seen
-  along n its outline is a convex polygon: its ears (a corner and its two neighbors) and the triangles that
-  fan it out from one corner turn left;
+- it is a disc of triangles without inner vertices, its vertices are within w of a plane perpendicular to n,
+  and seen along n its outline is a convex polygon: its ears (a corner and its two neighbors) and the
+  triangles of a fan from one corner turn left;
 - its *width* h, the least altitude of an ear minus 2 (w + R), is positive.
 
-Seen along n, the near points of the cell then are corners of a convex polygon, too: moving there, no ear
-degenerates. A corner's distance to a chord of others is at least that to the line of its neighbors, so
+Seen along n, the near points of the cell are then also corners of a convex polygon: no ear degenerates during
+the motion. A corner's distance to a chord of others is at least that to the line of its neighbors, so
 every triangle of three of them has altitudes of at least h, and its plane is tilted against n by an angle
 of tangent at most ``t = 2 (w + R) / h``, the *slope*. The *roof* of the cell is the upper side, along n, of
 the convex hull of these points: a concave graph over the polygon. Let S be the union of the roofs. It is
@@ -19,14 +19,14 @@ verified that
 - all triangles of S face away from a point o: ``n . (x - o) > R + t (|x - o| + R)`` at their corners x;
 - a ray from o meets exactly one of the given triangles.
 
-The last two make S a sphere around o that every ray from o meets once: seen from o, it covers each
-direction a positive number of times, and these numbers add up to the degree of the map, which does not
-change while the points move, or a roof to the triangles of its cell. A plane through o and no vertex then
-cuts S in a simple closed polygon with angles of at most pi, as S is convex across its edges: in a convex
-polygon. Any two points inside of S are limits of points in such planes, so S bounds a convex body.
+By the last two, S is a sphere around o that meets every ray from o once: seen from o, it covers each
+direction a positive number of times, which equals the degree of the map and is invariant under motions of
+the points, and of a roof to the triangles of its cell. A plane through o and no vertex then cuts S in a
+simple closed polygon whose angles are at most pi, as S is convex across its edges: in a convex polygon. Any
+two points inside S are limits of points in such planes, so S bounds a convex body.
 
-If in every ear ``altitude > 4 t^2 longest side``, the corner angles of the roofs, within a factor (1 +
-t^2)^(1/2) of those of the polygons, are less than pi. A roof, unfolded into the plane, then is a convex
+If ``altitude > 4 t^2 longest side`` in every ear, the corner angles of the roofs, within a factor (1 +
+t^2)^(1/2) of those of the polygons, are less than pi. A roof, unfolded into the plane, is then a convex
 polygon, and its diagonals have lengths L with ``|y_a - y_b| <= L <= (1 + t^2)^(1/2) |y_a - y_b|``: they are
 straight when unfolded, so no longer than the path on the roof over the straight line from a to b.
 """
@@ -44,28 +44,28 @@ from isoembed.proof.polygonal_cells import Cells
 from isoembed.proof.rounding import GUARD, UNDERFLOW, U
 from isoembed.surface.measures import face_normals
 
-# Rounding of a triple product of differences, relative to the product of their norms: a term takes some
-# twenty roundings, and the sizes of all six add up to at most twice that product.
+# Rounding error of a triple product of differences, relative to the product of their norms: each term takes
+# some twenty roundings, and the sum of the six magnitudes is at most twice that product.
 TRIPLE = 64 * U
 
-# A diagonal that is concave by no more, in radians, may cross a polygon that rounding bent the other way: the
-# polygon is then tried as a cell.  This bounds the search only; the proof covers any dent.
+# A diagonal with a smaller concave angle, in radians, may cross a polygon bent inward by rounding, which is
+# then tried as a cell.  This only bounds the search; the proof covers any dent.
 DENTED = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class NearbyHulls:
-    """Properties that all hulls of near points have in common.
+    """Common properties of all hulls of near points.
 
     Attributes
     ----------
     dihedrals : ndarray, shape (E,)
-        Lower bounds on the sines of the exterior dihedral angles of the edges between cells; infinite at the
-        others.
+        Lower bounds on the sines of the exterior dihedral angles of the edges between cells; infinite at
+        other edges.
     flat : ndarray of bool, shape (E,)
-        Edges within cells: the hull may have others in their place.
+        Edges within cells, which the hull may replace by others.
     slopes : ndarray, shape (E,)
-        Upper bound on the tangent of the tilt of the faces left of each edge against their cell's normal.
+        Upper bounds on the tangent of the tilt of the faces left of each edge against their cell's normal.
     """
 
     dihedrals: Floats
@@ -74,21 +74,21 @@ class NearbyHulls:
 
 
 def prove_nearby_hulls(triangulation: Triangulation, vertices: Floats, reach: float) -> NearbyHulls:
-    """Show that all points within reach of the vertices span convex polyhedra with these cells as faces.
+    """Prove that all points within reach of the vertices span convex polyhedra with the same cells as faces.
 
     Parameters
     ----------
     triangulation : Triangulation
-        Oriented so that its normals point outward.
+        Oriented with outward normals.
     vertices : ndarray, shape (V, 3)
-        In a unit near the edge lengths, no two ends of an edge the same.
+        In a unit comparable to the edge lengths, with distinct ends of each edge.
     reach : float
-        The distance R.
+        Distance R.
 
     Raises
     ------
     NotProven
-        They do not, or not with enough room for the rounding of the proof.
+        The points do not, or not with sufficient margin for rounding errors.
     """
     t = triangulation
     flat = np.zeros(t.n_edges, dtype=np.bool_)
@@ -115,7 +115,7 @@ class _Roofs:
     """Measurements of the roofs over near points.
 
     Normals (C, 3) and slopes (C,) of the cells; least altitude and longest side of the ears (H,); sines of
-    the dihedral angles between cells at the given points (E,), and how far off they may be elsewhere (E,).
+    the dihedral angles between cells at the given points (E,), and bounds on their changes nearby (E,).
     """
 
     normals: Floats
@@ -183,7 +183,7 @@ def _check_discs(t: Triangulation, cells: Cells) -> None:
 
 
 def _check_polygons(t: Triangulation, cells: Cells, roofs: _Roofs, vertices: Floats) -> None:
-    """Polygons of several faces are convex, and wide enough for their roofs to have angles below pi."""
+    """Check that polygons of several faces are convex, and wide enough for roofs with angles below pi."""
     slope = roofs.slopes[cells.cell]
     several = cells.sizes[cells.cell] > 1
     narrow = several & ~(roofs.widths > 4 * GUARD * slope * slope * roofs.longest)
@@ -223,7 +223,7 @@ def _check_center(
 
 
 def _check_ray(t: Triangulation, vertices: Floats) -> None:
-    """The ray from the origin through the middle of the largest face meets no other."""
+    """Check that the ray from the origin through the centroid of the largest face meets no other face."""
     largest = int(np.argmax(np.linalg.norm(face_normals(t.faces, vertices), axis=1)))
     ray = vertices[t.faces[largest]].mean(axis=0)
     outside = np.zeros(t.n_faces, dtype=np.bool_)
@@ -238,7 +238,7 @@ def _check_ray(t: Triangulation, vertices: Floats) -> None:
 
 
 def _triple(a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
-    """``(a x b) . c`` row by row, of differences of floats, and a bound on its rounding error."""
+    """Row-wise ``(a x b) . c`` of differences of floats, and a bound on its rounding error."""
     value = np.einsum("ij,ij->i", np.cross(a, b), c)
     sizes = np.prod([np.linalg.norm(vectors, axis=1) for vectors in (a, b, c)], axis=0)
     return value, TRIPLE * sizes + UNDERFLOW

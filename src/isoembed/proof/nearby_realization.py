@@ -5,17 +5,18 @@ Let l be the lengths, floats taken as exact numbers, and for points y
     F_ab(y) = (|y_a - y_b|^2 - l_ab^2) / (2 l_ab),
 
 or the equations of `length_equations` in hyperbolic and spherical space.  With c_ab as there, 1 / l_ab in
-Euclidean space, the vertices have the weights s_a, ``s_a^2 = sum of c_ab^2``, and motions d the norms
+Euclidean space, the vertices have weights s_a, ``s_a^2 = sum of c_ab^2``, and motions d the norms
 
     |d|_s = (sum of s_a^2 |d_a|^2)^(1/2),    |d|_max = max_a |d_a|.
 
-Theorem.  Let z be points; J = F'(z) S^-1, S being the diagonal matrix of the weights; sigma > 0 a lower bound
+Theorem.  Let z be points; J = F'(z) S^-1, with the diagonal matrix S of the weights; sigma > 0 a lower bound
 on its E = 3 V - 6 singular values; rho an upper bound on |F(z)|; K = 2 / min_a s_a; and
 
     h = 2 K rho / sigma^2 <= 1,    r = 2 rho / (sigma (1 + (1 - h)^(1/2))).
 
-If all y with |y - z|_s <= r are near z, one of them is a realization, F(y) = 0.  Of any other, after the
-isometry that brings it nearest to y in the norm |.|_s, some vertex is no nearer to its place in y than
+If all y with |y - z|_s <= r are near z, one of them is a realization, F(y) = 0.  Any other realization, after
+the isometry that brings it nearest to y in the norm |.|_s, has a vertex at a distance from that in y of at
+least
 
     R = (sigma - 2^(3/2) r / min_a s_a) / 2^(1/2).
 
@@ -23,30 +24,30 @@ Proof.  F(z + d) = F(z) + F'(z) d + Q(d), and ``|Q_ab(d)| <= c_ab (|d_a|^2 + |d_
 
     |Q(d)|^2 <= max_ab (|d_a|^2 + |d_b|^2) sum of c_ab^2 (|d_a|^2 + |d_b|^2),
 
-the sum being |d|_s^2, and the maximum at most |d|_s^2 / min s^2, and 2 |d|_max^2.  By the first |Q(d)| <= K
-|d|_s^2 / 2.  J has full row rank; its pseudoinverse has norm 1 / sigma at most.  The map ``d -> -S^-1 J^+
-(F(z) + Q(d))`` is continuous, and takes the ball |d|_s <= r into itself: (rho + K r^2 / 2) / sigma = r.  By
-Brouwer it has a fixed point, and there F(z + d) = 0.
+where the sum is |d|_s^2, and the maximum is at most |d|_s^2 / min s^2, and 2 |d|_max^2.  By the first bound,
+|Q(d)| <= K |d|_s^2 / 2.  J has full row rank; its pseudoinverse has norm at most 1 / sigma.  The map ``d ->
+-S^-1 J^+ (F(z) + Q(d))`` is continuous, and maps the ball |d|_s <= r into itself: (rho + K r^2 / 2) / sigma =
+r.  By Brouwer's theorem it has a fixed point, where F(z + d) = 0.
 
-Second derivatives are bounded as Q is, so a move by d changes J by no more than 2^(3/2) |d|_max, and the
-singular values at y are no less than sigma' = 2^(1/2) R.  Let F(y + d) = 0, too.  In Euclidean space, where
-no motion brings y + d nearer to y, ``S^2 d`` is orthogonal to the infinitesimal motions of y + d, and to
-those of y as well, because d is orthogonal to ``q x d``.  Hence
+Second derivatives are bounded like Q, so a displacement by d changes J by at most 2^(3/2) |d|_max, and the
+singular values at y are at least sigma' = 2^(1/2) R.  Let also F(y + d) = 0.  In Euclidean space, if no
+motion brings y + d nearer to y, ``S^2 d`` is orthogonal to the infinitesimal motions of y + d, and also to
+those of y, because d is orthogonal to ``q x d``.  Hence
 
     sigma' |d|_s <= |F'(y) d| = |Q(d)| <= 2^(1/2) |d|_max |d|_s,
 
 and |d|_max >= R unless d = 0.  In curved space let J be that of y + d: ``S^2 d`` is orthogonal to the
-infinitesimal isometries there.  Its singular values are no less than sigma' - 2^(3/2) |d|_max, and |d|_max
-is no less than sigma' / (3 2^(1/2)), or than what is called near.
+infinitesimal isometries there.  Its singular values are at least sigma' - 2^(3/2) |d|_max, and |d|_max
+is at least sigma' / (3 2^(1/2)), or y + d is not near y.
 
-The existence needs full row rank only: of surfaces with boundary E is less, and y one of a family.
+Existence only needs full row rank: surfaces with boundary have a smaller E, and y is one of a family.
 
-Without weights the vertices of the finest part would pay for the softness of the coarsest.  Of the
-Euclidean norm of all vertices together, R would be smaller by the root of V.
+Without weights, bounds for the finest part would be dominated by the softness of the coarsest.  With the
+Euclidean norm over all vertices, R would be smaller by the square root of V.
 
-Here z is x plus one step of Newton's method, as a sum that is never rounded, with F(z) evaluated to twice
-the digits of floats.  So |F(z)| is some 1e-27, and the distance is the length of that step.  sigma comes from
-`prove_row_rank`, a proof that J J^T - s is positive definite.
+Here z is x plus one step of Newton's method, an unevaluated sum, with F(z) computed to twice the digits of
+floats.  Thus |F(z)| is some 1e-27, and the distance is the length of that step.  sigma is proven by
+`prove_row_rank`, by positive definiteness of J J^T - s.
 """
 
 from __future__ import annotations
@@ -70,38 +71,38 @@ from isoembed.surface.projected import Projected
 
 MAX_VERTICES = 100_000  # for more, the factors of J J^T do not fit
 LARGEST_H = 0.5  # the theorem allows 1
-FARTHEST = 1e-8  # mean edge lengths that vertices may be off
+FARTHEST = 1e-8  # largest error of the vertices, in mean edge lengths
 
 
 class LinearEquations(Protocol):
-    """Linear equations of the vertices, as `isoembed.proof.boundary_heights.HeightEquations`."""
+    """Linear equations of the vertices, such as `isoembed.proof.boundary_heights.HeightEquations`."""
 
     def residuals(self, corrections: Floats) -> tuple[Floats, Floats]:
         """Residuals at the exact sums of points and corrections, and bounds on the rounding."""
 
     def matrix(self, weights: Floats) -> csr_array:
-        """Their derivatives over the weights of the vertices."""
+        """Jacobian divided by the weights of the vertices."""
 
 
 @dataclass(frozen=True, eq=False)
 class NearbyRealization:
-    """Points z near given vertices, one step of Newton's method away, and what the theorem needs there.
+    """Points z one Newton step from given vertices, with the constants of the theorem.
 
     Attributes
     ----------
     equations : LengthEquations
-        About the given vertices.
+        Length equations near the given vertices.
     missed : ndarray, shape (E,)
-        Upper bounds on how far the lengths at the given vertices are from any within their errors.
+        Upper bounds on the differences of the lengths at the given vertices from any within their errors.
     steps : ndarray, shape (V,)
-        How far each point is moved.
+        Norms of the Newton step.
     residuals : ndarray, shape (E,)
-        Upper bounds on |F| at z, whatever the lengths are within their errors; their sums rounded.  Those of
-        other equations follow.
+        Upper bounds on |F| at z for all lengths within their errors, with rounded sums.  Those of additional
+        equations follow.
     sigma : float
         Lower bound on the singular values of J at z.
     mean_length : float
-        Of the edges.
+        Mean edge length.
     """
 
     equations: LengthEquations
@@ -120,14 +121,14 @@ class NearbyRealization:
         found: dict[str, Any],
         beside: LinearEquations | None = None,
     ) -> NearbyRealization:
-        """Realization near vertices, (V, 3), of a normalized metric; the numbers on the way are noted.
+        """Realization of a normalized metric near vertices, (V, 3); constants are recorded in `found`.
 
-        There may be linear equations `beside` those of the lengths.
+        Linear equations `beside` those of the lengths are optional.
 
         Raises
         ------
         NotProven
-            The vertices are far from any, or J may be singular.
+            The vertices are far from any realization, or J may be singular.
         """
         if len(x) > MAX_VERTICES:
             raise NotProven(f"there are more than {MAX_VERTICES:,} vertices")
@@ -155,16 +156,16 @@ class NearbyRealization:
 
     @cached_property
     def step(self) -> float:
-        """The largest of `steps`, rounded up."""
+        """Maximum of `steps`, rounded up."""
         return GUARD * float(self.steps.max())
 
     def newton_kantorovich(self, more: float = 0.0) -> tuple[float, float]:
-        """The number h, and by how much a vertex is moved at most, ``r / min s``, rounded up.
+        """Constant h, and the bound ``r / min s`` on the displacement of a vertex, rounded up.
 
         Parameters
         ----------
         more : float
-            What rho is to be increased by.
+            Increase of rho.
 
         Raises
         ------
@@ -184,24 +185,24 @@ class NearbyRealization:
         return h, GUARD * 2 * rho / (sigma * (1 + float(np.sqrt(1 - h)))) / least
 
     def reach(self, radius: float) -> float:
-        """Bound on the distance of vertices in projective coordinates from their exact places."""
+        """Bound on the distance of vertices from the exact ones in projective coordinates."""
         straight, off, stretch = self.equations.straight
         return stretch * (self.step + radius) + off + 4 * U * float(np.abs(straight).max())
 
     def distance(self, radius: float, near: float = np.inf) -> float:
-        """Bound on the distance, in the space, of a vertex from its exact place.
+        """Bound on the distance, in space, of a vertex from the exact one.
 
         Parameters
         ----------
         radius : float
-            Largest distance of the exact places from z.
+            Bound on the distance of the exact vertices from z.
         near : float
-            Largest distance assumed for them, in the coordinates of the equations.
+            Largest permissible distance of the exact vertices, in the coordinates of the equations.
 
         Raises
         ------
         NotProven
-            They are not so near, or the vertices are too far off.
+            The bound exceeds `near`, or the errors of the vertices are too large.
         """
         distance, near = self.equations.distance(self.steps, radius), min(near, self.equations.room)
         largest = FARTHEST * self.mean_length
@@ -213,7 +214,7 @@ class NearbyRealization:
         return distance
 
     def isolation(self, radius: float) -> float:
-        """R, rounded down: no other realization is nearer to the exact one than this, in the space."""
+        """Isolation radius R in space, rounded down: other realizations are at least this far away."""
         least = (self.sigma - GUARD * 8**0.5 * radius) / (2**0.5 * GUARD)
         if self.equations.space.is_euclidean:
             return max(0.0, least)
@@ -227,7 +228,7 @@ def norm(bounds: Floats) -> float:
 
 
 def _check_near(metric: PolyhedralMetric, x: Floats, length_errors: Floats) -> None:
-    """Vertices that are near enough to exact ones have almost their lengths."""
+    """Check that the vertices have nearly the given lengths, as those near an exact realization do."""
     a, b = metric.edges.T
     missed = np.abs(metric.space.distances(x[a], x[b]) - metric.lengths)
     beyond = missed - (2 * FARTHEST * metric.mean_length + length_errors)
@@ -243,7 +244,7 @@ def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[Positi
     """Factor J J^T, and bound the singular values of the exact J from below."""
     t = metric.triangulation
     try:
-        # Edges with a common vertex are coupled already: what is beside them fills nothing in if it is first.
+        # Edges with a common vertex are coupled already: additional equations, placed first, cause no fill.
         count, edges = len(metric.lengths), dissect(t.adjacency).edge_order(t.edges)
         factor, sigma = prove_row_rank(J, np.concatenate([np.arange(count, J.shape[0]), edges]))
     except SingularMatrix as error:
@@ -251,8 +252,8 @@ def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[Positi
         v = int(np.argmin(np.abs(epsilon)))
         if (
             t.is_sphere and abs(epsilon[v]) > 1e-9
-        ):  # no vertex is in the plane of its neighbors, which alone would explain it
-            from isoembed.proof.flexibility import described_flex  # only what is not rigid needs it
+        ):  # no vertex is in the plane of its neighbors, which would explain the singularity
+            from isoembed.proof.flexibility import described_flex  # needed for nonrigid surfaces only
 
             flex = described_flex(t, Projected.of(metric.space, x), metric.lengths)
             if flex is not None:
@@ -263,7 +264,7 @@ def _factored(metric: PolyhedralMetric, x: Floats, J: csr_array) -> tuple[Positi
         ) from error
     except MemoryError as error:
         raise NotProven("there is not enough memory for the factors of J J^T") from error
-    # The entries of J took three roundings each.
+    # Each entry of J is the result of three roundings.
     sizes = abs(J)
     rounding = GUARD * gamma(4) * float(np.sqrt((sizes @ (sizes.T @ np.ones(J.shape[0]))).max()))
     return factor, sigma - rounding

@@ -13,21 +13,21 @@ from isoembed.mesh.triangulation import Triangulation
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """The connected sets of faces that remain when a sphere is cut along all but its flat edges.
+    """Connected components of the faces after cutting a sphere along all edges but the flat ones.
 
     Attributes
     ----------
     labels : ndarray of int, shape (F,)
-        The cell of each face, numbered from 0.
+        Cell of each face, numbered from 0.
     first : ndarray of int, shape (C,)
-        The first face of each cell.
+        First face of each cell.
     sizes : ndarray of int, shape (C,)
         Number of faces of each cell.
     polygonal : ndarray of bool, shape (C,)
         Whether the cell is a disc with as many vertices as sides: a polygon cut along diagonals.
     cell, start, end, far : ndarray of int, shape (H,)
-        Half-edges with another cell across: their cell, their ends, and, if the cell is polygonal, the end of
-        the next of the outline.
+        Half-edges between different cells: their cell, their ends and, if the cell is polygonal, the end of
+        the next half-edge of the outline.
     """
 
     labels: Indices
@@ -41,7 +41,7 @@ class Cells:
 
     @classmethod
     def across(cls, triangulation: Triangulation, flat: Mask) -> Cells:
-        """Put faces together across the given edges, shape (E,)."""
+        """Merge faces across the flat edges, shape (E,)."""
         t = triangulation
         labels = components(t.edge_faces[flat, 0], t.edge_faces[flat, 1], t.n_faces)
         _, first, sizes = np.unique(labels, return_index=True, return_counts=True)
@@ -49,7 +49,7 @@ class Cells:
         outer = np.flatnonzero(~flat[t.face_edges.ravel()])
         cell, start = labels[outer // 3], t.faces.ravel()[outer]
         end = np.roll(t.faces, -1, axis=1).ravel()[outer]
-        # n triangles that n - 1 edges hold together are a disc of n + 2 sides, unless its corners coincide.
+        # n triangles connected by n - 1 edges form a disc with n + 2 sides, unless its corners coincide.
         inner = np.bincount(labels[t.edge_faces[flat, 0]], minlength=len(first))
         corners = np.unique(np.column_stack([cell, start]), axis=0)
         distinct = np.bincount(corners[:, 0], minlength=len(first))

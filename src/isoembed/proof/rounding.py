@@ -1,8 +1,8 @@
 """Rounding error bounds of floating-point sums and products."""
 
-U = 2.0**-53  # unit roundoff: x + y, x - y, x y, x / y and sqrt(x) are off by a factor within 1 +- U
-UNDERFLOW = 1e-290  # exceeds all that underflow takes from sums of a million products of numbers near 1
-GUARD = 1.0 + 1e-10  # on a bound computed in floats: makes up for 900,000 roundings of positive terms
+U = 2.0**-53  # unit roundoff: bound on the relative error of x + y, x - y, x y, x / y and sqrt(x)
+UNDERFLOW = 1e-290  # exceeds the underflow errors of sums of a million products of numbers near 1
+GUARD = 1.0 + 1e-10  # factor for bounds computed in floats: covers 900,000 roundings of positive terms
 
 
 def gamma(k: int) -> float:

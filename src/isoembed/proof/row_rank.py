@@ -1,27 +1,29 @@
-"""Proof of full row rank of a sparse matrix in floating point, with a lower bound of its singular values.
+"""Proof of full row rank of a sparse matrix in floating point, with a lower bound on its singular values.
 
-The eigenvalues of ``A = J J^T`` are bounded from below as in `isoembed.proof.definite`.  Where rounding may
-take more than the least of them, the few soft directions are treated on their own.  Let the m columns of V
-be near the eigenvectors of the least eigenvalues; nu a number that rounding does not hide; and let
+The eigenvalues of ``A = J J^T`` are bounded from below as in `isoembed.proof.definite`.  If the error bound
+exceeds the smallest eigenvalue, the few soft directions are treated separately (deflation).  Let the m
+columns of V approximate the eigenvectors of the smallest eigenvalues; nu be a number above the error bound;
+and let
 
     K = [ A - nu    s V      ]
         [ s V^T    -s^2/tau I]
 
-be factored without exchanges.  B being the bound of `definite` on the errors of the factors, which is no
-larger than the diagonal matrix of (B v)_i / v_i for any positive v: K plus that matrix has no more negative
-eigenvalues than there are negative pivots.  Let these be m at most, e the largest entry in the rows of A, and
-the others less than s^2 / tau.  Then the border has m negative eigenvalues, and its Schur complement, which
-is A - nu, plus e at most, plus a matrix that vanishes across V, has none.  So
+be factored without pivoting.  Let B be the bound of `definite` on the errors of the factors, which is at most
+the diagonal matrix of (B v)_i / v_i for any positive v: K plus that matrix has at most as many negative
+eigenvalues as there are negative pivots.  Let there be at most m of these, let e be the largest of its
+entries in the rows of A, and the others less than s^2 / tau.  Then the border has m negative eigenvalues, and
+its Schur complement, which is A - nu, plus at most e, plus a matrix that vanishes orthogonally to V, has
+none.  So
 
     w . A w >= (nu - e) |w|^2    for all w orthogonal to V.
 
-Let ``P = (J^T V)^T (J^T V)``, ``G = V^T V`` and ``R = A V - V H``, H being any matrix.  For x = V c + w
+Let ``P = (J^T V)^T (J^T V)``, ``G = V^T V`` and ``R = A V - V H`` for any matrix H.  For x = V c + w
 
     x . (A - t) x >= c . (P - t G) c - 2 |w| |R c| + (nu - e - t) |w|^2,
 
-which is nowhere negative if ``P - t G - R^T R / (nu - e - t)`` has no negative eigenvalue: A has none below
-t.  J^T V is small, and known to many more digits than A V is: t may be far below what rounding takes from
-the factors of A.  (On bounds by residuals see Parlett, The symmetric eigenvalue problem, 1998, chapter 10.)
+which is nonnegative if ``P - t G - R^T R / (nu - e - t)`` has no negative eigenvalue: then A has none below
+t.  J^T V is small, and known much more accurately than A V: t may be far below the error bound of the factors
+of A.  (On residual bounds see Parlett, The symmetric eigenvalue problem, 1998, chapter 10.)
 """
 
 from __future__ import annotations
@@ -50,18 +52,18 @@ if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
 
-NU_FACTORS = (3.0, 2.7, 3.5, 4.0)  # nu over what rounding takes, tried in turn
-LIFTED = 1.5  # eigenvalues up to this many nu have their vectors in V
-VECTOR_COUNTS = (16, 32, 64, 128)  # eigenvectors computed, in turn
+NU_FACTORS = (3.0, 2.7, 3.5, 4.0)  # nu relative to the error bound, tried in turn
+LIFTED = 1.5  # V contains the eigenvectors for eigenvalues up to this multiple of nu
+VECTOR_COUNTS = (16, 32, 64, 128)  # numbers of computed eigenvectors, tried in turn
 
 
 def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, float]:
-    """Bound the singular values of a matrix away from zero, (n, k), and factor J J^T.
+    """Bound the singular values of a matrix J, (n, k), away from zero, and factor J J^T.
 
     Parameters
     ----------
     J : sparse CSR, (n, k)
-        What is proven holds for these floats.
+        Matrix, with its floats taken as exact.
     order : ndarray of int, shape (n,)
         Elimination order of the rows.
 
@@ -69,7 +71,7 @@ def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, f
     -------
     factor : PositiveDefinite
     sigma : float
-        The n singular values are at least this.
+        Lower bound on the n singular values.
 
     Raises
     ------
@@ -83,7 +85,7 @@ def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, f
     lost = lost_to_rounding(A, shift) + _forming(J)
     least = (shift - lost) / GUARD
     if not lost < shift:
-        if estimate < 1e-4 * lost:  # so far below rounding that no proof is attempted
+        if estimate < 1e-4 * lost:  # too far below the error bound for a proof
             raise hidden(estimate, lost)
         least = _Deflated.of(J, A, lu, lost).least_eigenvalue()
         if not least > 0:
@@ -92,7 +94,7 @@ def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, f
 
 
 def _forming(J: sp.csr_array) -> float:
-    """Bound on the effect of rounding on the eigenvalues of J J^T when it is formed."""
+    """Bound on the eigenvalue errors of J J^T due to rounding in its formation."""
     sizes, n = abs(J), J.shape[0]
     terms = int(np.diff(J.indptr).max())
     return GUARD * gamma(terms + 2) * float((sizes @ (sizes.T @ np.ones(n))).max())
@@ -100,7 +102,7 @@ def _forming(J: sp.csr_array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Deflated:
-    """The soft directions V, (n, m), their eigenvalues, and a bound on A across them."""
+    """Soft directions V, (n, m), their eigenvalues, and a lower bound on A orthogonally to them."""
 
     J: sp.csr_array
     V: Floats
@@ -110,7 +112,7 @@ class _Deflated:
     @classmethod
     def of(cls, J: sp.csr_array, A: sp.csc_array, lu: SuperLU, lost: float) -> _Deflated:
         every, values = _soft(A, lu, LIFTED * max(NU_FACTORS) * lost)
-        for clear in NU_FACTORS:  # a shift near an eigenvalue of a part of A makes large factors
+        for clear in NU_FACTORS:  # a shift near an eigenvalue of a submatrix of A causes large factors
             soft = values <= LIFTED * clear * lost
             V, eigenvalues = every[:, soft], values[soft]
             across = _across(A, V, clear * lost) - _forming(J)
@@ -125,12 +127,12 @@ class _Deflated:
         relative = GUARD * gamma(int(terms) + 4)
         Y = J.T @ V
         P, G, R = Y.T @ Y, V.T @ V, J @ Y - V * self.eigenvalues
-        off = relative * (sizes.T @ np.abs(V))  # of Y
+        off = relative * (sizes.T @ np.abs(V))  # error of Y
         missed = relative * (sizes @ np.abs(Y) + np.abs(V * self.eigenvalues)) + sizes @ off
         residual = GUARD * float(np.linalg.norm(R) + np.linalg.norm(missed))
         size, far, width = (float(np.linalg.norm(each)) for each in (Y, off, V))
         sums = GUARD * gamma(max(n, J.shape[1]))
-        for share in (0.9, 0.5, 0.2):  # of the least eigenvalue
+        for share in (0.9, 0.5, 0.2):  # of the smallest eigenvalue
             t = share * float(self.eigenvalues.min())
             if not self.across > 2 * t:
                 continue
@@ -143,7 +145,7 @@ class _Deflated:
 
 
 def _across(A: sp.csc_array, V: Floats, nu: float) -> float:
-    """Lower bound, nu - e, on A across the columns of V; minus infinity if there is none."""
+    """Lower bound, nu - e, on A orthogonally to the columns of V; minus infinity if there is none."""
     n, m = V.shape
     s, diagonal = 2.0 ** np.round(np.log2(nu) / 2), 0.01  # 1 / tau, in nu
     W = s * V  # without rounding
@@ -156,7 +158,7 @@ def _across(A: sp.csc_array, V: Floats, nu: float) -> float:
 
 
 def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
-    """Eigenvectors (n, m) with the eigenvalues (m,) up to `most`, or as many as are worth it."""
+    """Eigenvectors (n, m) and eigenvalues (m,) up to `most`, limited by `VECTOR_COUNTS`."""
     from scipy.sparse.linalg import LinearOperator, eigsh  # slow to import
 
     n = A.shape[0]
@@ -173,9 +175,9 @@ def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
 
 
 def _interior_error(factors: Pivots, n: int, border: float) -> float:
-    """The number e, if a vector v leaves the border less than this; infinite if none does."""
+    """Number e for a vector v with entries less than `border` in the border; infinite if none is found."""
     best = np.inf
-    for share in (1.0, 0.1, 0.01, 1e-3):  # of v in the border
+    for share in (1.0, 0.1, 0.01, 1e-3):  # entries of v in the border
         v = np.ones(factors.pivots.size)
         for _ in range(POWER_ITERATIONS):
             v[n:] = share

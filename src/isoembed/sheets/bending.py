@@ -1,7 +1,7 @@
 """Bending energy of isometric surfaces as a quadratic form of their vertices.
 
 The metric fixes the tangential part of the second derivatives, so that ``|II|^2 = |x_uu|^2 + 2 |x_uv|^2 +
-|x_vv|^2`` in flat coordinates of any vertex: a quadratic form whose matrix depends on the lengths alone.
+|x_vv|^2`` in flat coordinates about any vertex: a quadratic form whose matrix depends only on the lengths.
 Second derivatives are those of polynomials fitted to the neighbors in `charts`.
 """
 
@@ -15,34 +15,34 @@ from isoembed.metric.curvature import face_areas
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.charts import Charts
 
-CUBIC = 11  # neighbors with which cubics are fitted, where they are all around
-STABILIZER = 0.1  # share of the residuals of the fits in the form: it controls what second derivatives miss
-# Times that share at a boundary, where K is not given and k1^2 + k2^2 could fall below 2 |K|.  Residuals of
-# smooth surfaces are of third order in the mesh size, and so is the error of the energy.
+CUBIC = 11  # minimum number of neighbors for cubic fits at interior vertices
+STABILIZER = 0.1  # weight of the fit residuals in the form, controlling modes without second derivatives
+# Factor of that weight at a boundary, where K is not given and k1^2 + k2^2 could fall below 2 |K|.  Residuals
+# of smooth surfaces are of third order in the mesh size, and so is the error of the energy.
 AT_BOUNDARY = 200.0
-NEAR = 0.3  # weights of the fits are 1 / (0.3 + r^2), r in distances of the near neighbors
+NEAR = 0.3  # weights of the fits are 1 / (0.3 + r^2), with r in mean distances of near neighbors
 
 
 class BendingEnergy:
-    """``1/4 int |II|^2 dA`` of surfaces that have the lengths of a metric.
+    """Bending energy ``1/4 int |II|^2 dA`` of surfaces with the lengths of a metric.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Of flat triangles, with or without boundary.
+        Metric of flat triangles, with or without boundary.
 
     Attributes
     ----------
     form : csr_array, shape (V, V)
-        Q, with the stabilizer: the energy that is minimized is the trace of ``x^T Q x``.
+        Matrix Q, including the stabilizer: the minimized energy is the trace of ``x^T Q x``.
     stabilizer : csr_array, shape (V, V)
-        Its part of Q: of surfaces that are smooth it is small, however they are bent.
+        Stabilizing part of Q, small for smooth surfaces, however bent.
     areas : ndarray, shape (V,)
-        A third of the triangles at each vertex.
+        A third of the area of the triangles at each vertex.
     rows : csr_array, shape (n, V)
-        R, of which Q is R^T R.
+        Matrix R with Q = R^T R.
     row_centers : ndarray of int64, shape (n,)
-        The vertex in whose chart each row is fitted.
+        Vertex of the chart for each row.
     """
 
     def __init__(self, metric: PolyhedralMetric) -> None:
@@ -77,7 +77,7 @@ class BendingEnergy:
         self.form = csr_array(self.rows.T @ self.rows)
 
     def square_integral(self, vertices: Floats) -> float:
-        """``int |II|^2 dA``: of k1^2 + k2^2."""
+        """Integral of ``|II|^2 = k1^2 + k2^2``."""
         return 4 * float(np.sum((self._second @ vertices) ** 2))
 
     @property
@@ -86,34 +86,34 @@ class BendingEnergy:
         return float(self.areas.sum())
 
     def bending(self, vertices: Floats) -> float:
-        """``int H^2 dA``, H half the sum of the principal curvatures."""
+        """Integral of H^2, where H is half the sum of the principal curvatures."""
         return float(self.areas @ (self.curvature_vectors(vertices) ** 2).sum(axis=1))
 
     def curvature_vectors(self, vertices: Floats) -> Floats:
-        """``(x_uu + x_vv) / 2`` at each vertex, (V, 3): H times the normal."""
+        """Mean curvature vectors ``(x_uu + x_vv) / 2`` at each vertex, (V, 3): H times the normal."""
         second = (self._second @ vertices).reshape(-1, 3, 3)
         found = np.empty_like(vertices)
         found[self._order] = second[:, 0] + second[:, 2]
         return found / np.sqrt(self.areas)[:, None]
 
     def value(self, vertices: Floats) -> float:
-        """The energy that is minimized."""
+        """Minimized energy, including the stabilizer."""
         return float(np.sum(vertices * (self.form @ vertices)))
 
 
 def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats]:
-    """Rows of second derivatives, (n, 3, m), and of residuals of the fits, (n, m, m), of neighbors.
+    """Rows of second derivatives, (n, 3, m), and of fit residuals, (n, m, m), by neighbors.
 
-    Times the square roots of the weights with which their squares are summed.
+    They are scaled by the square roots of their weights in the sum of squares.
     """
-    # A mean of distances, in which near ones prevail: the least one is no smooth function of the lengths.
+    # A mean of distances dominated by small ones: the minimum is not a smooth function of the lengths.
     h = ((positions**2).sum(axis=2) ** -2).mean(axis=1) ** -0.25
     u, v = np.moveaxis(positions / h[:, None, None], 2, 0)
     weights = 1 / (NEAR + u * u + v * v)
     linear, monomials = [u, v], [u * u / 2, u * v, v * v / 2]
     if cubic:
         monomials += [u**3, u * u * v, u * v * v, v**3]
-    # The linear part is fitted first, so that it has no second derivatives where neighbors are few.
+    # The linear part is fitted first, so that it does not affect second derivatives if neighbors are few.
     L, M = np.stack(linear, axis=2), np.stack(monomials, axis=2)
     missed = _missed(L, weights)
     curved = missed @ M
@@ -131,12 +131,12 @@ def _missed(monomials: Floats, weights: Floats) -> Floats:
 
 
 def _pseudoinverse(monomials: Floats, weights: Floats, cutoff: Floats | float) -> Floats:
-    """The coefficients of a weighted fit, (n, k, m): of least norm where neighbors are too few for it."""
+    """Coefficients of a weighted fit, (n, k, m), of minimum norm if there are too few neighbors."""
     return np.linalg.pinv(monomials * weights[:, :, None], rcond=cutoff) * weights[:, None, :]
 
 
 def _assembled(parts: list[tuple[Indices, Indices, Floats]], n: int) -> csr_array:
-    """The rows of all fits, which act on differences of the neighbors from their center, as one matrix."""
+    """Assemble the rows of all fits, which act on differences of neighbors from their center, to a matrix."""
     rows, columns, values, before = [], [], [], 0
     for at, near, block in parts:
         count, k, m = block.shape

@@ -1,7 +1,8 @@
 """Derivative of the bending forces with respect to edge lengths, by central differences of local fits.
 
-The fit at a vertex depends on the edges between vertices of its chart.  Edges of which no chart has two are
-changed together: some fifty set-ups of the energy in either direction, however many vertices there are.
+The fit at a vertex depends on the edges between vertices of its chart.  Edges without a common chart are
+changed together (graph coloring): some fifty assemblies of the energy in either direction, for any number of
+vertices.
 """
 
 from __future__ import annotations
@@ -14,11 +15,11 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.charts import Charts
 
-STEP = 1e-6  # of a length: the squares of steps are as small as the rounding over them
+STEP = 1e-6  # relative to a length: balances truncation and rounding errors
 
 
 def bending_force_derivative(metric: PolyhedralMetric, vertices: Floats) -> csr_array:
-    """Derivatives by the lengths of the gradient ``2 Q x`` of the energy at fixed vertices, (3 V, E).
+    """Derivatives of the energy gradient ``2 Q x`` with respect to the lengths at fixed vertices, (3 V, E).
 
     Parameters
     ----------
@@ -31,7 +32,7 @@ def bending_force_derivative(metric: PolyhedralMetric, vertices: Floats) -> csr_
     found = csr_array((3 * t.n_vertices, t.n_edges))
     for color in range(int(colors.max()) + 1):
         mine = colors == color
-        owner = np.full(t.n_vertices, -1)  # of each chart, the edge that is changed
+        owner = np.full(t.n_vertices, -1)  # the edge changed in each chart
         rows, columns = edges[:, np.flatnonzero(mine)].nonzero()
         owner[rows] = np.flatnonzero(mine)[columns]
         steps = np.where(mine, STEP * metric.lengths, 0.0)
@@ -48,14 +49,14 @@ def bending_force_derivative(metric: PolyhedralMetric, vertices: Floats) -> csr_
 
 
 def _chart_forces(energy: BendingEnergy, vertices: Floats) -> tuple[Indices, Indices, Floats]:
-    """The gradient in parts: at which vertices, from the charts of which, and the forces (n, 3)."""
+    """Terms of the gradient: their vertices, the centers of their charts, and the forces (n, 3)."""
     rows = energy.rows
     at_row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
     return rows.indices, energy.row_centers[at_row], 2 * rows.data[:, None] * (rows @ vertices)[at_row]
 
 
 def _edges_of_charts(metric: PolyhedralMetric) -> csr_array:
-    """Incidence, (V, E), of each chart with the edges that join two of its vertices."""
+    """Incidence, (V, E), of charts and the edges between two of their vertices."""
     charts, t = Charts.of(metric), metric.triangulation
     every = np.arange(t.n_vertices)
     places = np.concatenate([charts.centers, every]), np.concatenate([charts.neighbors, every])
@@ -65,7 +66,7 @@ def _edges_of_charts(metric: PolyhedralMetric) -> csr_array:
 
 
 def _colors(edges: csr_array) -> Indices:
-    """Colors of edges, (E,), of which no chart has two of one color."""
+    """Colors of edges, (E,), different within each chart."""
     conflicts = csr_array(edges.T @ edges)
     colors = np.full(conflicts.shape[0], -1)
     for e in range(len(colors)):

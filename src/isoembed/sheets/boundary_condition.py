@@ -15,22 +15,22 @@ from isoembed.sheets.bending import BendingEnergy
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.surface import SheetEmbedding
 
-FAR = 1e-6  # mean edge lengths: a larger difference of heights is an error
+FAR = 1e-6  # mean edge lengths: larger differences of heights are errors
 
 
 def with_boundary_condition(
     surface: SheetEmbedding, condition: str, heights: Floats | None = None
 ) -> SheetEmbedding:
-    """Surface read from a file, with the boundary condition and the tensions that `embed` gave it.
+    """Restore the boundary condition and tensions of a surface read from a file, as set by `embed`.
 
     Parameters
     ----------
     surface : SheetEmbedding
     condition : str
-        ``"free"``: its tensions are those that balance its bending best.  ``"curve"``, ``"plane"``,
+        ``"free"``, with the tensions that best balance the bending forces; ``"curve"``, ``"plane"`` or
         ``"heights"``.
     heights : ndarray, shape (B,), optional
-        Of the boundary's vertices, up to a constant, for the last two.
+        Heights of the boundary's vertices, up to a constant, for the last two.
 
     Raises
     ------

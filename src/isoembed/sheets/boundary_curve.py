@@ -1,11 +1,11 @@
 """Isometric surfaces with a prescribed boundary curve.
 
-Inside, the edges are more equations than unknowns, by three less than the boundary has vertices: a surface is
-found exactly where lengths and curve belong together, and fitted by least squares elsewhere.
+The number of inner edges exceeds that of unknowns by the number of boundary vertices minus three: the surface
+is exact if lengths and curve are compatible, and otherwise fitted by least squares.
 
-An elastic sheet that becomes thinner leads from a harmonic surface to the basin; starts with bumps are tried
-in turn, as bumps may be on the wrong side.  Then only the stabilizer of the bending energy is left: bending
-itself would push vertices that are nearly flat to the wrong side of their neighbors.
+An elastic sheet of decreasing thickness leads from a harmonic surface to the basin of attraction; starts with
+bumps are tried in turn, as bumps may be on the wrong side.  Finally only the stabilizer of the bending energy
+is kept: bending itself would push nearly flat vertices to the wrong side of their neighbors.
 """
 
 from __future__ import annotations
@@ -29,26 +29,27 @@ from isoembed.surface import measures
 from isoembed.surface.smoothness import fine_roughness
 from isoembed.surface.vertex_system import HeldVertices
 
-STIFFNESSES = tuple(10.0 ** (-k / 2) for k in range(2, 13))  # epsilon over the area, one after the other
-BUMPED = 1e-4  # the first for a start with a bump, which thicker sheets would flatten
-THIN = 1e-5  # the first where these flatten it, too
+STIFFNESSES = tuple(10.0 ** (-k / 2) for k in range(2, 13))  # successive epsilon over the area
+BUMPED = 1e-4  # initial value for a start with a bump, which thicker sheets would flatten
+THIN = 1e-5  # initial value if the bump is still flattened
 BUMP = 0.3  # height of a bump over the radius of the curve
-STABILIZERS = 10, 100  # times the stabilizer, beside the bending
+STABILIZERS = 10, 100  # factors of the stabilizer in the bending form
 SMOOTHEST = tuple(10.0**-k for k in range(5, 12))  # epsilon over the area, without bending
-DESCENT = 15  # Newton steps at most for each
+DESCENT = 15  # maximum number of Newton steps for each
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
-NEWTON = 40  # steps without bending, at most
-LESS = 0.99  # share of the energy of another surface
-ROUNDS = 40  # vertices that are reflected at most
-REFLECTED = 16  # vertices whose reflections are tried, before a minimum counts as the least
-BETTER = 0.9  # share of the squares that is left by a reflection that helps
-FLAT = 1e-6  # thickness over size of a curve that is in a plane
+NEWTON = 40  # maximum number of steps without bending
+LESS = 0.99  # ratio of energies below which a surface is an improvement
+ROUNDS = 40  # maximum number of reflected vertices
+REFLECTED = 16  # vertices whose reflections are tried in each order
+BETTER = 0.9  # ratio of the sums of squares below which a reflection is an improvement
+FLAT = 1e-6  # thickness over size below which a curve is planar
 
 
 def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterator[tuple[Floats, float]]:
-    """Surfaces to start from, (V, 3), each with the first epsilon over the area.
+    """Initial surfaces, (V, 3), each with the first epsilon over the area.
 
-    With every vertex inside at the mean of its neighbors; then with bumps, and with a bump beside a dent.
+    First the harmonic one, with every inner vertex at the mean of its neighbors; then surfaces with bumps,
+    and with a bump beside a dent.
     """
     t = lengths.triangulation
     laplacian = csr_array(diags_array(t.degrees.astype(np.float64)) - t.adjacency)
@@ -59,27 +60,27 @@ def starts(lengths: LengthConstraints, boundary: Floats, inside: Mask) -> Iterat
     vertices[free] = factor.solve(-(rows[:, fixed] @ boundary[fixed]))
     curve = boundary[fixed] - boundary[fixed].mean(axis=0)
     _, sizes, axes = np.linalg.svd(curve, full_matrices=False)
-    upward = axes[2] if axes[2, 2] >= 0 else -axes[2]  # of mirror images in a plane, the upper one
+    upward = axes[2] if axes[2, 2] >= 0 else -axes[2]  # the upper one of two mirror images
     bump = np.zeros(t.n_vertices)
     bump[free] = factor.solve(np.ones(len(free)))
     bump /= bump.max()
     if sizes[2] > FLAT * sizes[0]:
         yield vertices, STIFFNESSES[0]
-    else:  # of a flat curve all is flat, and would stay so
+    else:  # for a planar curve the harmonic surface is flat, and would stay so
         raised = np.outer(bump, upward)
         yield vertices + height_with_area(lengths, vertices, raised) * raised, BUMPED
     height = BUMP * float(np.linalg.norm(curve, axis=1).max())
     away = (vertices - boundary[fixed].mean(axis=0)) @ axes.T
     for shape in (bump, bump * away[:, 0], bump * away[:, 1]):
         largest = float(np.abs(shape).max())
-        if largest <= FLAT * float(np.abs(away).max()):  # all vertices inside are in the middle
+        if largest <= FLAT * float(np.abs(away).max()):  # all inner vertices are in the middle
             continue
         for side in (height, -height):
             yield vertices + np.outer(side / largest * shape, upward), BUMPED
 
 
 def height_with_area(lengths: LengthConstraints, vertices: Floats, bump: Floats) -> float:
-    """Height of a bump with which a surface has the area of the metric, or a little more."""
+    """Height of a bump for which the surface has at least the area of the metric."""
     faces, goal = lengths.triangulation.faces, float(face_areas(lengths.metric).sum())
     height = lengths.metric.mean_length
     while measures.face_areas(faces, vertices + height * bump).sum() < goal:
@@ -94,16 +95,16 @@ def through_curve(
     start: Floats | None,
     recorder: StageRecorder,
 ) -> Floats:
-    """Solve for the vertices inside, by least squares of the lengths there.
+    """Solve for the inner vertices by least squares of the inner edge lengths.
 
     Parameters
     ----------
     energy : BendingEnergy
     lengths : LengthConstraints
     boundary : ndarray, shape (V, 3)
-        Positions; only those of the boundary's vertices are used.
+        Positions, of which only those of the boundary's vertices are used.
     start : ndarray, shape (V, 3), or None
-        By default `starts`.
+        Initial surface, by default `starts`.
     recorder : StageRecorder
 
     Returns
@@ -118,7 +119,7 @@ def through_curve(
     smooth = ElasticSheet(lengths, energy.stabilizer, held, recorder)
 
     def tries() -> Iterator[tuple[ElasticSheet, Floats, float]]:
-        """Sheets that bend, each with a start and the first epsilon over the area."""
+        """Elastic sheets, each with an initial surface and the first epsilon over the area."""
         first, *bumped = starts(lengths, boundary, inside)
         sheets = []
         for times in STABILIZERS:
@@ -155,7 +156,7 @@ def through_curve(
                     x = sheet.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
                     passed.append(x)
             value = sheet.value(x, STIFFNESSES[-1] * energy.area)
-            if not value < LESS * least.get(sheet, np.inf):  # as before, or worse
+            if not value < LESS * least.get(sheet, np.inf):  # no improvement
                 continue
             least[sheet], x = value, released(x)
             if squares(x) < fewest:
@@ -186,14 +187,14 @@ def through_curve(
         x = best
     if is_realized(x):
         return _smoother(t, x)
-    # Reflections are dents where they fit the errors of measured lengths.
+    # Reflections that fit errors of measured lengths are dents.
     return min(unreflected, x, key=lambda y: fine_roughness(t, y))
 
 
 def _smoother(t: Triangulation, x: Floats) -> Floats:
-    """The surface with each vertex inside that has three neighbors on the smoother side of them.
+    """Surface with each inner vertex of degree three on the smoother side of its neighbors.
 
-    On both sides it has the lengths.
+    The lengths are the same on both sides.
     """
     moves = reflections(t, x)
     for v in np.flatnonzero(~t.boundary_vertices & (t.degrees == 3)):
@@ -205,7 +206,7 @@ def _smoother(t: Triangulation, x: Floats) -> Floats:
 
 
 def _doubtful(lengths: LengthConstraints, x: Floats, moves: Floats) -> list[int]:
-    """Vertices inside that may be on the wrong side: shallow ones, and where the lengths are missed most."""
+    """Inner vertices possibly on the wrong side: shallow ones, and those with the largest residuals."""
     t = lengths.triangulation
     r = np.where(t.boundary_edges, 0.0, lengths.residuals(x))
     missed = np.abs(t.incidence) @ r**2

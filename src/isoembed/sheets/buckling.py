@@ -1,9 +1,9 @@
 """Buckling modes of a flat sheet: initial surfaces with two, three and more waves.
 
-A sheet that is held flat is stretched in some places and compressed in others.  As it becomes thinner it
-buckles, into one mode after the other: where w is normal to the plane, the forces of stretching are ``L w``,
-those of bending ``2 epsilon Q w``, and they balance if ``-L w = 2 epsilon Q w``.  On a round disc with K < 0
-the modes are pairs of equal epsilon, which differ by a turn, with two, three, ... waves.
+A sheet constrained to a plane is stretched in some places and compressed in others.  With decreasing
+thickness it buckles into successive modes: for a displacement w normal to the plane, the stretching forces
+are ``L w``, the bending forces ``2 epsilon Q w``, and they balance if ``-L w = 2 epsilon Q w``.  On a round
+disc with K < 0 the modes are pairs of equal epsilon that differ by a rotation, with two, three, ... waves.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ from isoembed.sheets.multidimensional_scaling import scaled_distances
 from isoembed.surface.vertex_system import HeldTriangle
 
 MODES = 3
-THIN = 0.2  # of the epsilon at which the flat sheet buckles: with more, another start may become flat
-DESCENT = 20  # Newton steps in the plane, at most
+THIN = 0.2  # relative to the critical epsilon of the flat sheet: with more, other starts may become flat
+DESCENT = 20  # maximum number of Newton steps in the plane
 SETTLED = 1e-3  # mean edge lengths: a shorter step ends them
-APART = 0.9  # epsilon of a mode over that of the one before: nearer ones are the same mode, turned
-SOUGHT = 4  # eigenvectors sought, times MODES
-HELD = 1e-6  # of the bending form, which motions of the plane as a whole do not change
+APART = 0.9  # ratio of successive epsilons: closer ones belong to the same mode, rotated
+SOUGHT = 4  # number of computed eigenvectors over MODES
+HELD = 1e-6  # shift relative to the bending form, against rigid motions of the plane
 
 
 def buckled(
     energy: BendingEnergy, lengths: LengthConstraints, recorder: StageRecorder
 ) -> tuple[list[Floats], tuple[float, ...]]:
-    """Buckled sheets, (V, 3), that have the area of the metric, and epsilons over the area to begin with.
+    """Buckled sheets, (V, 3), with the area of the metric, and the epsilons over the area to continue with.
 
-    Those of the thickest sheets first.  None where no sheet lies flat without folds, or where it is not
-    strained.
+    The modes of the thickest sheets come first.  There are none if no sheet lies flat without folds, or if it
+    is not strained.
     """
     metric, t = lengths.metric, lengths.triangulation
     if t.genus or t.n_vertices <= SOUGHT * MODES:

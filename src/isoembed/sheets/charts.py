@@ -10,16 +10,16 @@ from isoembed.arrays import Floats, Indices, Mask
 from isoembed.metric.curvature import corner_angles
 from isoembed.metric.polyhedral import PolyhedralMetric
 
-CLEAR = 0.1  # of the distance of the nearest neighbor: unfolded vertices are not nearer to the center
+CLEAR = 0.1  # least distance of unfolded vertices from the center, in distances of the nearest neighbor
 
 
 @dataclass(frozen=True, eq=False)
 class Charts:
-    """Coordinates in the plane of the neighbors of each vertex, which is at the origin.
+    """Plane coordinates of the neighbors of each vertex, which is at the origin.
 
-    The triangles at a vertex are flattened: inside the surface, angles are scaled so that they add up to a
-    full turn.  Each triangle beyond one of them is unfolded, and at a boundary, where neighbors are on one
-    side only, each triangle beyond those.  Rows are sorted by center.
+    The triangles at a vertex are flattened: inside the surface, angles are scaled to sum to a full turn.
+    Each triangle beyond one of them is unfolded and, at a boundary, where neighbors are on one side only,
+    each triangle beyond those.  Rows are sorted by center.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Charts:
         start = _directions(t.n_vertices, corners, across, before, corner_angles(metric))
         end = start + _scaled(corner_angles(metric), corners, t.n_vertices, across).ravel()
         side = lengths.ravel()
-        # The end of each half-edge, and on the boundary the beginning of that which enters the vertex.
+        # The end of each half-edge, and on the boundary the start of the half-edge entering the vertex.
         last = across[before] < 0
         near = _polar(side, start)
         far = _polar(side[before], end)
@@ -64,7 +64,7 @@ class Charts:
     def _sorted(
         cls, n: int, ring: tuple[Indices, Indices, Floats], beyond: tuple[Indices, Indices, Floats]
     ) -> Charts:
-        """The rings and what is beyond them, where it is neither the center nor in the ring."""
+        """Charts of the rings and the vertices beyond them, except the center and those in the ring."""
         keys = ring[0] * n + ring[1]
         own = beyond[0] * n + beyond[1]
         kept = (beyond[0] != beyond[1]) & ~np.isin(own, keys)
@@ -83,7 +83,7 @@ class Charts:
 
 
 def _directions(n: int, corners: Indices, across: Indices, before: Indices, angles: Floats) -> Floats:
-    """The direction of each half-edge in the chart of its beginning, (3F,)."""
+    """Direction of each half-edge in the chart of its start, (3F,)."""
     scaled = _scaled(angles, corners, n, across).ravel()
     first = np.empty(n, dtype=np.int64)
     first[corners] = np.arange(corners.size)
@@ -91,7 +91,7 @@ def _directions(n: int, corners: Indices, across: Indices, before: Indices, angl
     first[corners[bounded]] = np.flatnonzero(bounded)
     direction = np.zeros(corners.size)
     at, turned = first, np.zeros(n)
-    while len(at):  # all vertices at once, from corner to corner counterclockwise
+    while len(at):  # all vertices at once, counterclockwise from corner to corner
         direction[at] = turned
         following = across[before[at]]
         goes_on = (following >= 0) & (following != first[corners[at]])
@@ -101,7 +101,7 @@ def _directions(n: int, corners: Indices, across: Indices, before: Indices, angl
 
 
 def _scaled(angles: Floats, corners: Indices, n: int, across: Indices) -> Floats:
-    """The angles, (F, 3), times 2 pi over their sum at each vertex inside the surface."""
+    """Angles, (F, 3), scaled to sum to 2 pi at each inner vertex."""
     sums = np.bincount(corners, angles.ravel(), minlength=n)
     factors = 2 * np.pi / sums
     factors[corners[across < 0]] = 1.0
@@ -114,9 +114,9 @@ def _polar(r: Floats, angle: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class _Sides:
-    """Sides of triangles in charts, (n,): the half-edges across, -1 if there is none, and the ends.
+    """Sides of triangles in charts, (n,): twin half-edges, -1 if there is none, and ends.
 
-    The triangle lies to the left of the line from `begins` to `ends`, (n, 2).
+    The triangle is to the left of the line from `begins` to `ends`, (n, 2).
     """
 
     centers: Indices
@@ -130,7 +130,7 @@ class _Sides:
 
 @dataclass(frozen=True, eq=False)
 class _Links:
-    """Half-edges, (3F,): their beginnings, the one across, those after and before, and their lengths."""
+    """Half-edges, (3F,): start vertices, twins, next and previous half-edges, and lengths."""
 
     corners: Indices
     across: Indices
@@ -139,7 +139,7 @@ class _Links:
     lengths: Floats
 
     def unfolded(self, sides: _Sides) -> tuple[tuple[Indices, Indices, Floats], _Sides]:
-        """The corner beyond each side, as center, neighbor and position, and the sides beside it."""
+        """Corner beyond each side, as center, neighbor and position, and the two sides at it."""
         sides = sides.of(sides.across >= 0)
         g, p, q = sides.across, sides.begins, sides.ends
         base = q - p

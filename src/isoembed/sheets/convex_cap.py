@@ -1,10 +1,10 @@
-"""Convex caps: surfaces of non-negative curvature whose boundary is a convex curve in a plane.
+"""Convex caps: surfaces of nonnegative curvature bounded by a convex curve in a plane.
 
-A metric of non-negative curvature on a disc, with angles of at most pi along the boundary, is that of exactly
-one convex cap.  Two copies glued along the boundary are a convex metric on the sphere, whose polyhedron
-(`isoembed.Alexandrov`) is symmetric in the plane of the boundary.  Newton's method then moves the vertices to
-where the given triangles, not those of the polyhedron, have the lengths; with the heights of the boundary the
-system is square.
+A metric of nonnegative curvature on a disc, with angles of at most pi along the boundary, is that of exactly
+one convex cap.  Two copies glued along the boundary form a convex metric on the sphere, whose polyhedron
+(`isoembed.Alexandrov`) is symmetric about the plane of the boundary.  Newton's method then solves for the
+lengths of the given triangles, which may differ from those of the polyhedron; with the heights of the
+boundary the system is square.
 
 References
 ----------
@@ -28,9 +28,9 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
-STEPS = 60  # of Newton's method at most
+STEPS = 60  # maximum number of Newton steps
 ANY_CURVATURE = "positions (B, 3) of the boundary suit any curvature, boundary='free' takes none"
-EXACT = 1e-14  # largest residual, in mean edge lengths, that ends it
+EXACT = 1e-14  # tolerance of the residual, in mean edge lengths
 
 
 def check_disc(metric: PolyhedralMetric) -> None:
@@ -47,8 +47,8 @@ def check_cap(metric: PolyhedralMetric) -> None:
     Raises
     ------
     InvalidMetric
-        The surface is no disc, its curvature is negative at a vertex, or its boundary is not convex at one;
-        the message names the vertex.
+        The surface is not a disc, or the curvature or the exterior angle of the boundary is negative at a
+        vertex; the message names the vertex.
     """
     check_disc(metric)
     t = metric.triangulation
@@ -63,7 +63,7 @@ def check_cap(metric: PolyhedralMetric) -> None:
 
 
 def doubled(metric: PolyhedralMetric) -> GluedMetric:
-    """Two copies of a disc, mirror images, glued along the boundary; the first has the given numbers."""
+    """Double of a disc: two mirror images glued along the boundary, the first with the given indices."""
     t = metric.triangulation
     n, count = t.n_vertices, t.n_faces
     boundary = t.boundary_vertices
@@ -83,7 +83,7 @@ def doubled(metric: PolyhedralMetric) -> GluedMetric:
 
 
 def upright(vertices: Floats, boundary: Floats) -> Floats:
-    """Move a cap so that its boundary, (B, 3), is in the plane z = 0, and the rest above."""
+    """Move a cap so that its boundary, (B, 3), is in the plane z = 0, with the rest above."""
     middle = boundary.mean(axis=0)
     _, _, axes = np.linalg.svd(boundary - middle, full_matrices=False)
     if np.linalg.det(axes) < 0:
@@ -93,25 +93,25 @@ def upright(vertices: Floats, boundary: Floats) -> Floats:
 
 
 def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recorder: StageRecorder) -> Floats:
-    """Solve for the lengths and the z of the boundary's vertices, in their order, by Newton's method.
+    """Solve for the lengths and the heights z of the boundary's vertices by Newton's method.
 
-    Two vertices of the boundary hold the surface against motions that leave z: there are as many equations as
-    unknowns, which the normal equations solve in the order of nested dissection.
+    Two vertices of the boundary are constrained against horizontal motions, which makes the system square; it
+    is solved by normal equations in nested-dissection order.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        On a disc.
+        Metric on a disc.
     start : ndarray, shape (V, 3)
-        Near the surface.
+        Vertices near the surface.
     heights : ndarray, shape (B,)
-        Along `Triangulation.boundaries`.
+        Heights along `Triangulation.boundaries`.
     recorder : StageRecorder
 
     Returns
     -------
     ndarray, shape (V, 3)
-        The last iterate.
+        Last iterate.
     """
     lengths, t = LengthConstraints(metric), metric.triangulation
     [loop] = t.boundaries
@@ -136,8 +136,8 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
         factor = system.penalized(edge_rows(t, vertices, metric.lengths), 0.0, held=held)
         return factor.solve(forces.ravel()).reshape(-1, 3)
 
-    # It may end at rounding, or astray, which the residual tells, or where vertices are flat to rounding and
-    # the matrix is singular: the polyhedron has these in place.
+    # The iteration may end at rounding, without convergence (as shown by the residual), or at a singular
+    # matrix due to flat vertices, which the polyhedron has placed already.
     return newton(
         start,
         equations,

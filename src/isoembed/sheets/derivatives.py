@@ -1,15 +1,16 @@
 """Derivatives of surfaces with boundary or handles with respect to edge lengths and boundary data.
 
-The equations that define the surface are differentiated.  r are the residuals of `LengthConstraints`, J = r':
+The equations that define the surface are differentiated.  With the residuals r of `LengthConstraints` and
+J = r', they are
 
-- heights h of the boundary, Z x = h: of all changes with ``J dx = dl`` and ``Z dx = dh`` the least one;
-- least bending, ``2 Q x + J^T y = 0`` and r = 0, y being the tensions: with T the Laplacian of the
+- for heights h of the boundary, Z x = h: the minimum-norm solution of ``J dx = dl`` and ``Z dx = dh``;
+- for least bending, ``2 Q x + J^T y = 0`` and r = 0 with tensions y: with the Laplacian T of the
   triangulation with weights y / l, ``(2 Q + T) dx + J^T dy = J^T (y / l dl) - d(2 Q) x`` and ``J dx = dl``;
-- a curve, or handles, ``J^T r = 0`` inside: with T that of weights r / l, ``s + J dx = rho dl`` and
-  ``J^T s - T dx = -J^T (r / l dl)``, where ``rho = (|x_a - x_b|^2 + l^2) / (2 l^2)``.  Where r = 0 this is
-  the step of the Gauss-Newton method.
+- for a curve, or handles, ``J^T r = 0`` inside: with T for weights r / l, ``s + J dx = rho dl`` and
+  ``J^T s - T dx = -J^T (r / l dl)``, where ``rho = (|x_a - x_b|^2 + l^2) / (2 l^2)``.  For r = 0 this is the
+  Gauss-Newton step.
 
-All of these matrices are symmetric, so that one factorization serves derivatives forward and backward.
+All of these matrices are symmetric, so that one factorization serves forward and adjoint derivatives.
 """
 
 from __future__ import annotations
@@ -31,22 +32,22 @@ from isoembed.sheets.surface import BALANCED, SheetEmbedding
 
 @dataclass(frozen=True, eq=False)
 class SheetDerivatives:
-    """A linear system whose solution is the derivative of a surface, factored.
+    """Factored linear system for the derivatives of a surface.
 
     Attributes
     ----------
     factor : Factor
-        Of the symmetric matrix K, (n, n).
+        Factors of the symmetric matrix K, (n, n).
     place : csr_array, shape (3 V, n)
-        Which unknowns are the vertices.
+        Selection of the vertices from the unknowns.
     by_lengths : csr_array, shape (n, E)
-        The right-hand side of changes of the lengths.
+        Right-hand sides for changes of the lengths.
     by_boundary : csr_array, shape (n, D)
-        Of changes of the D numbers given at the boundary, which are none where nothing is.
+        Right-hand sides for changes of the D boundary data, if any.
     held : csr_array, shape (3 V, D)
-        By how much these move vertices that are no unknowns.
+        Derivatives of prescribed vertices with respect to the boundary data.
     shape : tuple of int
-        Of what is given at the boundary: (B,), (B, 3) or (0,).
+        Shape of the boundary data: (B,), (B, 3) or (0,).
     """
 
     factor: Factor
@@ -63,9 +64,9 @@ class SheetDerivatives:
         Raises
         ------
         InvalidMetric
-            It is not known what holds the surface.
+            The boundary condition of the surface is unknown.
         InvalidParameter
-            Bending is not at a minimum.
+            The bending energy is not at a minimum.
         SingularMatrix
             The equations do not determine the surface to first order.
         """
@@ -109,7 +110,7 @@ class SheetDerivatives:
 
     @classmethod
     def of_least_squares(cls, lengths: LengthConstraints, x: Floats) -> SheetDerivatives:
-        """Derivatives at normalized vertices with lengths in least squares, closed or with given boundary."""
+        """Derivatives of a least-squares surface, closed or with given boundary, at normalized vertices."""
         t, n = lengths.triangulation, x.size
         loop = np.concatenate([np.zeros(0, dtype=np.int64), *t.boundaries])
         inner, fixed = np.flatnonzero(~t.boundary_edges), (3 * loop[:, None] + np.arange(3)).ravel()
@@ -171,7 +172,7 @@ class SheetDerivatives:
         )
 
     def vjp(self, gradient: Floats) -> Floats:
-        """The transpose of `jvp`: (..., E) from (..., V, 3)."""
+        """Transpose of `jvp`: (..., E) from (..., V, 3)."""
         return self._backward(self.by_lengths, None, gradient, self.by_lengths.shape[1:])
 
     def boundary_jvp(self, changes: Floats) -> Floats:
@@ -182,11 +183,11 @@ class SheetDerivatives:
         )
 
     def boundary_vjp(self, gradient: Floats) -> Floats:
-        """The transpose of `boundary_jvp`: (..., *shape) from (..., V, 3)."""
+        """Transpose of `boundary_jvp`: (..., *shape) from (..., V, 3)."""
         return self._backward(self.by_boundary, self.held, gradient, self.shape)
 
     def newton_step(self, residuals: Floats) -> Floats:
-        """The d, (V, 3), of Newton's step x - d for least squares of the residuals inside."""
+        """Newton step d, (V, 3), to subtract from x, for least squares of the inner residuals."""
         right = np.zeros(self.place.shape[1])
         right[: len(residuals)] = residuals
         return np.asarray((self.place @ self.factor.solve(right)).reshape(-1, 3))
@@ -212,9 +213,9 @@ class SheetDerivatives:
 def bending_factor(
     energy: BendingEnergy, lengths: LengthConstraints, x: Floats, tensions: Floats
 ) -> tuple[Factor, float]:
-    """Factors of the equations of least bending: changes of forces over a scale, lengths and rigid motions.
+    """Factors of the linearized equations of least bending: scaled forces, lengths and rigid motions.
 
-    The unknowns are motions of the vertices, changes of the tensions over that scale, and six that are zero.
+    The unknowns are motions of the vertices, scaled changes of the tensions, and six that are zero.
     """
     J, form = lengths.jacobian(x), 2 * energy.form
     scale = max(float(form.diagonal().mean()), 1.0)
@@ -224,7 +225,7 @@ def bending_factor(
 
 
 def _laplacian(lengths: LengthConstraints, weights: Floats) -> csr_array:
-    """The Laplacian of the triangulation with these weights of the edges, (V, V)."""
+    """Laplacian of the triangulation with these edge weights, (V, V)."""
     incidence = lengths.triangulation.incidence
     return csr_array(incidence @ diags_array(weights) @ incidence.T)
 

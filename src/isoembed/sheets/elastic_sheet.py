@@ -16,19 +16,19 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
-CHORDS = 3  # steps with the factors of the last Newton step, at most
+CHORDS = 3  # maximum number of steps with the factors of the last Newton step
 
 
 class ElasticSheet:
-    """The energy ``sum r^2 / 2 + epsilon tr(x^T Q x)`` of surfaces, r the residuals of the lengths.
+    """Energy ``sum r^2 / 2 + epsilon tr(x^T Q x)`` of surfaces, with length residuals r.
 
     Parameters
     ----------
     lengths : LengthConstraints
     form : csr_array, shape (V, V)
-        Q, positive semidefinite.
+        Positive semidefinite matrix Q.
     held : HeldVertices
-        A triangle that holds the rigid motions, or vertices that do not move.
+        Triangle that removes the rigid motions, or fixed vertices.
     recorder : StageRecorder
     """
 
@@ -39,14 +39,14 @@ class ElasticSheet:
         self._system = VertexSystem(lengths.triangulation, form, recorder.work)
 
     def value(self, vertices: Floats, epsilon: float) -> float:
-        """The energy."""
+        """Energy of a surface."""
         return self._value(Point(vertices, self.lengths.residuals(vertices)), epsilon)
 
     def _value(self, p: Point, epsilon: float) -> float:
         return float(p.residual @ p.residual) / 2 + epsilon * float(np.sum(p.x * (self.form @ p.x)))
 
     def relaxed(self, start: Floats, epsilon: float, max_iterations: int, shortest: float) -> Floats:
-        """The minimum near a start, by Newton steps, the last one no longer than this."""
+        """Minimum near a starting surface, by Newton steps down to the length `shortest`."""
         unit = self.lengths.metric.mean_length
 
         def value(p: Point) -> float:
@@ -63,7 +63,7 @@ class ElasticSheet:
                 return Point(x, self.lengths.residuals(x), float(np.abs(by).max()))
 
             def at(fraction: float) -> Point:
-                # Isometric motions are curved: the same factors lead from the tangent back to the lengths.
+                # Isometric motions are curved: chord steps with the same factors restore the lengths.
                 trial = moved(fraction * d)
                 for _ in range(CHORDS):
                     left = self._gradient(trial, epsilon) - (1 - fraction) * gradient
@@ -89,7 +89,7 @@ class ElasticSheet:
         return self.lengths.forces(p.x, p.residual) + 2 * epsilon * (self.form @ p.x)
 
     def _factor(self, p: Point, epsilon: float) -> SymmetricFactor:
-        """Factors of the Hessian; without the stress of compressed edges where it is not definite."""
+        """Factors of the Hessian; without the stress of compressed edges if it is not positive definite."""
         t, given = self.lengths.triangulation, self.lengths.lengths
         rows = edge_rows(t, p.x, given)
         try:

@@ -1,4 +1,4 @@
-"""Hole filling: a flat cone in every boundary closes a surface of genus 0."""
+"""Hole filling: a cone over every boundary closes a surface of genus 0."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import numpy as np
 
 from isoembed.metric.polyhedral import PolyhedralMetric
 
-LEGS = 1.01  # of the triangles that fill a hole, over the radius of the regular polygon of its perimeter
+LEGS = 1.01  # legs of the filling triangles over the radius of the regular polygon with the same perimeter
 
 
 def filled(metric: PolyhedralMetric) -> PolyhedralMetric:
-    """The metric with a flat cone in each hole; the first vertices and faces are the given ones."""
+    """Metric with a nearly flat cone in each hole; the first vertices and faces are the given ones."""
     t = metric.triangulation
     faces, edges, lengths = [t.faces], [t.edges], [metric.lengths]
     for apex, loop in enumerate(t.boundaries, t.n_vertices):

@@ -1,9 +1,9 @@
 """Isometric surfaces of least bending energy: the thin-sheet limit.
 
-The minimum of `bending.BendingEnergy` among the surfaces that have the lengths.  Where the curvature is not
-positive, it is approached along ``sum r^2 / (2 epsilon) + W(x)``, epsilon to zero, as of a sheet that becomes
-thinner; then Newton's method is applied to the equations with the lengths as constraints, whose multipliers
-are the tensions of the edges.
+Minimizes `bending.BendingEnergy` among the surfaces with the given lengths.  If the curvature is not
+positive, the minimum is approached along ``sum r^2 / (2 epsilon) + W(x)`` with epsilon to zero, as for sheets
+of decreasing thickness; then Newton's method is applied to the equations with the lengths as constraints,
+whose Lagrange multipliers are the tensions of the edges.
 """
 
 from __future__ import annotations
@@ -25,33 +25,33 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
-STIFFNESSES = tuple(10.0**-k for k in range(4, 10))  # epsilon over the area, one after the other
-TRIED = 20  # Newton steps at most for each of several starts
-KEPT = 2  # of these, when the sheets are thick
-DISTINCT = 1.0005, 1.05  # times the least energy, from and to which the second is another surface to be found
-THINNER = tuple(10.0**-k for k in range(10, 13))  # the same, where forces were not balanced
-DESCENT = 40  # Newton steps at most for each
+STIFFNESSES = tuple(10.0**-k for k in range(4, 10))  # successive epsilon over the area
+TRIED = 20  # maximum number of Newton steps for each of several starts
+KEPT = 2  # starts kept for thick sheets
+DISTINCT = 1.0005, 1.05  # range of energies, over the least one, in which the second surface is kept
+THINNER = tuple(10.0**-k for k in range(10, 13))  # further epsilons if forces are not balanced
+DESCENT = 40  # maximum number of Newton steps for each
 SETTLED = 1e-6  # mean edge lengths: a shorter step ends the descent for one epsilon
-NEWTON = 60  # steps at most with the lengths as constraints
-AUGMENTED = 1e-10  # epsilon over the area in the matrix of these steps, at first
+NEWTON = 60  # maximum number of steps with the lengths as constraints
+AUGMENTED = 1e-10  # initial epsilon over the area in the matrix of these steps
 SEARCH = LineSearch(decrease=0.1, shortest=2.0**-7)
-SMALLER = 3  # times that a tenth of epsilon is tried
-STIFFER = 0.3, 1.0, 3.0, 10.0, 30.0  # shares of the bending form that are added where that is not definite
-ROUNDING = 1e-11  # imbalance that is left
-EXACT = 1e-14  # residual in mean edge lengths that is
+SMALLER = 3  # number of successive tenths of epsilon tried
+STIFFER = 0.3, 1.0, 3.0, 10.0, 30.0  # multiples of the bending form added if the matrix is not definite
+ROUNDING = 1e-11  # tolerance of the imbalance
+EXACT = 1e-14  # tolerance of the residual, in mean edge lengths
 
 
 @dataclass(frozen=True, eq=False)
 class LeastBending:
-    """A surface of least bending energy, or the last iterate.
+    """Surface of least bending energy, or the last iterate.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
     multipliers : ndarray, shape (E,)
-        Of the lengths: the tension of each edge, where the bending modulus is 2 and edges pull.
+        Lagrange multipliers of the lengths: tensions of the edges, for bending modulus 2.
     imbalance : float
-        Largest force on a vertex that bending and tensions leave, over the mean diagonal of the form.
+        Largest net force of bending and tensions on a vertex, over the mean diagonal of the form.
     """
 
     vertices: Floats
@@ -66,7 +66,7 @@ def thinned(
     recorder: StageRecorder,
     stiffnesses: Sequence[float] = STIFFNESSES,
 ) -> LeastBending:
-    """Minimize the energy of elastic sheets, each thinner than the last, from a start of any lengths."""
+    """Minimize the energy of successively thinner elastic sheets, from a start with any lengths."""
     x = start
     held = HeldTriangle.of(x, lengths.triangulation.faces[0])
     sheet = ElasticSheet(lengths, energy.form, held, recorder)
@@ -85,16 +85,16 @@ def most_promising(
     stiffnesses: Sequence[float],
     recorder: StageRecorder,
 ) -> list[Floats]:
-    """The one or two starts from which thick elastic sheets bend least, the best first.
+    """Select one or two starts from which thick elastic sheets have the least energy, best first.
 
     Parameters
     ----------
     energy : BendingEnergy
     lengths : LengthConstraints
     starts : sequence of ndarray, shape (V, 3)
-        At least two.
+        At least two initial surfaces.
     stiffnesses : sequence of float
-        Epsilon over the area; the first two are tried.
+        Epsilon over the area, of which the first two are used.
     recorder : StageRecorder
     """
     kept = [(start, start) for start in starts]
@@ -117,13 +117,13 @@ def balanced(
 ) -> LeastBending:
     """Newton's method for least bending with the lengths as constraints.
 
-    Each step solves ``[[B, J^T], [J, 0]] [d, y] = -[g, r]``, B being 2 Q and the stress of the multipliers,
-    and is shortened until ``|g| + |r|`` decreases.
+    Each step solves ``[[B, J^T], [J, 0]] [d, y] = -[g, r]``, where B is 2 Q plus the stress matrix of the
+    multipliers, and is shortened until ``|g| + |r|`` decreases.
     """
     metric, t = energy.metric, lengths.triangulation
     system, held = VertexSystem(t, energy.form, recorder.work), HeldTriangle.of(start.vertices, t.faces[0])
     epsilon = AUGMENTED * energy.area
-    size = max(2 * float(energy.form.diagonal().mean()), 1 / energy.area)  # one triangle does not bend
+    size = max(2 * float(energy.form.diagonal().mean()), 1 / energy.area)  # a single triangle has no bending
     x, y, unit = start.vertices, start.multipliers, metric.mean_length
 
     def equations(x: Floats, y: Floats) -> tuple[Floats, Floats]:
@@ -146,7 +146,7 @@ def balanced(
             if SEARCH.accepts(float(np.linalg.norm(g) / size + np.linalg.norm(r)), before, part):
                 break
         else:
-            break  # at rounding, or no minimum near
+            break  # at rounding, or no minimum nearby
         x, y = x + part * d, y + part * dy
         imbalance, residual = float(np.abs(g).max()) / size, float(np.abs(r).max()) / unit
         recorder.show(residual=residual, vertices=x)
@@ -161,7 +161,7 @@ def _constrained_step(
     """Steps of the vertices, (V, 3), and of the multipliers, (E,), from the factors of ``A``.
 
     ``A = J^T J + epsilon B``, and conjugate gradients solve ``J A^-1 J^T (epsilon y) = r - J A^-1 (epsilon g
-    + J^T r)``: all but few eigenvalues of this matrix are near 1.
+    + J^T r)``: all but a few eigenvalues of this matrix are close to 1.
     """
 
     def solve(forces: Floats) -> Floats:
@@ -187,10 +187,10 @@ def _factored(
     epsilon: float,
     held: HeldTriangle,
 ) -> tuple[SymmetricFactor, float]:
-    """Factors of ``J^T J + epsilon B``, and an epsilon with which it is definite.
+    """Factors of ``J^T J + epsilon B``, and an epsilon for which it is positive definite.
 
-    The finer the mesh, the less it has to be.  Where no epsilon makes it so, the surface is no minimum:
-    bending is made stiffer in these steps.
+    Finer meshes need a smaller epsilon.  If there is none, the surface is not a minimum, and the bending form
+    is made stiffer in these steps.
     """
     smaller = ((epsilon * 0.1**k, 0.0) for k in range(SMALLER))
     for part, more in (*smaller, *((epsilon, more) for more in STIFFER)):
@@ -199,5 +199,5 @@ def _factored(
             return system.penalized(rows, weight, tensions=part * stress, held=held), part
         except SingularMatrix:
             continue
-    stretched = epsilon * np.maximum(stress, 0.0)  # without the stress of compressed edges it is definite
+    stretched = epsilon * np.maximum(stress, 0.0)  # definite without the stress of compressed edges
     return system.penalized(rows, 2 * epsilon, tensions=stretched, held=held), epsilon

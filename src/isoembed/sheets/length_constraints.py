@@ -11,23 +11,23 @@ from isoembed.surface.rigidity import edge_rows, length_residuals
 
 
 class LengthConstraints:
-    """``r_e = (|x_a - x_b|^2 - l_e^2) / (2 l_e) = 0`` for each edge of a metric.
+    """Constraints ``r_e = (|x_a - x_b|^2 - l_e^2) / (2 l_e) = 0`` for the edges of a metric.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Of flat triangles.
+        Metric of flat triangles.
     """
 
     def __init__(self, metric: PolyhedralMetric) -> None:
         self.metric, self.triangulation, self.lengths = metric, metric.triangulation, metric.lengths
 
     def residuals(self, vertices: Floats) -> Floats:
-        """r, shape (E,)."""
+        """Residuals r, shape (E,)."""
         return length_residuals(self.triangulation, vertices, self.lengths)
 
     def jacobian(self, vertices: Floats) -> csr_array:
-        """J = dr/dx, shape (E, 3V)."""
+        """Jacobian J = dr/dx, shape (E, 3V)."""
         rows, edges = edge_rows(self.triangulation, vertices, self.lengths), self.triangulation.edges
         count = len(edges)
         columns = (3 * edges[:, :, None] + np.arange(3)).reshape(count, 6)
@@ -36,6 +36,6 @@ class LengthConstraints:
         return csr_array((entries.ravel(), columns.ravel(), indptr), shape=(count, vertices.size))
 
     def forces(self, vertices: Floats, tensions: Floats) -> Floats:
-        """``J^T y``, shape (V, 3): the pull of the tensions y, (E,), on each vertex."""
+        """Forces ``J^T y`` of the tensions y, (E,), on each vertex, shape (V, 3)."""
         rows = edge_rows(self.triangulation, vertices, self.lengths)
         return self.triangulation.incidence @ (rows * tensions[:, None])

@@ -43,12 +43,12 @@ from isoembed.surface.measures import face_areas
 from isoembed.surface.placement import standard_sheet, turned_about_vertical
 
 CONDITIONS = "free", "plane"
-HEIGHTS = 5  # steps in which the boundary is raised
-EXACT = 1e-12  # residual of least bending, in mean edge lengths, that is left as it is
-FLAT = 1e-15  # area of a triangle over the square of the size of a start, which is none
-SAME = 1e-6  # of the energy: surfaces that differ by less are one, or mirror images
-STALLED = 1.01  # times the energy of a surface out of balance, against one in balance
-NOISE = 0.05  # mean edge lengths by which a measured boundary may miss the lengths
+HEIGHTS = 5  # number of steps to raise the boundary
+EXACT = 1e-12  # residual of least bending, in mean edge lengths, that needs no refinement
+FLAT = 1e-15  # area over squared size of the start below which a triangle has no area
+SAME = 1e-6  # relative difference of energies below which surfaces are identical or mirror images
+STALLED = 1.01  # factor of the energy of an unbalanced surface in comparisons
+NOISE = 0.05  # mean edge lengths by which a measured boundary may deviate from the lengths
 CAP = Evidence(
     "proved",
     "convex cap theorem: the deficits and the exterior angles of the boundary are not negative, and a convex "
@@ -63,15 +63,15 @@ class Sheet(Method):
     Parameters
     ----------
     boundary : {"free", "plane"} or array_like
-        ``"free"``: of all surfaces with the lengths one of least bending energy, the limit of thin elastic
-        sheets.  ``"plane"``: the convex cap, whose boundary is in a plane; the metric must be convex.  Where
+        ``"free"``: a surface of least bending energy among those with the lengths, the limit of thin elastic
+        sheets.  ``"plane"``: the convex cap, with its boundary in a plane; the metric must be convex.  If
         the metric has `length_errors`, a smooth cap that agrees with the lengths within these.  An
-        array (B,) of heights of the boundary's vertices over a plane, where the curvature is positive; or an
-        array (B, 3) of their positions, with any curvature.  Vertices of the boundary are in the order of
+        array (B,) of heights of the boundary's vertices over a plane, for positive curvature; or an
+        array (B, 3) of their positions, for any curvature.  Vertices of the boundary are in the order of
         `Triangulation.boundaries`, one boundary after the other.
     start : array_like, shape (V, 3), optional
-        Surface to start from, in the unit of the lengths; by default the convex cap, a closed surface with
-        the holes filled, or multidimensional scaling.
+        Initial surface, in the unit of the lengths; by default the convex cap, a closed surface with filled
+        holes, or multidimensional scaling.
     """
 
     boundary: Any = "free"
@@ -82,7 +82,7 @@ class Sheet(Method):
 
     @property
     def takes_length_errors(self) -> bool:  # type: ignore[override]
-        """Whether there is a fit to lengths with errors: of caps."""
+        """Whether lengths with errors can be fitted, as for caps."""
         return bool(self.boundary == "plane")
 
     def __post_init__(self) -> None:
@@ -103,7 +103,7 @@ class Sheet(Method):
         Raises
         ------
         InvalidMetric
-            The curvature is not what the condition at the boundary needs.
+            The curvature is not suitable for the boundary condition.
         InvalidParameter
             The boundary or the start does not fit the metric.
         """
@@ -151,7 +151,7 @@ class Sheet(Method):
 
 
 def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: Log) -> SheetEmbedding:
-    """The convex cap."""
+    """Convex cap."""
     if start is not None:
         raise InvalidParameter("boundary='plane' takes no start: the convex cap is unique")
     if metric.length_errors is not None:
@@ -184,7 +184,7 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
 def _over_heights(
     metric: PolyhedralMetric, heights: Floats, start: Floats | None, tolerance: float, log: Log
 ) -> SheetEmbedding:
-    """The surface over given heights of the boundary, followed from the convex cap in steps."""
+    """Surface with given heights of the boundary, by continuation from the convex cap."""
     if start is not None:
         raise InvalidParameter("heights of the boundary are followed from the convex cap: they take no start")
     inside = ~metric.triangulation.boundary_vertices
@@ -208,7 +208,7 @@ def _raised(
     [loop] = metric.triangulation.boundaries
     try:
         vertices = convex_polyhedron(doubled(metric), tolerance, log).vertices
-    except NotEmbedded as failure:  # Newton's method may come nearer to the lengths, and its residual tells
+    except NotEmbedded as failure:  # Newton's method may still converge, as shown by its residual
         vertices = failure.embedding.vertices
     half = vertices[: metric.triangulation.n_vertices]
     x = upright(half, half[loop])
@@ -225,7 +225,7 @@ def _raised(
 def _through(
     metric: PolyhedralMetric, curve: Floats, start: Floats | None, tolerance: float, log: Log
 ) -> SheetEmbedding:
-    """The surface whose boundary is given."""
+    """Surface with given boundary."""
     t = metric.triangulation
     x = np.zeros((t.n_vertices, 3))
     x[np.concatenate(t.boundaries)] = curve
@@ -257,7 +257,7 @@ def _through(
 def _least_bending(
     metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: Log
 ) -> SheetEmbedding:
-    """A surface of least bending; beside it one from another start that bends more, if such was found."""
+    """Surface of least bending, with one from another start that bends more, if found."""
     energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
     t, near, stiffnesses = metric.triangulation, None, STIFFNESSES
     starts: list[Floats] = []
@@ -268,7 +268,7 @@ def _least_bending(
         if near is None and is_flexible:
             with log.stage("buckling") as recorder:
                 starts, stiffnesses = buckled(energy, lengths, recorder)
-    if near is None and not is_flexible:  # a start that is near leads to the lengths without bending
+    if near is None and not is_flexible:  # a close start leads to the lengths without bending
         with log.stage("Newton on lengths") as recorder:
             x = nearest_with_lengths(lengths, start, recorder)
         if _residual(lengths, x) <= EXACT:
@@ -302,13 +302,13 @@ def _least_bending(
 
 
 def _searched(count: int) -> Evidence:
-    """Evidence that a surface bends least, from some starts."""
+    """Evidence that a surface bends least, from the number of starts."""
     starts = "one start" if count == 1 else f"{count} starts"
     return Evidence("searched", f"found from {starts}: other surfaces may bend less")
 
 
 def _beside(best: SheetEmbedding, rest: list[SheetEmbedding]) -> SheetEmbedding:
-    """The best of the surfaces with those beside it that are others, turned to where they are nearest."""
+    """Best surface, with distinct others aligned to it as other realizations."""
     energy = best.second_form_energy
     others = [
         replace(other, vertices=aligned_image(other.vertices, best.vertices))
@@ -321,7 +321,7 @@ def _beside(best: SheetEmbedding, rest: list[SheetEmbedding]) -> SheetEmbedding:
 def _balanced(
     energy: BendingEnergy, lengths: LengthConstraints, sheets: list[LeastBending], recorder: StageRecorder
 ) -> list[LeastBending]:
-    """Surfaces of least bending near elastic sheets; the best sheet is made thinner where that helps."""
+    """Surfaces of least bending near elastic sheets; the best sheet is made thinner if necessary."""
     pairs = [(balanced(energy, lengths, sheet, recorder), sheet) for sheet in sheets]
     (best, sheet), *rest = sorted(pairs, key=lambda pair: energy.value(pair[0].vertices))
     for stiffness in THINNER:
@@ -333,7 +333,7 @@ def _balanced(
 
 
 def _rank(found: SheetEmbedding) -> tuple[bool, float]:
-    """The order of surfaces: those with the lengths first, then by bending."""
+    """Sort key of surfaces: converged ones first, then by bending energy."""
     stalled = found.imbalance is not None and found.imbalance > BALANCED
     return not found.converged, (STALLED if stalled else 1.0) * found.second_form_energy
 
@@ -344,7 +344,7 @@ def _residual(lengths: LengthConstraints, x: Floats) -> float:
 
 
 def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats, LeastBending | None]:
-    """A surface to start from, and if it has the lengths, the start of Newton's method."""
+    """Initial surface and, if it has the lengths, the start of Newton's method."""
     t = metric.triangulation
     none, curved, several = np.zeros(t.n_edges), deficits(metric), len(t.boundaries) > 1
     is_disc = t.genus == 0 and len(t.boundaries) == 1
@@ -356,7 +356,7 @@ def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats
         closed = filled(metric)
         try:
             found = Aim(effort=0).run(closed.normalized, tolerance, log)
-        except (InvalidMetric, NotEmbedded):  # the surface may be there without the filled one
+        except (InvalidMetric, NotEmbedded):  # the surface may exist without the filled one
             return scaled_distances(metric), None
         if found.converged:
             x = found._in_unit_of(closed).vertices[: t.n_vertices]
@@ -373,7 +373,7 @@ def _embedding(
 
 
 def _nested(values: ArrayLike, what: str) -> tuple[Any, ...]:
-    """An array as tuples, which compare and print whole."""
+    """Array as nested tuples, which are compared and printed completely."""
     array = real_array(values, f"{what} row", "coordinate")
     if array.ndim not in (1, 2):
         raise InvalidParameter(f"the {what} has the shape {array.shape}, not one of one or two axes")

@@ -14,10 +14,10 @@ LANDMARKS = (
 
 
 def scaled_distances(metric: PolyhedralMetric) -> Floats:
-    """Positions in R^3 whose distances are near those along the edges, (V, 3).
+    """Positions in R^3 with distances close to those along the edges, (V, 3).
 
-    Classical multidimensional scaling; of more vertices than LANDMARKS, landmark scaling from the ones that
-    are farthest from one another (de Silva and Tenenbaum, 2004).
+    Classical multidimensional scaling; for more vertices than LANDMARKS, landmark scaling with farthest-point
+    sampling (de Silva and Tenenbaum, 2004).
     """
     from scipy.sparse.csgraph import dijkstra  # slow to import
 

@@ -21,32 +21,32 @@ from isoembed.sheets.derivatives import SheetDerivatives, bending_factor
 from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.sheets.surface import BALANCED, SheetEmbedding
 
-STEPS = 30  # of Newton's method at most
-EXACT = 1e-14  # largest residual of lengths and forces, in mean edge lengths, that ends it
-SETTLED = 1e-7  # mean edge lengths: a longer step left means that no minimum was found
+STEPS = 30  # maximum number of Newton steps
+EXACT = 1e-14  # tolerance of the residual of lengths and forces, in mean edge lengths
+SETTLED = 1e-7  # mean edge lengths: a longer final step means that no minimum was found
 
 
 def nearby_sheet(sheet: SheetEmbedding, metric: PolyhedralMetric, boundary: Floats | None) -> SheetEmbedding:
-    """The surface near a given one, held as that is.
+    """Surface near a given one, with the same kind of boundary condition.
 
     Parameters
     ----------
     sheet : SheetEmbedding
     metric : PolyhedralMetric
-        On the same triangles.
+        Metric on the same triangles.
     boundary : ndarray, shape (B,) or (B, 3), or None
-        Heights or positions, where there are such.
+        Heights or positions, if prescribed.
 
     Returns
     -------
     SheetEmbedding
-        With a given curve, and with handles, what its lengths miss is of least squares: it need not have
-        converged.
+        Surface found; with a given curve, and with handles, a least-squares fit that need not have converged
+        to the lengths.
 
     Raises
     ------
     NotEmbedded
-        None was found.
+        No surface was found.
     """
     unit, normalized = metric.unit, metric.normalized
     log, x = Log(None), sheet.vertices / unit
@@ -75,7 +75,7 @@ def nearby_sheet(sheet: SheetEmbedding, metric: PolyhedralMetric, boundary: Floa
 
 
 def _least_bending(metric: PolyhedralMetric, start: Floats, tensions: Floats) -> tuple[Floats, Floats, float]:
-    """Vertices and tensions in balance near given ones, and the imbalance that is left."""
+    """Vertices and tensions in equilibrium near given ones, and the remaining imbalance."""
     energy, lengths = BendingEnergy(metric), LengthConstraints(metric)
     n, scale = start.size, max(2 * float(energy.form.diagonal().mean()), 1.0)
 
@@ -101,7 +101,7 @@ def _least_bending(metric: PolyhedralMetric, start: Floats, tensions: Floats) ->
 
 
 def _least_squares(metric: PolyhedralMetric, start: Floats) -> tuple[Floats, bool]:
-    """Vertices whose lengths are least squares near a start, by Newton's method, and whether it settled."""
+    """Least-squares vertices near a start, by Newton's method, and whether the iteration converged."""
     lengths, inner = LengthConstraints(metric), ~metric.triangulation.boundary_edges
 
     def solve(x: Floats, r: Floats) -> Floats:
@@ -116,6 +116,6 @@ def _least_squares(metric: PolyhedralMetric, start: Floats) -> tuple[Floats, boo
         converged=short_step(1e-10 * metric.mean_length),
         max_iterations=STEPS,
     ).point.x
-    # Rounding hides a decrease of the squares long before the gradient: one more step has twice the digits.
+    # Rounding limits the decrease of the squares before the gradient: one more step doubles the digits.
     step = solve(x, lengths.residuals(x))
     return x - step, bool(np.abs(step).max() <= SETTLED * metric.mean_length)

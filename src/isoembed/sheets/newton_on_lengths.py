@@ -13,15 +13,15 @@ from isoembed.sheets.length_constraints import LengthConstraints
 from isoembed.surface.rigidity import LengthSystem, edge_rows
 from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
-STEPS = 30  # at most
-EXACT = 1e-15  # largest residual, in mean edge lengths, that ends it
+STEPS = 30  # maximum number of Newton steps
+EXACT = 1e-15  # tolerance of the residual, in mean edge lengths
 
 
 def nearest_with_lengths(lengths: LengthConstraints, start: Floats, recorder: StageRecorder) -> Floats:
-    """Vertices with the lengths, or with least squares of what they miss, near the start.
+    """Vertices with the given lengths, exactly or in least squares, near the start.
 
-    Where there are fewer edges than unknowns, steps are of least norm; where there are more, as of surfaces
-    with handles, they are Gauss-Newton steps.
+    With fewer edges than unknowns, steps have minimum norm; with more, as for surfaces with handles, they are
+    Gauss-Newton steps.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def nearest_with_lengths(lengths: LengthConstraints, start: Floats, recorder: St
     Returns
     -------
     ndarray, shape (V, 3)
-        The iterate with the least residual.
+        Last iterate.
     """
     t, metric = lengths.triangulation, lengths.metric
     enough = t.n_edges > 3 * t.n_vertices - 6

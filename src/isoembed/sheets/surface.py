@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     from isoembed.proof.certificate import Certificate
     from isoembed.sheets.derivatives import SheetDerivatives
 
-BALANCED = 1e-6  # imbalance of a minimum
-FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; of one as curved as it is wide it is about 1
-ROUGH = 0.08  # share of the edges: of smooth sheets with K < 0, up to .05 were, of crumpled ones .1 to .25
-MEASURED = 1e-9  # mean edge lengths: through a curve, larger residuals are errors of the lengths
-TOO_LITTLE = 0.95  # share of the least energy of smooth surfaces below which that of a mesh is an error
+BALANCED = 1e-6  # largest imbalance of a minimum
+FLAT = 1e-6  # int k1^2 + k2^2 of a flat sheet; about 1 for a radius of curvature equal to the width
+ROUGH = 0.08  # fraction of rough edges: up to .05 on smooth sheets with K < 0, .1 to .25 on crumpled ones
+MEASURED = 1e-9  # mean edge lengths: with a given curve, larger residuals are errors of the lengths
+TOO_LITTLE = 0.95  # energy over the minimum of smooth surfaces below which the mesh is too coarse
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SheetSurface(Surface):
-    """Surface with boundary, or of higher genus, whose curvature is that of its bending energy.
+    """Surface with boundary, or of higher genus, with curvatures from the fits of its bending energy.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Normalized: its bending energy is by polynomials fitted to the neighbors of each vertex.
+        Normalized metric; its bending energy uses polynomials fitted to the neighbors of each vertex.
     """
 
     _: KW_ONLY
@@ -58,7 +58,7 @@ class SheetSurface(Surface):
 
     @cached_property
     def mean_curvature(self) -> Floats:
-        """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,): positive where it bends inward."""
+        """Mean curvature H = (k1 + k2) / 2 at the vertices, shape (V,): positive where bent inward."""
         return frozen(self._normalized_mean_curvature / self.unit)
 
     @cached_property
@@ -82,7 +82,7 @@ class SheetSurface(Surface):
         Raises
         ------
         InvalidMetric
-            The boundary is in no horizontal plane.
+            The boundary is not in a horizontal plane.
         """
         if self._above_boundary is None:
             return super().volume
@@ -90,37 +90,36 @@ class SheetSurface(Surface):
 
     @property
     def integrated_mean_curvature(self) -> float:
-        """Integral of H dA, in the unit of the lengths: `mean_curvature` times thirds of triangles, summed.
+        """Integral of H dA, in the unit of the lengths: sum of `mean_curvature` times thirds of triangles.
 
-        Its error on a smooth cap is of second order in the mesh size; that of 1/2 sum l theta, which leaves
-        out the boundary, is of first order.
+        On a smooth cap it is second-order accurate in the mesh size; 1/2 sum l theta, which omits the
+        boundary, is first-order accurate.
         """
         return float(self._normalized_mean_curvature @ self._energy.areas) * self.unit
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SheetEmbedding(Embedding):
-    """Surface with boundary, or of higher genus, that has the lengths of a metric.
+    """Realization of a surface with boundary, or of higher genus.
 
-    The volume of a cap is that between it and the plane of its boundary; of other surfaces with boundary, it
-    raises `InvalidMetric`.  They have no outside: they are not turned over, and the sign of the mean
-    curvature depends on the side from which triangles are counterclockwise.
+    The volume of a cap is that between it and the plane of its boundary; for other surfaces with boundary, it
+    raises `InvalidMetric`.  Surfaces with boundary have no outside: they are not mirrored, and the sign of
+    the mean curvature depends on the side from which triangles are counterclockwise.
 
     Parameters
     ----------
     metric, vertices, method, tolerance, stages, uniqueness
-        As of an `Embedding`.
+        See `Embedding`.
     condition : str
-        What was asked at the boundary.
+        Boundary condition.
     heights : ndarray, shape (B,), optional
-        Of the boundary's vertices, in the order of `Triangulation.boundaries` and up to a constant, where
-        these were asked for; zeros of a boundary in a plane.
+        Heights of the boundary's vertices, in the order of `Triangulation.boundaries` and up to a constant,
+        if prescribed; zeros for a boundary in a plane.
     tensions : ndarray, shape (E,), optional
-        Of a surface of least bending that is flexible: the pull of each edge, with which bending is in
-        balance, in units of the bending modulus over length.
+        Tensions of the edges that balance the bending forces of a flexible surface of least bending, in units
+        of the bending modulus over length.
     imbalance : float, optional
-        Of a surface of least bending that is flexible: largest force that is left on a vertex, over a
-        typical one.
+        Largest net force on a vertex of a flexible surface of least bending, over a typical force.
     """
 
     _: KW_ONLY
@@ -130,7 +129,7 @@ class SheetEmbedding(Embedding):
     imbalance: float | None = None
 
     def _shaped(self, vertices: Floats, message: str) -> SheetEmbedding:
-        """Return a surface that was not solved for; the fits of its curvature are those of this one."""
+        """Return an intermediate surface, with the curvature fits of this one."""
         assert isinstance(self.surface, SheetSurface)
         found = SheetEmbedding(
             self.metric, vertices, method="", tolerance=1.0, message=message, condition=self.condition
@@ -139,7 +138,7 @@ class SheetEmbedding(Embedding):
         return found
 
     def _in_unit_of(self, given: Any) -> SheetEmbedding:
-        """Return the same surface, found for the `normalized` of a metric, in the unit of that metric."""
+        """Return the same surface, computed for the `normalized` of a metric, in that metric's unit."""
         found = super()._in_unit_of(given)
         if self.tensions is not None:
             found._set(tensions=frozen(self.tensions / given.unit))
@@ -157,11 +156,11 @@ class SheetEmbedding(Embedding):
 
     @property
     def _takes_length_errors(self) -> bool:
-        """Whether there are error bars of such surfaces: of caps."""
+        """Whether error bars are available for such surfaces, as for caps."""
         return self.condition == "plane"
 
     def _sides(self) -> str:
-        """Clause on vertices inside a given curve that may be, or may as well be, on the other side."""
+        """Clause on vertices inside a given curve whose side is doubtful or not unique."""
         t = self.triangulation
         if self.condition != "curve" or not self.converged:
             return ""
@@ -173,13 +172,13 @@ class SheetEmbedding(Embedding):
             )
         x, unit = self.vertices / self.metric.unit, self.metric.normalized.mean_length
         free, heights = ~t.boundary_vertices, np.abs(_heights(x, t.boundary_vertices)) / unit
-        is_flat = heights.max() ** 2 <= 2 * self.tolerance  # by as much a height changes a length
+        is_flat = heights.max() ** 2 <= 2 * self.tolerance  # effect of a height on a length
         if heights[~free].max() <= COPLANAR and not is_flat and (t.degrees[free] > 3).any():
             return "; the boundary is in a plane: the mirror image in it has the lengths, too"
         chosen = np.flatnonzero(free & (t.degrees == 3))
         if not len(chosen):
             return ""
-        from isoembed.aim.vertex_reflections import reflections  # imports what only searches need
+        from isoembed.aim.vertex_reflections import reflections  # avoids imports needed for searches only
 
         apart = np.linalg.norm(reflections(t, x)[chosen], axis=1) / unit
         least = int(np.argmin(apart))
@@ -189,7 +188,7 @@ class SheetEmbedding(Embedding):
         )
 
     def _trust(self) -> str:
-        """Clauses on a surface of least bending: how far it is one."""
+        """Clauses on the reliability of a surface of least bending."""
         if self.imbalance is None or self.second_form_energy <= FLAT:
             return ""
         said = []
@@ -236,9 +235,9 @@ class SheetEmbedding(Embedding):
     def total_absolute_curvature(self) -> float:
         """Estimate of the integral of abs(K) dA.
 
-        The `second_form_energy` of a smooth surface is at least twice this integral.  The estimate is from
-        the deficits inside; at the boundary, K is that of the neighbors inside.  It tends to the integral as
-        the triangles shrink, as the energy of a mesh does to its own limit: of a mesh, the energy may be less
+        The `second_form_energy` of a smooth surface is at least twice this integral.  The estimate uses
+        the deficits at inner vertices; at the boundary, K is that of inner neighbors.  It converges to the
+        integral under refinement, like the energy to its own limit: for a given mesh, the energy may be less
         than twice the estimate.
         """
         assert isinstance(self.surface, SheetSurface)
@@ -250,7 +249,7 @@ class SheetEmbedding(Embedding):
 
     @cached_property
     def _certificate(self) -> Certificate:
-        """Certificate as `isoembed.certify` returns it."""
+        """Certificate as returned by `isoembed.certify`."""
         from isoembed.proof.boundary_heights import certify
         from isoembed.proof.certificate import overdetermined
 
@@ -267,14 +266,14 @@ class SheetEmbedding(Embedding):
         return certify(self.metric, self.vertices, self.heights)
 
     def _length_derivatives(self) -> SheetDerivatives:
-        """Derivatives by the lengths and by what is given at the boundary."""
+        """Derivatives with respect to the lengths and boundary data."""
         from isoembed.sheets.derivatives import SheetDerivatives
 
         return SheetDerivatives.of(self)
 
     @property
     def _reported(self) -> Mapping[str, Any]:
-        """Entries of the report on the condition at the boundary and the bending, under ``sheet``."""
+        """Entries of the report on the boundary condition and bending, under ``sheet``."""
         t = self.triangulation
         found = {
             "condition": self.condition,
@@ -293,6 +292,6 @@ class SheetEmbedding(Embedding):
 
 
 def _heights(x: Floats, boundary: Mask) -> Floats:
-    """Heights over the plane nearest to the boundary, (V,)."""
+    """Heights over the least-squares plane of the boundary, (V,)."""
     center = x[boundary].mean(axis=0)
     return (x - center) @ np.linalg.svd(x[boundary] - center, full_matrices=False)[2][2]

@@ -1,9 +1,9 @@
 """Models of hyperbolic and spherical space: ambient, projective and conformal coordinates.
 
-Of a point X = (x, w): ``"ambient"`` is x; ``"conformal"`` is ``2 x / (1 + w)``, Poincare's ball, with the
-sphere at infinity at radius 2 / sqrt(-k), or stereographic projection; ``"projective"`` is ``x / w``,
-Klein's ball, of radius 1 / sqrt(-k), or gnomonic projection, where straight lines are straight.  All of them
-are lengths, and tend to the Cartesian coordinates as the curvature tends to zero.
+Coordinates of a point X = (x, w): ``"ambient"`` is x; ``"conformal"`` is ``2 x / (1 + w)``, the Poincare
+ball, with the sphere at infinity at radius 2 / sqrt(-k), or stereographic projection; ``"projective"`` is
+``x / w``, the Klein ball, of radius 1 / sqrt(-k), or gnomonic projection, which map geodesics to straight
+lines.  All of them are lengths, and tend to Cartesian coordinates as the curvature tends to zero.
 """
 
 from collections.abc import Mapping
@@ -36,20 +36,20 @@ def to_model(space: Space, x: Floats, model: Model) -> Floats:
 
 
 def from_model(space: Space, p: Floats, model: Model) -> Floats:
-    """Points x (..., 3) of coordinates (..., 3) in a model.
+    """Points x (..., 3) from coordinates (..., 3) in a model.
 
     Raises
     ------
     InvalidParameter
-        There is no such model, or a point is not in the ball, or on the sphere not in the open half about the
-        origin; the message names the first.
+        The model is unknown, or a point is not in the ball, or on the sphere not in the open hemisphere about
+        the origin; the message names the first.
     """
     if model not in MODELS:
         raise InvalidParameter(f"the model is {model!r}, none of {', '.join(MODELS)}")
     if space.is_euclidean:
         return p
     limit = radius_of(space, model)
-    with np.errstate(over="ignore"):  # what is beyond the floats is outside
+    with np.errstate(over="ignore"):  # overflow counts as outside
         sizes = np.linalg.norm(p, axis=-1)
     outside = ~(sizes < limit)
     if outside.any():
@@ -69,7 +69,7 @@ def from_model(space: Space, p: Floats, model: Model) -> Floats:
 
 
 def radius_of(space: Space, model: Model) -> float:
-    """The radius of the ball that a model is of hyperbolic space, or of half of the sphere."""
+    """Radius of the ball that represents hyperbolic space, or a hemisphere, in a model."""
     if space.curvature < 0:
         return {"ambient": np.inf, "conformal": 2.0, "projective": 1.0}[model] * space.radius
     return {"ambient": 1.0, "conformal": 2.0, "projective": np.inf}[model] * space.radius

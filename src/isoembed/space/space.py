@@ -1,9 +1,10 @@
 """Space of constant curvature, and its points.
 
-A point is ``X = (x, w)`` on the hyperboloid ``w^2 = 1 - k |x|^2`` in Minkowski space, or on the sphere of
-this equation in R^4; it is held as x, which is a length.  A point at distance r from the origin in direction
-u has ``x = sn(r) u`` and ``w = cs(r)``.  In Euclidean space k = 0, w = 1 and x is the point itself, to which
-all of it tends, to rounding, as k does to zero.  Of the sphere this holds the open half about the origin.
+A point is ``X = (x, w)`` on the hyperboloid ``w^2 = 1 - k |x|^2`` in Minkowski space, or on the sphere with
+this equation in R^4; it is stored as x, which is a length.  A point at distance r from the origin in
+direction u has ``x = sn(r) u`` and ``w = cs(r)``.  In Euclidean space k = 0, w = 1 and x is the point itself,
+and all formulas tend to this case, to rounding, as k tends to zero.  For the sphere, x represents the open
+hemisphere about the origin.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ class Space:
     Parameters
     ----------
     curvature : float
-        k, of every plane in it, in 1/length^2: zero, negative or positive.
+        Sectional curvature k, in 1/length^2: zero, negative or positive.
 
     Raises
     ------
@@ -46,7 +47,7 @@ class Space:
         k = self.curvature
         if isinstance(k, bool) or not isinstance(k, numbers.Real) or not math.isfinite(k):
             raise InvalidParameter(f"the curvature of space is {k!r}, not a finite number")
-        # No negative zero, and nothing that has lost its digits: such a space cannot be told from R^3.
+        # No negative zero and no subnormal numbers: such a space is indistinguishable from R^3.
         object.__setattr__(self, "curvature", float(k) if abs(k) >= sys.float_info.min else 0.0)
 
     def __repr__(self) -> str:
@@ -71,14 +72,14 @@ class Space:
 
     @property
     def radius(self) -> float:
-        """The radius of curvature, ``1 / sqrt(|k|)``; infinite in Euclidean space."""
+        """Radius of curvature, ``1 / sqrt(|k|)``; infinite in Euclidean space."""
         return math.inf if self.is_euclidean else 1 / self.root
 
     def scaled(self, factor: float) -> Space:
-        """Space in another unit: every length times this factor."""
+        """Space in another unit, with every length multiplied by this factor."""
         if self.is_euclidean:
             return self
-        with np.errstate(all="ignore"):  # a curvature beyond the floats is refused as infinite
+        with np.errstate(all="ignore"):  # an overflowing curvature is refused as infinite
             return Space(float(np.float64(self.curvature) / factor / factor))
 
     def sn(self, x: ArrayLike) -> Floats:
@@ -96,7 +97,7 @@ class Space:
         return np.cos(y) if self.curvature > 0 else np.cosh(y)
 
     def asn(self, s: ArrayLike) -> Floats:
-        """The lengths, on the sphere no more than a quarter of a great circle, whose `sn` is s."""
+        """Inverse of `sn`: lengths, on the sphere up to a quarter of a great circle."""
         if self.is_euclidean:
             return np.asarray(s, dtype=np.float64)
         y = self.root * np.asarray(s)
@@ -108,11 +109,11 @@ class Space:
         return 2 * s * s
 
     def chord(self, l: ArrayLike) -> Floats:
-        """Straight distances, in the space around hyperboloid or sphere, of points at distances l."""
+        """Chords, in the space around hyperboloid or sphere, of points at distances l."""
         return 2 * self.sn(np.asarray(l) / 2)
 
     def arc(self, chord: ArrayLike) -> Floats:
-        """Distances of points that are chords apart."""
+        """Distances of points with these chords, the inverse of `chord`."""
         return 2 * self.asn(np.asarray(chord) / 2)
 
     def heights(self, x: Floats) -> Floats:
@@ -127,7 +128,7 @@ class Space:
         d = x - y
         if self.is_euclidean:
             return np.linalg.norm(d, axis=-1)
-        # By conformal coordinates, which cancel least where points of hyperbolic space are far out.
+        # Conformal coordinates have the least cancellation far from the origin of hyperbolic space.
         here, there = self.heights(x), self.heights(y)
         drop = self.curvature * np.einsum("...i,...i->...", d, x + y) / (here + there)
         moved = (1 + there)[..., None] * d + drop[..., None] * y
@@ -138,12 +139,12 @@ class Space:
         return self.arc(self.chords(x, y))
 
     def translated(self, x: Floats, a: Floats) -> Floats:
-        """Move points (..., 3) as far, along the line through both, as the origin is moved to a (..., 3).
+        """Translate points (..., 3) by the translation from the origin to a (..., 3) along their line.
 
         Raises
         ------
         InvalidParameter
-            On the sphere a point leaves the open half about the origin.
+            On the sphere, a point leaves the open hemisphere about the origin.
         """
         k, w, height = self.curvature, self.heights(x), self.heights(a)
         product = np.einsum("...i,...i->...", a, x)
@@ -153,9 +154,9 @@ class Space:
         return x + a * (w - k * product / (1 + height))[..., None]
 
     def seen_from(self, a: Floats, x: Floats) -> Floats:
-        """Positions of points x (..., n) after points a (..., n) have been moved to the origin.
+        """Positions of points x (..., n) after the translation of points a (..., n) to the origin.
 
-        Their directions there are right even where, on the sphere, they have left the half about it.
+        Directions are correct even for points that leave the hemisphere about the origin.
         """
         if self.is_euclidean:
             return x - a
@@ -163,23 +164,23 @@ class Space:
         return x - a * (self.heights(x) + along)[..., None]
 
     def exponential(self, x: Floats, v: Floats) -> Floats:
-        """The points that geodesics from x (..., 3) reach with initial velocities v (..., 3) in unit time.
+        """Exponential map: end points of geodesics from x (..., 3) with initial velocities v (..., 3).
 
-        The velocities are those at the origin, to which the translation that takes x there has carried them.
+        The velocities are vectors at the origin, by the translation from x to the origin.
         """
         length = np.linalg.norm(v, axis=-1)
         ratio = np.where(length > 0, self.sn(length) / np.where(length > 0, length, 1.0), 1.0)
         return self.translated(ratio[..., None] * v, x)
 
     def logarithm(self, x: Floats, y: Floats) -> Floats:
-        """The velocities v (..., 3) with which `exponential` reaches y (..., 3) from x (..., 3)."""
+        """Logarithm map: velocities v (..., 3) for which `exponential` at x (..., 3) gives y (..., 3)."""
         z = self.translated(y, -x)
         size = np.linalg.norm(z, axis=-1)
         ratio = np.where(size > 0, self.arc(self.chords(x, y)) / np.where(size > 0, size, 1.0), 1.0)
         return ratio[..., None] * z
 
     def center(self, x: Floats) -> Floats:
-        """The point (3,) in the direction of the sum of the X of points (n, 3): their centroid."""
+        """Centroid (3,) of points (n, 3): the point in the direction of the sum of their X."""
         w = float(self.heights(x).mean())
         mean = x.mean(axis=0)
         return mean / np.sqrt(w * w + self.curvature * float(mean @ mean))
@@ -209,7 +210,7 @@ def Hyperbolic(k: float = 1.0) -> Space:  # noqa: N802
 
 
 def Spherical(k: float = 1.0) -> Space:  # noqa: N802
-    """The 3-sphere S^3 of curvature k.
+    """3-sphere S^3 of curvature k.
 
     Raises
     ------

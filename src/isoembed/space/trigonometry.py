@@ -2,10 +2,10 @@
 """Trigonometry of constant curvature, accurate for needles and caps.
 
 The curvature k is signed: with r = 1 / sqrt(|k|), ``sn(x) = r sin(x / r)`` on the sphere and r sinh(x / r) in
-the hyperbolic plane, and ``cs`` is its derivative.  In the plane sn(x) = x and cs(x) = 1, to which all of it
-tends, to rounding, as k does to zero.  The formulas of spherical trigonometry (half angles, L'Huilier's) hold
-for all three if written in sn and cs.  Differences of sides are formed before they can cancel, as in Kahan's
-"Miscalculating area and angles of a needle-like triangle" (2014).
+the hyperbolic plane, and ``cs`` is its derivative.  In the plane sn(x) = x and cs(x) = 1, and all formulas
+tend to this case, to rounding, as k tends to zero.  The formulas of spherical trigonometry (half angles,
+L'Huilier's) hold for all three if written in sn and cs.  Differences of sides are computed without
+cancellation, as in Kahan's "Miscalculating area and angles of a needle-like triangle" (2014).
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from __future__ import annotations
 import cython
 from cython.cimports.libc.math import asin, asinh, atan, atan2, cos, cosh, sin, sinh, sqrt
 
-# squared radii of curvature: smaller squares of sides have their sine and cosine by series
+# in squared radii of curvature: for smaller squared sides, sine and cosine are computed by series
 SERIES = cython.declare(cython.double, 0.1)
 
 
 @cython.ccall
 @cython.exceptval(check=False)
 def sn(x: cython.double, k: cython.double) -> cython.double:
-    """Sine: the solution of ``f'' = -k f`` with f(0) = 0, f'(0) = 1."""
+    """Sine: solution of ``f'' = -k f`` with f(0) = 0, f'(0) = 1."""
     if k == 0:
         return x
     t = k * x * x
@@ -34,7 +34,7 @@ def sn(x: cython.double, k: cython.double) -> cython.double:
 @cython.ccall
 @cython.exceptval(check=False)
 def cs(x: cython.double, k: cython.double) -> cython.double:
-    """Cosine: the derivative of `sn`, without a unit."""
+    """Cosine: derivative of `sn`, dimensionless."""
     if k == 0:
         return 1.0
     t = k * x * x
@@ -63,14 +63,14 @@ def versine(x: cython.double, k: cython.double) -> cython.double:
 @cython.ccall
 @cython.exceptval(check=False)
 def chord(l: cython.double, k: cython.double) -> cython.double:
-    """Straight distance, in the space around hyperboloid or sphere, of points at a distance l."""
+    """Chord, in the space around hyperboloid or sphere, of points at a distance l."""
     return 2 * sn(l / 2, k)
 
 
 @cython.ccall
 @cython.exceptval(check=False)
 def arc(c: cython.double, k: cython.double) -> cython.double:
-    """Distance of points that are a chord apart."""
+    """Distance of points with this chord."""
     if k == 0:
         return c
     root = sqrt(abs(k))
@@ -95,7 +95,7 @@ def _descending(
 @cython.ccall
 @cython.exceptval(check=False)
 def twice_area(a: cython.double, b: cython.double, c: cython.double) -> cython.double:
-    """Twice the area of a triangle of the plane from its sides, by Kahan's formula; 0 if they make none."""
+    """Twice the area of a plane triangle from its sides, by Kahan's formula; 0 if there is no triangle."""
     a, b, c = _descending(a, b, c)
     square = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
     return sqrt(square) / 2 if square > 0 else 0.0
@@ -104,7 +104,7 @@ def twice_area(a: cython.double, b: cython.double, c: cython.double) -> cython.d
 @cython.ccall
 @cython.exceptval(check=False)
 def amplitude(a: cython.double, b: cython.double, c: cython.double, k: cython.double) -> cython.double:
-    """``sn(a) sn(b) sin(C)``, C the angle across from c; twice the area in the plane; 0 for no triangle."""
+    """``sn(a) sn(b) sin(C)``, C the angle opposite to c; in the plane twice the area; 0 if no triangle."""
     return twice_area(a, b, c) if k == 0 else _curved_amplitude(a, b, c, k)
 
 
@@ -122,7 +122,7 @@ def _curved_amplitude(
 @cython.ccall
 @cython.exceptval(check=False)
 def triangle_area(a: cython.double, b: cython.double, c: cython.double, k: cython.double) -> cython.double:
-    """Area of a triangle, by L'Huilier's formula; 0 where the sides make none."""
+    """Area of a triangle, by L'Huilier's formula; 0 if there is no triangle."""
     if k == 0:
         return twice_area(a, b, c) / 2
     a, b, c = _descending(a, b, c)
@@ -136,7 +136,7 @@ def triangle_area(a: cython.double, b: cython.double, c: cython.double, k: cytho
 def angle_between(
     a: cython.double, b: cython.double, across: cython.double, k: cython.double
 ) -> cython.double:
-    """Angle between sides a and b of a triangle, by Kahan's formula or that of half angles."""
+    """Angle between sides a and b of a triangle, by Kahan's formula or the half-angle formula."""
     s = across
     if a < b:
         a, b = b, a
@@ -160,12 +160,12 @@ def _half_angles(
 def apex(
     l: cython.double, second: cython.double, third: cython.double, k: cython.double
 ) -> tuple[cython.double, cython.double]:
-    """Third corner of a triangle whose side l runs from the origin along x; second follows l, third closes.
+    """Third corner of a triangle with side l from the origin along x, followed by sides second and third.
 
     Returns
     -------
     float, float
-        The first two coordinates of the corner on hyperboloid or sphere, whose last is ``cs(third)``.
+        First two coordinates of the corner on hyperboloid or sphere; the last one is ``cs(third)``.
     """
     if k == 0:
         return (l + (third - second) * (third + second) / l) / 2, twice_area(l, second, third) / l

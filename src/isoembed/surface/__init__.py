@@ -1,4 +1,4 @@
 """Extrinsic geometry of triangulated surfaces.
 
-A `Surface` has the measures as properties; they are functions of a triangulation and its vertices.
+Functions of a triangulation and its vertices, also available as properties of a `Surface`.
 """

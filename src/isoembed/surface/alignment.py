@@ -7,9 +7,9 @@ from isoembed.space import EUCLIDEAN, Space
 
 
 def best_rotation(points: Floats, onto: Floats, weights: Floats | None = None) -> Floats:
-    """The rotation R (3, 3) for which centered points (n, 3), as ``points @ R``, are nearest to others.
+    """Rotation R (3, 3) that minimizes the squared distance of ``points @ R`` from `onto`, (n, 3), centered.
 
-    The sum of squared distances is least, with weights (n,) where they are given.  Reflections are excluded.
+    The sum of squares is weighted by the weights (n,), if given.  Reflections are excluded.
     Kabsch, Acta Cryst. A32 (1976).
     """
     left, _, right = np.linalg.svd((points if weights is None else points * weights[:, None]).T @ onto)
@@ -18,7 +18,7 @@ def best_rotation(points: Floats, onto: Floats, weights: Floats | None = None) -
 
 
 def aligned(vertices: Floats, onto: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Vertices moved onto their other places, as near as least squares bring them.
+    """Vertices aligned with other positions of them, by least squares.
 
     Parameters
     ----------
@@ -40,13 +40,13 @@ def aligned(vertices: Floats, onto: Floats, space: Space = EUCLIDEAN) -> Floats:
 
 
 def aligned_image(vertices: Floats, onto: Floats) -> Floats:
-    """Vertices in R^3 as `aligned`, or those of the mirror image, (V, 3), whichever are nearer."""
+    """Vertices in R^3, or their mirror image if that is nearer, as `aligned`, (V, 3)."""
     images = aligned(vertices, onto), aligned(vertices * [1.0, 1.0, -1.0], onto)
     return min(images, key=lambda x: float(np.linalg.norm(x - onto)))
 
 
 def distance(vertices: Floats, others: Floats, space: Space = EUCLIDEAN) -> float:
-    """The largest distance of a vertex from its other place, after the best rotation and translation."""
+    """Largest distance of a vertex from its other position, after the best rotation and translation."""
     moved = aligned(vertices, others, space)
     if space.is_euclidean:
         return float(np.linalg.norm(moved - others, axis=1).max())
@@ -54,7 +54,7 @@ def distance(vertices: Floats, others: Floats, space: Space = EUCLIDEAN) -> floa
 
 
 def _moved_near(x: Floats, onto: Floats, space: Space) -> Floats:
-    """Move centered points (n, 3) so near to others that the sum of their squared chords is stationary.
+    """Move centered points (n, 3) to a stationary point of the sum of squared chords to others.
 
     In a motion ``x' = w p + q x y w`` of the points, w changes by ``-k p . x``.
     """

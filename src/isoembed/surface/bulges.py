@@ -19,7 +19,7 @@ from isoembed.surface.tangent_frames import carried_to_faces, drawn_faces
 
 @dataclass(frozen=True)
 class Bulges:
-    """Integrals over the surface less those over inscribed triangles, each but the operators (F,)."""
+    """Integrals over the surface minus those over the inscribed triangles, (F,) except the operators."""
 
     operators: Floats  # at the vertices
     heights: Floats  # int f
@@ -27,7 +27,7 @@ class Bulges:
     area_size: Floats  # the absolute values of its terms
     integrated_mean_curvature: Floats
     integrated_mean_curvature_size: Floats
-    turns: Floats  # (kappa l)^2, both curvatures' squares times the mean square of the edges
+    turns: Floats  # (kappa l)^2: sum of squared principal curvatures times the mean square of the edges
 
     @classmethod
     def of(cls, triangulation: Triangulation, points: Floats, degree: int, space: Space) -> Bulges:
@@ -44,8 +44,8 @@ class Bulges:
         B = (at_corners[:, 0] + at_corners[:, 1] + at_corners[:, 2]) / 3
         trace = np.einsum("fii->f", B)
         square = np.einsum("fij,fij->f", B, B)
-        # The gradients of lambda point inward across the edges, and are 1 / height long; there is nothing
-        # over a triangle without area.
+        # The gradients of lambda point inward across the edges and have length 1 / height; a triangle
+        # without area contributes nothing.
         twice = np.where(A > 0, 2 * A, np.inf)[:, None]
         inward = _inward(corners)
         grad_lambda = inward * (l[:, [1, 2, 0]] / twice)[:, :, None]

@@ -1,4 +1,4 @@
-"""Coarse vertices, well spread, and their Voronoi cells on a triangulation."""
+"""Well-spread coarse vertices and their Voronoi cells on a triangulation."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from isoembed.surface.spatial_order import spatial_order
 
 @dataclass(frozen=True, eq=False)
 class VertexCells:
-    """Chosen vertices and the cells about them.
+    """Coarse vertices and their cells.
 
     Attributes
     ----------
     vertices : ndarray of int, shape (C,)
-        Those chosen.
+        Coarse vertices.
     of_vertex : ndarray of int, shape (V,)
-        The cell of each vertex: the number of the chosen vertex that is nearest along the edges.
+        Cell of each vertex: index of the nearest coarse vertex along the edges.
     """
 
     vertices: Indices
@@ -33,17 +33,17 @@ class VertexCells:
 
     @classmethod
     def of(cls, triangulation: Triangulation, lengths: Floats, convex: Floats, count: int) -> VertexCells:
-        """Choose well spread vertices: nearer to each other where edges are shorter, or charts distorted.
+        """Choose well-spread vertices, denser where edges are shorter or charts distorted.
 
         Parameters
         ----------
         triangulation : Triangulation
         lengths : ndarray, shape (E,)
-            Of the edges.
+            Edge lengths.
         convex : ndarray, shape (V, 3)
-            The surface whose charts will be used, of other lengths.
+            Surface with other edge lengths, whose charts will be used.
         count : int
-            About how many are wanted.
+            Approximate number of coarse vertices.
         """
         a, b = triangulation.edges.T
         n = triangulation.n_vertices
@@ -54,17 +54,17 @@ class VertexCells:
         hops = lengths / np.sqrt(units[a] * units[b]) * (grading[a] + grading[b]) / 2
         graph = csr_array((np.tile(hops, 2), (np.r_[a, b], np.r_[b, a])), shape=(n, n))
         order = np.random.default_rng(0).permutation(n)
-        radius = 0.82 * np.sqrt(n / count)  # the radius at which about the wanted number is chosen
+        radius = 0.82 * np.sqrt(n / count)  # chooses about the wanted number
         radius *= np.sqrt(
             len(chosen_centers(graph.indptr, graph.indices, graph.data, order, radius)[0]) / count
         )
         chosen, cell = chosen_centers(graph.indptr, graph.indices, graph.data, order, radius)
-        near = spatial_order(convex[chosen])  # neighbors are near in memory
+        near = spatial_order(convex[chosen])  # neighbors are close in memory
         return cls(chosen[near], np.argsort(near)[cell])
 
     def triangulation(self, convex: Floats) -> Triangulation | None:
-        """The triangles of the chosen vertices' hull on a convex surface; None where it has not them all."""
-        from scipy.spatial import ConvexHull, QhullError  # slow to import, and seldom needed
+        """Convex hull of the coarse vertices on a convex surface; None if some are not its vertices."""
+        from scipy.spatial import ConvexHull, QhullError  # slow to import, rarely needed
 
         x = convex[self.vertices] - convex.mean(axis=0)
         try:
@@ -80,7 +80,7 @@ class VertexCells:
 
 
 def _changes(triangulation: Triangulation, values: Floats) -> Floats:
-    """Changes of smoothed values, (V,), from a vertex to the next, smoothed."""
+    """Largest differences of smoothed values between a vertex and its neighbors, smoothed, (V,)."""
     adjacency, a, b = triangulation.adjacency, *triangulation.edges.T
     for _ in range(10):  # the logarithm of the stretch is smoothed
         values = (adjacency @ values + values) / (triangulation.degrees + 1)

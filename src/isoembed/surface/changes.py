@@ -15,7 +15,7 @@ LOCAL = ("vertices", "normals", "dihedral_angles", "mean_curvature")
 
 
 def root_mean_square(values: Floats) -> float:
-    """Root mean square of nonnegative numbers, however large: their squares need not be finite."""
+    """Root mean square of nonnegative numbers whose squares may overflow."""
     top = float(values.max())
     return top * float(np.sqrt(np.mean((values / top) ** 2))) if 0.0 < top < np.inf else top
 
@@ -23,14 +23,14 @@ def root_mean_square(values: Floats) -> float:
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Changes:
-    """A number for each quantity of a surface.
+    """One number for each quantity of a surface.
 
     Attributes
     ----------
     vertices : ndarray, shape (V,)
-        Of how far each vertex moves.
+        Displacements.
     normals : ndarray, shape (F,)
-        Of the radians by which each triangle turns its normal.
+        Rotation angles of the triangles' normals, in radians.
     dihedral_angles : ndarray, shape (E,)
     mean_curvature : ndarray, shape (V,)
     area, volume, integrated_mean_curvature : float
@@ -45,7 +45,7 @@ class Changes:
     integrated_mean_curvature: float
 
     def scaled(self, unit: float) -> Self:
-        """Changes in another unit: every length, and error of a length, times this factor."""
+        """Changes in another unit, in which every length and length error is scaled by this factor."""
         return replace(
             self,
             vertices=unit * self.vertices,
@@ -57,7 +57,7 @@ class Changes:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Area, volume and int H dA, and of the arrays root mean square and largest."""
+        """Area, volume and int H dA, and the root mean square and maximum of each array."""
         found: dict[str, Any] = {name: getattr(self, name) for name in INTEGRALS}
         for name in LOCAL:
             values = np.abs(getattr(self, name))

@@ -9,7 +9,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 
 
 def checked(values: ArrayLike, shape: tuple[int, ...], name: str) -> Floats:
-    """Arrays whose last axes have a shape; raises InvalidParameter if they do not, or are not finite."""
+    """Finite array whose last axes have the given shape; raises InvalidParameter otherwise."""
     array = np.asarray(values, dtype=np.float64)
     if array.shape[array.ndim - len(shape) :] != shape or array.ndim < len(shape):
         raise InvalidParameter(f"the {name} have the shape {array.shape}, which does not end in {shape}")
@@ -20,12 +20,12 @@ def checked(values: ArrayLike, shape: tuple[int, ...], name: str) -> Floats:
 
 
 def checked_errors(metric: PolyhedralMetric, errors: ArrayLike) -> Floats:
-    """Errors of the lengths, one for all or one for each edge, as an array, (E,).
+    """Errors of the lengths as an array, (E,), from a scalar or one value per edge.
 
     Raises
     ------
     InvalidParameter
-        They are of another shape, not finite or negative.
+        The errors have another shape, are negative or not finite.
     """
     given, shape = np.asarray(errors, dtype=np.float64), metric.lengths.shape
     sigma = checked(np.broadcast_to(given, shape) if given.ndim == 0 else given, shape, "errors")

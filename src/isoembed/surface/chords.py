@@ -1,4 +1,4 @@
-"""Lengths of chords from lengths of geodesics, to the order of the curvature."""
+"""Chord lengths from geodesic lengths, to second order in the curvature."""
 
 import numpy as np
 
@@ -19,30 +19,30 @@ def chord_lengths(
 ) -> Floats:
     """Distances in space between the ends of geodesics of a smooth surface.
 
-    A geodesic of length l has the surface's normal curvature kappa for its own.  Its chord is
-    ``l (1 - kappa^2 l^2 / 24 + ...)``; here it is that of a circle, ``2 sin(kappa l / 2) / kappa``, with the
-    mean of kappa at the two ends.  What is left is of fourth order in l, relative to it, with the derivatives
-    of kappa and the torsion; on spheres nothing is.  In space of curvature k it is the c of
-    ``sn(c / 2) = sn_m(l / 2)``, m = kappa^2 + k being the curvature of the sphere that has the circle for an
-    equator.
+    The curvature of a geodesic is the normal curvature kappa of the surface.  The chord of a geodesic of
+    length l is ``l (1 - kappa^2 l^2 / 24 + ...)``; it is approximated by that of a circle,
+    ``2 sin(kappa l / 2) / kappa``, with the mean of kappa at the two ends.  The relative error is of fourth
+    order in l, with the derivatives of kappa and the torsion; it vanishes on spheres.  In space of curvature
+    k the chord is the c of ``sn(c / 2) = sn_m(l / 2)``, where m = kappa^2 + k is the curvature of the sphere
+    with the circle as its equator.
 
-    Lengths that geodesics measure are not those of the polyhedron inscribed in the surface.  Where K > 0, the
-    polyhedron that has them is about as far from the surface as that bulges out of the faces; where K < 0,
-    rough differences from the chords are blown up, and there may be none near the surface at all.  So correct
-    the lengths with a first, smooth solution, and embed again.  Where the surface has K < 0 and is strongly
-    curved, what this leaves may be too much, too.
+    Geodesic lengths are not the edge lengths of the polyhedron inscribed in the surface.  Where K > 0, the
+    distance of the polyhedron with these lengths from the surface is about the height of the surface over
+    the faces; where K < 0, rough differences from the chords are amplified, and there may be no such
+    polyhedron near the surface.  In that case, correct the lengths with a first, smooth solution and embed
+    again.  Where K < 0 and the surface is strongly curved, the remaining error may still be too large.
 
     Parameters
     ----------
     triangulation : Triangulation
     vertices : ndarray, shape (V, 3)
-        Near the surface, such as an embedding of the geodesic lengths.
+        Points near the surface, such as an embedding of the geodesic lengths.
     lengths : ndarray, shape (E,)
-        Of the geodesics.
+        Geodesic lengths.
     operators : ndarray, shape (V, 3, 3), optional
-        The `shape_operators`, where they are at hand.
+        The `shape_operators`, if known.
     space : Space
-        In which the vertices are.
+        Ambient space.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def chord_lengths(
     """
     B = shape_operators(triangulation, vertices, space=space) if operators is None else operators
     kappa = normal_curvatures(triangulation, vertices, B, space)
-    # Beyond half a circle no chord is longer.
+    # The chord is longest at half a circle.
     if space.is_euclidean:
         return lengths * np.sinc(np.clip(kappa * lengths / (2 * np.pi), -0.5, 0.5))
     m = kappa**2 + space.curvature

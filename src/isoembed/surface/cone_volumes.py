@@ -2,14 +2,14 @@
 
 Let p be the distance of a triangle's plane from the origin, y_F the foot of the perpendicular in projective
 coordinates, ``psi(r) = (1 - r cs(r) / sn(r)) / k``, and r(s) the distance from the origin along an edge of
-length l from a to b. In polar coordinates about the foot the cone has the volume ``tn(p) / 2`` times the
-integral of ``psi(r) - psi(p)`` over the angle, around the triangle: psi' is what is left of the volume of a
-ball over the square of sn(r). Along an edge that is
+length l from a to b. In polar coordinates about the foot, the volume of the cone is ``tn(p) / 2`` times the
+integral of ``psi(r) - psi(p)`` over the angle, around the triangle: psi' is proportional to the volume of a
+ball over the square of sn(r). Along an edge, this is
 
     (w_p^2 / 2) det(y_F, x_a, x_b) / sn(l)  int_0^l (psi(r) - psi(p)) / (sn(r)^2 - sn(p)^2) ds,
 
-which has no cancellation: where k = 0, psi is r^2 / 3, and the volume a sixth of the determinants. The
-integrand is smooth in s, and Gauss's formula converges geometrically.
+which is free of cancellation: for k = 0, psi is r^2 / 3, and the volume one sixth of the determinants. The
+integrand is smooth in s, so Gauss-Legendre quadrature converges geometrically.
 """
 
 import numpy as np
@@ -18,11 +18,11 @@ from isoembed.arrays import Floats, Indices
 from isoembed.space import Space
 from isoembed.surface.tangent_frames import sides
 
-NEAR = 0.1  # relative: a difference quotient of nearer values is a mean of psi'
+NEAR = 0.1  # relative: a difference quotient of closer values is computed as a mean of psi'
 
 
 def cone_volumes(faces: Indices, vertices: Floats, space: Space) -> Floats:
-    """Signed volumes of the cones over triangles from the origin, (F,); positive where they face outward."""
+    """Signed volumes of the cones over triangles from the origin, (F,); positive for outward triangles."""
     x = vertices[faces]
     a, b = x.reshape(-1, 3), np.roll(x, -1, axis=1).reshape(-1, 3)
     feet, squares = _feet(x, space)
@@ -32,14 +32,14 @@ def cone_volumes(faces: Indices, vertices: Floats, space: Space) -> Floats:
     l = space.distances(a, b)
     k, w = space.curvature, space.heights(a)
     radial = np.einsum("ij,ij->i", a, along) / np.where(length > 0, length, 1.0)
-    # nodes of Gauss's formula: 7, and 6 more for every radius of curvature of the longest edge
+    # quadrature nodes: 7, plus 6 per radius of curvature in the longest edge
     count = 7 + int(6.0 * space.root * float(l.max(initial=0.0)))
     places, weights = np.polynomial.legendre.leggauss(min(count, 80))  # nodes at most
     total = np.zeros(len(a))
     base = np.einsum("ij,ij->i", a, a)
     for place, weight in zip((1 + places) / 2, weights / 2, strict=True):
         s = place * l
-        # h = (1 - w) / k along the edge; of the point itself sn(r)^2 = h (2 - k h).
+        # h = (1 - w) / k along the edge, and sn(r)^2 = h (2 - k h).
         sn, versine = space.sn(s), space.versine(s)
         h = base / (1 + w) + versine * w + sn * radial
         total += weight * _quotient(h * (2 - k * h), squares, space)
@@ -52,7 +52,7 @@ def _feet(x: Floats, space: Space) -> tuple[Floats, Floats]:
     """Feet y_F of triangles (F, 3, 3) in projective coordinates, (F, 3), and ``sn(p)^2``, (F,)."""
     k, w = space.curvature, space.heights(x[:, 0])
     first, second = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
-    falls = []  # of w, along both sides
+    falls = []  # changes of w along both sides
     for side, end in ((first, x[:, 1]), (second, x[:, 2])):
         falls.append(-k * np.einsum("ij,ij->i", side, x[:, 0] + end) / (w + space.heights(end)))
     # The plane is n . x = h w.
@@ -71,7 +71,7 @@ def _quotient(S: Floats, T: Floats, space: Space) -> Floats:
     apart = z - y
     near = np.abs(apart) <= NEAR * (1 - np.maximum(z, y))
     quotient = (_psi(z) - _psi(y)) / np.where(near, 1.0, apart)
-    places, weights = np.polynomial.legendre.leggauss(5)  # nodes of Gauss's formula for the mean
+    places, weights = np.polynomial.legendre.leggauss(5)  # quadrature nodes for the mean
     between = (z[near] + y[near])[:, None] / 2 + places * apart[near][:, None] / 2
     quotient[near] = _slope(between) @ (weights / 2)
     small = np.maximum(np.abs(z), np.abs(y)) <= 0.1  # psi is a series
@@ -92,13 +92,13 @@ def _ratio(z: Floats) -> Floats:
 
 
 def _slope(z: Floats) -> Floats:
-    """The derivative of `_psi`, away from z = 0."""
+    """Derivative of `_psi`, away from z = 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return (_ratio(z) / np.sqrt(1 - z) - 1) / (2 * z)
 
 
 def _series(z: Floats, y: Floats) -> Floats:
-    """The difference quotient of psi, whose terms are z / 3 and then ``2 n z / (2 n + 3)`` times the last."""
+    """Difference quotient of psi by its series: z / 3, then ``2 n z / (2 n + 3)`` times the previous term."""
     coefficient, power, difference, total = 1 / 3, np.ones_like(y), np.ones_like(y), np.zeros_like(y)
     for n in range(1, 18):  # terms of the series
         total += coefficient * difference

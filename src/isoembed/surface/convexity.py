@@ -16,18 +16,18 @@ def concave_edges(
     angles: Floats | None = None,
     error: float = 0.0,
 ) -> Mask:
-    """Edges whose exterior dihedral angle is negative, shape (E,); `angles` are these, where known.
+    """Edges with negative exterior dihedral angle, shape (E,); `angles` are these angles, if known.
 
-    Angles that an `error` of the vertices explains do not count.
+    Angles within the effect of an `error` of the vertices do not count.
     """
     return bends(triangulation, vertices, space, angles, error) < 0
 
 
 def dent_depths(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Depth by which the surface is concave at each edge, shape (E,); 0 where it is not.
+    """Depth of the concavity at each edge, shape (E,); 0 at convex edges.
 
-    The angle by which an edge is concave, times the lower of its triangles (the sn of its height): rounding
-    turns slivers by any angle, but not out of the surface.
+    The concave angle times the lesser height of the two triangles over the edge (the sn of the height):
+    rounding turns slivers by any angle, but does not move their corners out of the surface.
     """
     t = triangulation
     angles = np.minimum(dihedral_angles(t, vertices, space), 0.0)
@@ -43,14 +43,13 @@ def inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
 def partially_inverted_vertices(triangulation: Triangulation, concave: Mask) -> Mask:
     """Vertices with more than seventy percent of their edges concave, but not all, shape (V,)."""
     count = _concave_degrees(triangulation, concave)
-    # more than .7 of the edges are concave, but not all
     return (count > 0.7 * triangulation.degrees) & (count < triangulation.degrees)
 
 
 def umbrella_heights(triangulation: Triangulation, vertices: Floats) -> Floats:
     """Height of each vertex above the mean of its neighbors, along its normal, shape (V,).
 
-    Positive where the surface bulges outward; a vertex that is turned inside out changes its sign.
+    Positive where the surface bulges outward; inverting a vertex changes the sign.
     """
     normals = vertex_normals(triangulation.faces, vertices)
     mean = (triangulation.adjacency @ vertices) / triangulation.degrees[:, None]

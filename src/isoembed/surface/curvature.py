@@ -1,6 +1,6 @@
 """Dihedral angles and mean curvature H = (k1 + k2) / 2 of a triangulated surface.
 
-Relativity writes k = k1 + k2 = 2 H: its integral is twice `integrated_mean_curvature`.
+In relativity, the mean curvature is k = k1 + k2 = 2 H, with twice the `integrated_mean_curvature`.
 """
 
 from functools import reduce
@@ -19,29 +19,29 @@ from isoembed.surface.vertex_areas import vertex_areas
 TINY = float(np.finfo(np.float64).tiny)
 
 
-SHUT = 1e-9  # radians: a fold nearer to pi has no inside
-FLAT_ANGLE = 1e-7  # radians: an edge is not concave down to minus this
-ROUNDING = 1e-14  # of vertices, relative to the largest coordinate: it turns low triangles
+SHUT = 1e-9  # radians: a fold closer to pi has no inside
+FLAT_ANGLE = 1e-7  # radians: an edge is concave only below minus this
+ROUNDING = 1e-14  # of vertices, relative to the largest coordinate: it rotates slivers
 
 
 def dihedral_angles(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Exterior dihedral angles: 0 where the surface is flat, positive where it is convex.
 
-    ``theta_e = atan2((n0 x n1) . d, n0 . n1)``, d the unit vector along the edge in its left face 0; in
-    hyperbolic and spherical space with the directions at one end of the edge.
+    ``theta_e = atan2((n0 x n1) . d, n0 . n1)``, where d is the unit vector along the edge in its left face
+    0; in hyperbolic and spherical space, with the directions at one end of the edge.
 
     Parameters
     ----------
     triangulation : Triangulation
-        Oriented so that its normals point outward; inward, all signs change.
+        Oriented with outward normals; with inward normals, all signs change.
     vertices : ndarray, shape (V, 3)
     space : Space, optional
 
     Returns
     -------
     ndarray, shape (E,)
-        Radians, in (-pi, pi].  A fold shut is convex, whatever the sign of its rounding; 0 beside a face
-        without area, and on a boundary.
+        Radians, in (-pi, pi].  A closed fold counts as convex, whatever the sign of its rounding error; 0
+        beside a face without area, and on a boundary.
     """
     t = triangulation
     if space.is_euclidean:
@@ -58,7 +58,7 @@ def bends(
     angles: Floats | None = None,
     error: float = 0.0,
 ) -> Floats:
-    """Dihedral angles, shape (E,), and 0 where rounding or an `error` of the vertices may have made them."""
+    """Dihedral angles, shape (E,), set to 0 within the effect of rounding or an `error` of the vertices."""
     if angles is None:
         angles = dihedral_angles(triangulation, vertices, space)
     errors = bend_errors(triangulation, vertices, space, error)
@@ -70,10 +70,10 @@ def bend_errors(
 ) -> Floats:
     """Bounds on the errors of the dihedral angles, shape (E,), radians.
 
-    Rounding of the vertices counts, and, if given, an `error` of each vertex in any direction.  A dihedral
-    angle depends to first order on four vertices: on the third corner of each triangle with the factor 1/h, h
-    being its height over the edge, and on the ends of the edge with the shares s/h and (1 - s)/h, where the
-    foot of the height divides the edge as s to 1 - s.
+    They cover rounding of the vertices and, if given, an `error` of each vertex in any direction.  A dihedral
+    angle depends to first order on four vertices: on the third corner of each triangle with the factor 1/h,
+    where h is its height over the edge, and on the ends of the edge with the factors s/h and (1 - s)/h, where
+    the foot of the height divides the edge in the ratio s to 1 - s.
     """
     t = triangulation
     turned = turning_errors(t, vertices, space)
@@ -92,18 +92,18 @@ def bend_errors(
 
 
 def turning_errors(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Radians by which rounding of the vertices may turn each triangle, shape (F,): the lower, the more."""
+    """Bounds on the rotation of each triangle by rounding of the vertices, in radians, shape (F,)."""
     t = triangulation
     lengths = edge_lengths(t.edges, vertices, space)
     longest = space.sn(reduce(np.maximum, (lengths[edges] for edges in t.face_edges.T)))
     error = ROUNDING * float(np.abs(vertices).max()) * longest
-    if not space.is_euclidean:  # far out on the sphere a little of x is a long way
+    if not space.is_euclidean:  # far from the origin of the sphere, small changes of x are long distances
         error /= min(1.0, float(space.heights(vertices).min()))
     return error / np.maximum(amplitudes(t.faces, vertices, space), np.maximum(error / np.pi, TINY))
 
 
 def _curved_folds(t: Triangulation, vertices: Floats, space: Space) -> tuple[Floats, Floats]:
-    """Folds as of `_folds`, by the directions of the corners of both triangles at one end of each edge."""
+    """Sines and cosines as of `folds`, from the directions of triangle sides at one end of each edge."""
     halfedges = t.edge_halfedges
     across = t.faces.ravel()[halfedges - halfedges % 3 + (halfedges + 2) % 3]  # third corners
     a, b, left, right = vertices[np.column_stack([t.edges, across]).T]
@@ -119,7 +119,7 @@ def edge_mean_curvature(
 ) -> Floats:
     """Integral of H over each edge, ``l_e theta_e / 2``, shape (E,), in the unit of length.
 
-    Here and below, `angles` are the `dihedral_angles`, (E,), where they are known.
+    Here and below, `angles` are the `dihedral_angles`, (E,), if known.
     """
     if angles is None:
         angles = dihedral_angles(triangulation, vertices, space)
@@ -149,8 +149,8 @@ def vertex_mean_curvature(
     triangulation : Triangulation
     vertices : ndarray, shape (V, 3)
     areas : ndarray, shape (V,), optional
-        The vertices' shares of the area; by default circumcentric dual areas, no less than a tenth and no
-        more than ten times a third of the triangles around.
+        Vertex areas; by default circumcentric dual areas, clipped to between a tenth and ten times a third
+        of the area of the triangles around.
     space : Space, optional
     angles : ndarray, shape (E,), optional
         The `dihedral_angles`.
@@ -158,7 +158,7 @@ def vertex_mean_curvature(
     Returns
     -------
     ndarray, shape (V,)
-        In the unit of length to the power -1; NaN where the triangles around have no area.
+        H, in the inverse unit of length; NaN where the triangles around have no area.
     """
     shares = vertex_areas(triangulation, vertices, space) if areas is None else areas
     return _vertex_integrals(triangulation, vertices, space, angles) / np.where(shares == 0, np.nan, shares)
@@ -171,15 +171,15 @@ def bending_energy(
     space: Space = EUCLIDEAN,
     angles: Floats | None = None,
 ) -> float:
-    """Willmore's energy, the integral of H^2 + k, k of space: 4 pi for every sphere, more for all others.
+    """Willmore energy, the integral of H^2 + k with the curvature k of space: 4 pi for spheres, else more.
 
-    The sum of `vertex_mean_curvature` squared times the areas that it is for.  It is free of scale, and
-    right to second order in the edge length on good triangulations of smooth surfaces; where vertices are
-    strewn at random, some percent too large.  Near an edge of a polyhedron it grows as the triangles shrink.
+    The sum of the squared `vertex_mean_curvature` times the vertex areas.  It is scale invariant, and
+    second-order accurate in the edge length on good triangulations of smooth surfaces; for vertices placed at
+    random it is a few percent too large.  Near an edge of a polyhedron it grows as the triangles shrink.
     """
     integrals = _vertex_integrals(triangulation, vertices, space, angles)
     shares = vertex_areas(triangulation, vertices, space) if areas is None else areas
-    flat = shares == 0  # and all dihedral angles beside faces without area are 0
+    flat = shares == 0  # dihedral angles beside faces without area are 0
     energy = float(np.sum(integrals**2 / np.where(flat, 1.0, shares)))
     if space.is_euclidean:
         return energy
@@ -200,7 +200,7 @@ def face_mean_curvature(triangulation: Triangulation, vertices: Floats, space: S
     Returns
     -------
     ndarray, shape (F,)
-        In the unit of length to the power -1.
+        H, in the inverse unit of length.
     """
     half = edge_mean_curvature(triangulation, vertices, space) / 2
     return half[triangulation.face_edges].sum(axis=1) / triangle_areas(triangulation.faces, vertices, space)

@@ -1,8 +1,8 @@
 """Derivatives of the vertices with respect to the edge lengths: forward and adjoint.
 
-To first order ``dl = J dx``, J being the rigidity matrix of `isoembed.surface.rigidity`.  It has full row
-rank where the surface is infinitesimally rigid, and then dx is given by dl up to rigid motions: ``dx = J^+
-dl`` is the one without translation and rotation, and g . x changes by ``(J^+)^T g . dl``.
+To first order ``dl = J dx``, where J is the rigidity matrix of `isoembed.surface.rigidity`.  If the surface
+is infinitesimally rigid, J has full row rank, and dl determines dx up to rigid motions: ``dx = J^+ dl`` is
+the one without translation and rotation, and g . x changes by ``(J^+)^T g . dl``.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from isoembed.surface.swept_volumes import curved_volume_gradient
 
 @dataclass(frozen=True, eq=False)
 class LengthDerivatives:
-    """J of a surface and its factors, for any number of derivatives.
+    """Rigidity matrix J of a surface and its factorization, reused for all derivatives.
 
     Attributes
     ----------
     linear : LinearizedLengths
     surface : Projected
-        In hyperbolic and spherical space J acts on z, with ``x' = w z``, and z is of least norm.
+        In hyperbolic and spherical space J acts on z, with ``x' = w z``, and z has minimum norm.
     """
 
     linear: LinearizedLengths
@@ -47,7 +47,7 @@ class LengthDerivatives:
         SingularMatrix
             The surface is not infinitesimally rigid.
         OutOfMemory
-            The factors need more memory than is free.
+            The factors exceed the available memory.
         """
         linear = LengthSystem(triangulation, space=space).linearized(vertices, lengths)
         return cls(linear, Projected.of(space, vertices))
@@ -75,17 +75,17 @@ class LengthDerivatives:
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Variation:
-    """First and second derivatives of a surface in R^3 whose lengths are ``l + t dl``, by t at t = 0.
+    """First and second t-derivatives, at t = 0, of a surface in R^3 with edge lengths ``l + t dl``.
 
     Attributes
     ----------
     velocity, acceleration : ndarray, shape (V, 3)
-        Of the vertices, each of least norm: without translation and rotation.
+        Derivatives of the vertices, each of minimum norm: without translation and rotation.
     dihedral_rates : ndarray, shape (E,)
         First derivatives of the dihedral angles.
     area, volume, integrated_mean_curvature : tuple of float
-        First and second derivatives of the area, the volume and int H dA = 1/2 sum l theta, of which
-        ``sum l dtheta`` is not a part (Schlaefli).
+        First and second derivatives of the area, the volume and int H dA = 1/2 sum l theta, where
+        ``sum l dtheta`` vanishes (Schlaefli).
     """
 
     velocity: Floats
@@ -96,7 +96,7 @@ class Variation:
     integrated_mean_curvature: tuple[float, float]
 
     def scaled(self, unit: float) -> Variation:
-        """Derivatives in another unit: every length, and change of a length, times this factor."""
+        """Derivatives in another unit, in which every length and length change is scaled by this factor."""
         return Variation(
             velocity=unit * self.velocity,
             acceleration=unit * self.acceleration,
@@ -117,7 +117,7 @@ class Variation:
     ) -> Variation:
         """Differentiate along changes dl, (E,), of the lengths.
 
-        ``l^2 = |d|^2`` is differentiated twice: ``J x'' = (dl^2 - |d'|^2) / l``.
+        The second derivative of ``l^2 = |d|^2`` gives ``J x'' = (dl^2 - |d'|^2) / l``.
         """
         t = triangulation
         a, b = t.edges.T
@@ -143,7 +143,7 @@ def _scaled(values: tuple[float, float], unit: float, power: int) -> tuple[float
 
 
 def volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Derivatives of the volume by the vertices, (V, 3)."""
+    """Gradient of the volume with respect to the vertices, (V, 3)."""
     if not space.is_euclidean:
         return curved_volume_gradient(triangulation, vertices, space)
     thirds = np.repeat(face_normals(triangulation.faces, vertices) / 6, 3, axis=0)
@@ -152,9 +152,9 @@ def volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space
 
 
 def integral_gradients(triangulation: Triangulation, vertices: Floats) -> Floats:
-    """Derivatives of area, volume and int H dA = 1/2 sum l theta by the vertices, (3, V, 3).
+    """Gradients of area, volume and int H dA = 1/2 sum l theta with respect to the vertices, (3, V, 3).
 
-    ``sum l dtheta`` is what the faces at the boundary contribute: elsewhere it is zero (Schlaefli).
+    Only faces at the boundary contribute to ``sum l dtheta``: elsewhere it is zero (Schlaefli).
     """
     t, corners = triangulation, vertices[triangulation.faces]
     sides = np.roll(corners, -1, axis=1) - corners
@@ -176,7 +176,7 @@ def integral_gradients(triangulation: Triangulation, vertices: Floats) -> Floats
 
 
 def normal_rates(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats]:
-    """Face normals N = (b - a) x (c - a), (F, 3), and their derivatives if the vertices move with v."""
+    """Face normals N = (b - a) x (c - a), (F, 3), and their derivatives for vertex velocities v."""
     first, second, third = (x[t.faces[:, k]] for k in range(3))
     at_first, at_second, at_third = (v[t.faces[:, k]] for k in range(3))
     u, w = second - first, third - first
@@ -185,9 +185,9 @@ def normal_rates(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats
 
 
 def dihedral_rates(t: Triangulation, x: Floats, v: Floats) -> Floats:
-    """Derivatives of the dihedral angles, (E,): each face turns about the edge by its own rate.
+    """Derivatives of the dihedral angles, (E,): differences of the faces' rotation rates about the edge.
 
-    On a boundary they are 0.
+    They are 0 on a boundary.
     """
     N, rates = normal_rates(t, x, v)
     size = np.linalg.norm(N, axis=1, keepdims=True)

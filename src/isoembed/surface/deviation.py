@@ -1,11 +1,11 @@
-"""Standard deviations of a surface's quantities from errors of its lengths.
+"""Standard deviations of a surface's quantities due to errors of its lengths.
 
-Independent errors of the lengths, of standard deviations s, move every quantity f of the surface by
-``df/dl . dl`` to first order: its standard deviation is ``|s df/dl|``.  Lengths whose errors are the same
-count as one: the sum of their s df/dl.
+Independent errors of the lengths with standard deviations s change every quantity f of the surface by
+``df/dl . dl`` to first order: its standard deviation is ``|s df/dl|``.  Lengths with a common error
+contribute a single term, the sum of their s df/dl.
 
-A surface that is fitted to lengths with errors misses some of them, and smoothness takes its quantities from
-those of the lengths by ``df/dl . r``, r the lengths missed: that is added, as one more error.
+A surface fitted to lengths with errors does not realize them exactly: smoothing changes its quantities by
+``df/dl . r``, where r are the length residuals.  This bias is added as one more error.
 """
 
 from __future__ import annotations
@@ -35,41 +35,41 @@ from isoembed.surface.measures import above_boundary, cone_sum, edge_lengths
 from isoembed.surface.vertex_areas import vertex_area_rates, vertex_areas
 
 NONLINEAR = 0.1
-"""Nonlinearity of the volume above which it is not determined to first order.  In trials it was below .04, or
-above .14 and the deviations wrong by factors of 2 to 30."""
+"""Nonlinearity of the volume above which first-order error propagation is invalid.  In trials it was either
+below .04, or above .14 with deviations wrong by factors of 2 to 30."""
 
-PROBES = 400  # random errors with which the deviations at vertices, faces and edges are estimated
+PROBES = 400  # random error vectors for estimating the deviations at vertices, faces and edges
 
 
 class Derivatives(Protocol):
-    """Derivatives of the vertices of a surface by its lengths."""
+    """Derivatives of the vertices of a surface with respect to its lengths."""
 
     def jvp(self, changes: Floats) -> Floats:
         """Derivative of the vertices, (V, 3), along a change of the lengths, (E,)."""
         ...
 
     def vjp(self, gradient: Floats) -> Floats:
-        """The transpose of `jvp`: (..., E) from (..., V, 3)."""
+        """Transpose of `jvp`: (..., E) from (..., V, 3)."""
         ...
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class IntegralDeviation:
-    """Standard deviations of what is integrated over a surface whose lengths have independent errors.
+    """Standard deviations of the integrals over a surface whose lengths have independent errors.
 
-    In hyperbolic and spherical space, too.
+    Also in hyperbolic and spherical space.
 
     Attributes
     ----------
     area, volume, integrated_mean_curvature : float
-        To first order.  The volume's is infinite where the surface is not infinitesimally rigid, and NaN of
-        surfaces with boundary, unless this is in a horizontal plane.
+        First-order standard deviations.  That of the volume is infinite if the surface is not infinitesimally
+        rigid, and NaN for surfaces with boundary, unless the boundary is in a horizontal plane.
     correlation : ndarray, shape (3, 3)
-        Of the errors of the three; NaN beside one that has no error, or an infinite one.
+        Correlation matrix of the three errors; NaN for those with zero or infinite deviation.
     volume_nonlinearity : float
-        Second-order term of the volume over the first-order term, where the errors change it most: large
-        where the surface nearly flexes within the errors.  NaN in hyperbolic and spherical space.
+        Ratio of the second-order to the first-order term of the volume, along the errors that change it most:
+        large if the surface nearly flexes within the errors.  NaN in hyperbolic and spherical space.
     """
 
     area: float
@@ -88,7 +88,7 @@ class IntegralDeviation:
         missed: Floats,
         derivatives: LengthDerivatives | None,
     ) -> IntegralDeviation:
-        """Deviation by errors of the lengths, as in `Deviation.of`; derivatives are None if J is singular."""
+        """Deviation due to length errors, as in `Deviation.of`; `derivatives` is None if J is singular."""
         space, t = metric.space, metric.triangulation
         volume_rates, nonlinearity = np.full(len(errors), np.inf), np.inf
         if derivatives is not None:
@@ -117,7 +117,7 @@ class IntegralDeviation:
         shared: Indices,
         missed: Floats,
     ) -> IntegralDeviation:
-        """Deviation of a surface in R^3 with boundary or handles, whose lengths need not be those given."""
+        """Deviation of a surface in R^3 with boundary or handles, possibly a fit to the given lengths."""
         above = above_boundary(triangulation, vertices)
         x = vertices if above is None else above
         rates = derivatives.vjp(integral_gradients(triangulation, x))
@@ -131,7 +131,7 @@ class IntegralDeviation:
     def from_rates(
         cls, rates: Floats, errors: Floats, shared: Indices, missed: Floats, nonlinearity: float
     ) -> IntegralDeviation:
-        """Deviation from the derivatives of the three integrals by the lengths, (3, E)."""
+        """Deviation from the derivatives of the three integrals with respect to the lengths, (3, E)."""
         with np.errstate(invalid="ignore"):
             each = np.where(errors > 0, errors * rates, 0.0)
             smoothed = np.where(missed != 0, missed * rates, 0.0).sum(axis=1)
@@ -145,7 +145,7 @@ class IntegralDeviation:
         return cls(by_area, by_volume, by_integral, correlation, float(nonlinearity))
 
     def scaled(self, unit: float) -> IntegralDeviation:
-        """Deviation in another unit: every length, and error of a length, times this factor."""
+        """Deviation in another unit, in which every length and length error is scaled by this factor."""
         return IntegralDeviation(
             unit * (unit * self.area),
             unit * (unit * (unit * self.volume)),
@@ -156,14 +156,14 @@ class IntegralDeviation:
 
     @property
     def report(self) -> dict[str, float]:
-        """The three standard deviations, infinite if not determined, and the nonlinearity of the volume."""
+        """The three standard deviations, infinite if undetermined, and the nonlinearity of the volume."""
         integrals = {name: getattr(self, name) for name in INTEGRALS}
         volume = self.volume if self.volume_is_determined else np.inf
         return {**integrals, "volume": volume, "volume_nonlinearity": self.volume_nonlinearity}
 
     @property
     def volume_is_determined(self) -> bool:
-        """Whether the standard deviation of the volume is valid: its nonlinearity is at most a tenth."""
+        """Whether the standard deviation of the volume is valid: nonlinearity of at most a tenth."""
         return not self.volume_nonlinearity > NONLINEAR
 
 
@@ -175,18 +175,19 @@ class Deviation(Changes):
     Attributes
     ----------
     vertices : ndarray, shape (V,)
-        Root mean square of how far each vertex moves, after the best rigid motion of all.
+        Root mean square displacements, after the best rigid motion of all vertices.
     normals : ndarray, shape (F,)
-        Root mean square of the radians by which each triangle turns its normal.
+        Root mean square rotation angles of the triangles' normals, in radians.
     dihedral_angles : ndarray, shape (E,)
     mean_curvature : ndarray, shape (V,)
     area, volume, integrated_mean_curvature : float
     correlation : ndarray, shape (3, 3)
-        Of the errors of area, volume and integrated mean curvature; NaN beside one that has no error.
+        Correlation matrix of the errors of area, volume and integrated mean curvature; NaN for those without
+        error.
     volume_nonlinearity : float
         As of `IntegralDeviation`: above a tenth, neither the volume's deviation nor the arrays are valid.
     probes : int
-        How many random errors the four arrays are estimated with; 0 if they are exact.
+        Number of random error vectors used to estimate the four arrays; 0 if they are exact.
     """
 
     correlation: Floats
@@ -197,7 +198,7 @@ class Deviation(Changes):
     def relative_error(self) -> float:
         """Relative standard deviation of the estimate of each entry of the arrays.
 
-        It is that of the worst case, in which many edges contribute alike.
+        This is the worst case, in which many edges contribute equally.
         """
         return float(1 / np.sqrt(2 * self.probes)) if self.probes else 0.0
 
@@ -213,11 +214,11 @@ class Deviation(Changes):
     ) -> Deviation:
         """Estimate from the standard deviations of the lengths, (E,), and labels of `shared_errors`, (E,).
 
-        `missed` are the lengths less those on the surface, (E,), if it is a fit, or zeros.
+        `missed` are the given lengths minus those of the surface, (E,), if it is a fit, else zeros.
 
-        Area, volume and integrated mean curvature take one solve together.  For the rest, signs are drawn at
-        random for the errors, and the squares of what each draw does are averaged; where the draws are more
-        than the errors, each is taken once instead, and the result is exact.
+        Area, volume and integrated mean curvature need a single solve.  The arrays are estimated by averaging
+        the squared responses to errors with random signs; if there are no more errors than probes, each error
+        is applied once instead, and the result is exact.
         """
         t = metric.triangulation
         if t.is_sphere:
@@ -247,7 +248,7 @@ class Deviation(Changes):
 
     @property
     def report(self) -> dict[str, Any]:
-        """Area, volume and int H dA; of the arrays root mean square and largest, and `relative_error`."""
+        """Area, volume and int H dA; root mean square and maximum of each array, and `relative_error`."""
         return {
             **super().report,
             "volume_nonlinearity": self.volume_nonlinearity,
@@ -269,7 +270,7 @@ def _signs(n: int) -> Iterator[Floats]:
 
 
 def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Squares of what velocities v do to vertices, normals, dihedral angles and H."""
+    """Squared rates of the vertices, normals, dihedral angles and H for vertex velocities v."""
     N, rates = normal_rates(t, x, v)
     size = np.linalg.norm(N, axis=1)
     n = N / size[:, None]

@@ -10,7 +10,7 @@ MOST = 15  # digits of a double
 
 @dataclass(frozen=True)
 class Estimate:
-    """Number with its uncertainty, in the same unit; ``float`` returns the number alone."""
+    """Number with its uncertainty, in the same unit; ``float`` returns the number."""
 
     value: float
     error: float
@@ -24,14 +24,14 @@ class Estimate:
 
     @property
     def rounded(self) -> str:
-        """The value to one digit more than the error leaves, zeros at the end among them."""
+        """Value with one digit more than the error determines, including trailing zeros."""
         if not 0.0 < self.error < inf:
             return f"{self.value:.{MOST}g}"
         return f"{self.value:#.{self.digits}g}".replace(".e", "e").rstrip(".") if self.value else "0"
 
     @property
     def plus_minus(self) -> str:
-        """The error with its sign, "+- 3e-02"."""
+        """Error with its sign, "+- 3e-02"."""
         return f"+- {self.error:.0e}" if self.error else "+- 0"
 
     @property
@@ -52,10 +52,10 @@ class Estimate:
         return Estimate(self.value - other.value, self.error + other.error)
 
     def scaled(self, factor: float) -> Estimate:
-        """The number times an exact one."""
+        """Product with an exact factor."""
         return Estimate(factor * self.value, abs(factor) * self.error)
 
 
 def percent(fraction: float, digits: int = 2) -> str:
-    """A fraction in percent, to a number of digits and without an exponent unless it is tiny: "110 %"."""
+    """Fraction in percent with the given number of digits, without an exponent unless it is tiny: "110 %"."""
     return f"{float(f'{100.0 * fraction:.{digits}g}'):.15g} %"

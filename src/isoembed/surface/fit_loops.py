@@ -11,10 +11,10 @@ from cython.cimports.libc.math import sqrt
 NEAR = cython.declare(cython.double, 0.5)  # as in `normal_fits`
 SPARE_POINTS = cython.declare(
     cython.longlong, 3
-)  # beyond the coefficients: with fewer a fit follows the noise
+)  # beyond the number of coefficients: with fewer, a fit follows the noise
 KEPT = cython.declare(
     cython.double, 0.02
-)  # of the squared constant column: with less left, the neighbors' errors are blown up
+)  # remaining fraction of the squared constant column: with less, the neighbors' errors are amplified
 HUB_DEGREE = cython.declare(cython.longlong, 32)  # as in `local_fit`
 
 
@@ -33,7 +33,7 @@ def copy(A: ConstReal[:, ::1], i: Int, B: Real[:, ::1], k: Int) -> cython.void:
 def multiply(
     A: ConstReal[:, ::1], i: Int, B: ConstReal[:, ::1], j: Int, C: Real[:, ::1], k: Int
 ) -> cython.void:
-    """Fill in the products of two rows."""
+    """Store the elementwise product of two rows."""
     for lane in range(C.shape[1]):
         C[k, lane] = A[i, lane] * B[j, lane]
 
@@ -44,7 +44,7 @@ def multiply(
 def subtract_product(
     A: ConstReal[:, ::1], i: Int, B: ConstReal[:, ::1], j: Int, C: Real[:, ::1], k: Int
 ) -> cython.void:
-    """Subtract the products of two rows from a third."""
+    """Subtract the elementwise product of two rows from a third."""
     for lane in range(C.shape[1]):
         C[k, lane] -= A[i, lane] * B[j, lane]
 
@@ -55,7 +55,7 @@ def subtract_product(
 def subtract_multiple(
     factor: Real, A: ConstReal[:, ::1], i: Int, C: Real[:, ::1], k: Int, first: Int, last: Int
 ) -> cython.void:
-    """Subtract a multiple of a part of a row from that of another."""
+    """Subtract a multiple of part of a row from the same part of another."""
     for lane in range(first, last):
         C[k, lane] -= factor * A[i, lane]
 
@@ -64,7 +64,7 @@ def subtract_multiple(
 @cython.inline
 @cython.exceptval(check=False)
 def dot(A: ConstReal[:, ::1], i: Int, B: ConstReal[:, ::1], j: Int, first: Int, last: Int) -> Real:
-    """The sum of the products of a part of two rows, in their order."""
+    """Dot product of parts of two rows, summed in order."""
     total: Real = 0.0
     for lane in range(first, last):
         total += A[i, lane] * B[j, lane]
@@ -74,14 +74,14 @@ def dot(A: ConstReal[:, ::1], i: Int, B: ConstReal[:, ::1], j: Int, first: Int, 
 @cython.ccall
 @cython.exceptval(check=False)
 def fewest(degree: Int) -> Int:
-    """Points without which a fit of this degree is not wanted."""
+    """Minimum number of points for a fit of this degree."""
     return (degree + 1) * (degree + 2) // 2 + SPARE_POINTS
 
 
 def weigh(x: ConstReal[:, ::1], y: ConstReal[:, ::1], w: Real[:, ::1], degree: Int):
-    """Multiply the weights of points by what their fits, one a column, leave of the constant: which can.
+    """Multiply the weights of points by the constant orthogonalized in their fits; return which succeeded.
 
-    The fits go through the same steps side by side, a lane each.
+    There is one fit per column; the fits are vectorized, one lane each.
     """
     columns, lanes = degree * (degree + 3) // 2, x.shape[1]
     moments: Real[:, ::1] = np.zeros(((degree + 1) * (2 * degree + 1), lanes))
@@ -144,9 +144,9 @@ def _factorize(
     sound: Flag[::1],
     shapes: Int[:, ::1],
 ) -> cython.void:
-    """Factorize the matrices of the monomials' products; the constant comes last, and `rest` is its pivot.
+    """Cholesky factorization of the Gram matrices of the monomials; the constant is last, with pivot `rest`.
 
-    In the place of its diagonal is its inverse.
+    The diagonal of the factor is stored inverted.
     """
     columns = degree * (degree + 3) // 2
     n = columns + 1
@@ -165,7 +165,7 @@ def _factorize(
             for k in range(j):
                 subtract_product(factor, i * n + k, factor, j * n + k, factor, entry)
             if i == j:
-                # with less left of a column, normal equations lose more than three digits
+                # with smaller pivots, normal equations lose more than three digits
                 for lane in range(factor.shape[1]):
                     good: cython.bint = factor[entry, lane] > 1e-3 * moments[at, lane]
                     sound[lane] &= good
@@ -178,7 +178,7 @@ def _factorize(
 @cython.cfunc
 @cython.exceptval(check=False)
 def _solve(factor: Real[:, ::1], terms: Real[:, ::1]) -> cython.void:
-    """The coefficients of the monomials in the constant's own fit."""
+    """Coefficients of the monomials in the fit of the constant."""
     columns = terms.shape[0]
     n = columns + 1
     for j in range(columns - 1, -1, -1):
@@ -198,7 +198,7 @@ def _evaluate(
     terms: Real[:, ::1],
     powers: Real[:, ::1],
 ) -> cython.void:
-    """Multiply the points' weights by what their fit leaves of the constant."""
+    """Multiply the points' weights by the residual of the fit of the constant."""
     for k in range(x.shape[0]):
         _multiply_out(x, y, w, k, degree, powers)
         for j in range(terms.shape[0]):
@@ -206,7 +206,7 @@ def _evaluate(
 
 
 def rings(indptr: ConstInt32[::1], indices: ConstInt32[::1], least: Int, first: Int, last: Int):
-    """Neighborhoods of the vertices from the first to before the last, as `neighborhoods`."""
+    """Neighborhoods of the vertices in the half-open range from `first` to `last`, as `neighborhoods`."""
     n = indptr.shape[0] - 1
     starts: Int[::1] = np.zeros(last - first + 1, dtype=np.int64)
     neighbors: Int32[::1] = np.empty(3 * least * (last - first), dtype=np.int32)
@@ -254,7 +254,7 @@ def _reach(
                 continue
             for j in range(indptr[u], indptr[u + 1]):
                 w = indices[j]
-                reached[count] = w  # overwritten by the next unless it is new
+                reached[count] = w  # overwritten by the next one unless new
                 count += seen[w] != v
                 seen[w] = v
         begin = end
@@ -264,9 +264,9 @@ def _reach(
 def fit_constants(
     vertices: ConstInt[::1], indptr: ConstInt[::1], charts: ConstReal[:, ::1], most: Int, weights: Real[::1]
 ):
-    """Fill in the weights of the neighbors of some vertices, one after the other.
+    """Compute the weights of the neighbors of some vertices, one vertex after the other.
 
-    They are those by which the constant term of the fit depends on the values at the points.
+    They are the derivatives of the constant term of the fit with respect to the values at the points.
     """
     for i in vertices:
         _fit_constant(charts, indptr[i], indptr[i + 1], most, weights)
@@ -276,7 +276,7 @@ def fit_constants(
 def _fit_constant(charts: ConstReal[:, ::1], begin: Int, end: Int, most: Int, weights: Real[::1]) -> object:
     m, spare = end - begin, most * (most + 3) // 2
     rows: Real[:, ::1] = np.empty((spare + 3, m))
-    root, rest, best = spare, spare + 1, spare + 2  # of the weights of least squares; of the constant column
+    root, rest, best = spare, spare + 1, spare + 2  # root of the weights; residuals of the constant column
     for k in range(m):
         x, y = charts[begin + k, 0], charts[begin + k, 1]
         rows[root, k] = 1.0 / sqrt(NEAR + x * x + y * y)
@@ -296,7 +296,7 @@ def _fit_constant(charts: ConstReal[:, ::1], begin: Int, end: Int, most: Int, we
             size = dot(rows, column, rows, column, 0, m)
             _project_out(rows, 0, column, column)
             left = dot(rows, column, rows, column, 0, m)
-            if left <= 1e-10 * size:  # what is left of a squared column is rounding
+            if left <= 1e-10 * size:  # the remaining squared column is rounding error
                 continue
             left = sqrt(left)
             for k in range(m):
@@ -315,7 +315,7 @@ def _fit_constant(charts: ConstReal[:, ::1], begin: Int, end: Int, most: Int, we
 @cython.cfunc
 @cython.exceptval(check=False)
 def _project_out(rows: Real[:, ::1], first: Int, last: Int, column: Int) -> cython.void:
-    """Take what lies along orthonormal rows out of another, twice: once leaves rounding along them."""
+    """Orthogonalize a row against orthonormal ones, twice: once leaves rounding error along them."""
     for _ in range(2):
         for row in range(first, last):
             subtract_multiple(
@@ -328,7 +328,7 @@ def _project_out(rows: Real[:, ::1], first: Int, last: Int, column: Int) -> cyth
 def _set_seen(
     v: Int, w: Int, points: ConstReal[:, ::1], heights: ConstReal[::1], curvature: Real, seen: Real[::1]
 ) -> cython.void:
-    """Set what `seen_from` returns."""
+    """Set the coordinates returned by `seen_from`."""
     if curvature == 0:
         for k in range(3):
             seen[k] = points[w, k] - points[v, k]
@@ -344,7 +344,7 @@ def _set_seen(
 
 
 def seen_from(v: Int, w: Int, points: ConstReal[:, ::1], heights: ConstReal[::1], curvature: Real):
-    """Conformal coordinates (3,) of point w about point v, of points (V, 3) with their `Space.heights`."""
+    """Conformal coordinates (3,) of point w about point v, given points (V, 3) and their `Space.heights`."""
     seen: Real[::1] = np.empty(3)
     _set_seen(v, w, points, heights, curvature, seen)
     return np.asarray(seen)
@@ -360,7 +360,7 @@ def fit_tensors(
     operators: Real[:, :, ::1],
     hessians: Real[:, :, :, ::1],
 ):
-    """Fill in the tensors of the vertices from `first` on; they stay zero where not even a quadric fits."""
+    """Compute the tensors of the vertices from `first` on; they stay zero where no quadric can be fitted."""
     points: ConstReal[:, ::1] = surface.vertices
     normals: ConstReal[:, ::1] = surface.normals
     spacing: ConstReal[::1] = surface.units
@@ -390,7 +390,7 @@ def fit_tensors(
         count = 1
         for k in range(indptr[i], indptr[i + 1]):
             w = indices[k]
-            # normals that turn more: the neighbor is around the bend
+            # with normals that turn more, the neighbor is around a bend
             if dot(normals, w, normals, v, 0, 3) < 0.3:
                 continue
             _set_seen(v, w, points, heights, curvature, seen)
@@ -437,11 +437,11 @@ def _complete(frame: Real[:, ::1]) -> cython.void:
 def _solved(
     chart: Real[:, ::1], known: Real[:, ::1], functions: Int, m: Int, degree: Int, system: Real[:, ::1]
 ) -> cython.bint:
-    """Fit heights and values at m points, by Householder's reflections.
+    """Fit heights and values at m points by Householder reflections.
 
-    The coefficients replace the right-hand sides.
-    The rows of `system` are first the columns of the monomials, then the heights and the values; those of
-    degree d come before those of degree d + 1, and powers of the second coordinate rise within a degree.
+    The coefficients replace the right-hand sides.  The rows of `system` are first the columns of the
+    monomials, then the heights and the values; monomials are ordered by degree, and within a degree by the
+    power of the second coordinate.
     """
     size = (degree + 1) * (degree + 2) // 2
     rows = size + 1 + functions
@@ -461,7 +461,7 @@ def _solved(
             system[size + 1 + j, k] = root * known[k, j]
     for c in range(size):
         whole, left = dot(system, c, system, c, 0, m), dot(system, c, system, c, c, m)
-        if left <= 1e-6 * 1e-6 * whole:  # with less left of a column, the fit is not determined
+        if left <= 1e-6 * 1e-6 * whole:  # the fit is undetermined
             return False
         diagonal = -sqrt(left) if system[c, c] > 0 else sqrt(left)
         system[c, c] -= diagonal
@@ -469,7 +469,7 @@ def _solved(
         for r in range(c + 1, rows):
             part = scale * dot(system, c, system, r, c, m)
             subtract_multiple(part, system, c, system, r, c, m)
-        system[c, c] = diagonal  # the reflection has done its work
+        system[c, c] = diagonal  # the reflection has been applied
     for r in range(size, rows):
         for c in range(size - 1, -1, -1):
             for j in range(c + 1, size):
@@ -483,11 +483,11 @@ def _solved(
 def _set_tensors(
     system: Real[:, ::1], row: Int, frame: Real[:, ::1], dual: Real[:, ::1], tensors: Real[:, :, ::1]
 ) -> cython.void:
-    """Fill in the surface's second derivatives along its normal, then the Hessians of the functions.
+    """Compute the surface's second derivatives along its normal, then the Hessians of the functions.
 
-    With z the height, the metric of the graph is ``g = 1 + dz dz``; its normal component of second
+    With z the height, the metric of the graph is ``g = 1 + dz dz``; the normal component of its second
     derivatives is ``z_ij / W``, ``W^2 = 1 + |dz|^2``, and the Hessian of f is ``f_ij - z_ij (dz . df) /
-    W^2``.  Their coefficients are rows of the system from one on.
+    W^2``.  Their coefficients are in `row` and the following rows of the system.
     """
     p, q = system[row, 1], system[row, 2]
     square = 1.0 + p * p + q * q

@@ -19,13 +19,13 @@ from isoembed.surface.measures import edge_lengths, face_normals
 @short_repr
 @dataclass(frozen=True, eq=False)
 class TriangleFaces:
-    """Faces that are the triangles.
+    """Triangular faces.
 
     Attributes
     ----------
     triangulation : Triangulation
     of_triangles : ndarray of int, shape (F,)
-        The face that each triangle is part of.
+        Face containing each triangle.
     """
 
     triangulation: Triangulation
@@ -33,7 +33,7 @@ class TriangleFaces:
 
     @property
     def polygons(self) -> Indices | Sequence[Indices]:
-        """The vertices around each face, counterclockwise seen from outside."""
+        """Vertices of each face, counterclockwise as seen from outside."""
         return self.triangulation.faces
 
     @property
@@ -43,7 +43,7 @@ class TriangleFaces:
 
     @property
     def edges(self) -> Mask:
-        """Edges between two faces, shape (E,): the others are diagonals, which might lie elsewhere."""
+        """Edges between two faces, shape (E,): the others are diagonals, which are arbitrary."""
         return frozen(np.ones(self.triangulation.n_edges, dtype=np.bool_))
 
     def __len__(self) -> int:
@@ -53,11 +53,11 @@ class TriangleFaces:
 @short_repr
 @dataclass(frozen=True, eq=False)
 class FlatFaces(TriangleFaces):
-    """Faces of a convex polyhedron, each of one triangle or of several that lie in one plane.
+    """Faces of a convex polyhedron, each of one or more coplanar triangles.
 
-    Triangles are in one face where the dihedral angle between them is below 1e-7 radians.  Those that
-    rounding may turn by more are in the face that they are bent least to.  Where the coordinates that the
-    lengths come from were rounded, angles that this may have made do not count either.
+    Triangles belong to the same face if the dihedral angle between them is below 1e-7 radians.  Slivers that
+    rounding may rotate by more join the neighboring face with the smallest dihedral angle.  If the lengths
+    come from rounded coordinates, angles within the effect of the rounding do not count either.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class FlatFaces(TriangleFaces):
     lengths : ndarray, shape (E,)
         Lengths of the edges of the triangles, in the `unit` of the surface.
     flat : ndarray of bool, shape (V,)
-        The vertices inside faces and edges.
+        Vertices inside faces and edges.
     """
 
     lengths: Floats
@@ -84,7 +84,7 @@ class FlatFaces(TriangleFaces):
         vertices : ndarray, shape (V, 3)
         space : Space
         error : float
-            Of the vertices, from rounded coordinates.
+            Error of the vertices from rounded coordinates.
         flat : ndarray of bool, shape (V,)
         """
         faces = frozen(coplanar_faces(triangulation, vertices, space, error))
@@ -93,9 +93,9 @@ class FlatFaces(TriangleFaces):
 
     @cached_property
     def polygons(self) -> tuple[Indices, ...]:
-        """The vertices around each face, counterclockwise seen from outside.
+        """Vertices around each face, counterclockwise as seen from outside.
 
-        Flat vertices on an edge of the polyhedron are in the outlines, those inside a face are not.
+        Flat vertices on an edge of the polyhedron are included, those inside a face are not.
         """
         t = self.triangulation
         start, faces = t.faces.ravel(), self.of_triangles
@@ -115,7 +115,7 @@ class FlatFaces(TriangleFaces):
 
     @cached_property
     def edges(self) -> Mask:
-        """Edges between two faces, shape (E,): the others are diagonals, which might lie elsewhere."""
+        """Edges between two faces, shape (E,): the others are diagonals, which are arbitrary."""
         left, right = self.of_triangles[self.triangulation.edge_flanks // 3].T
         return frozen((left != right) | self.triangulation.boundary_edges)
 
@@ -123,9 +123,9 @@ class FlatFaces(TriangleFaces):
         return int(self.of_triangles.max()) + 1
 
     def vertex_shares(self, areas: Floats) -> Floats:
-        """The vertices' shares, (V,), of the areas of the triangles, (F,).
+        """Vertex areas, (V,), from the areas of the triangles, (F,).
 
-        Each face's area goes in equal parts to the vertices in it, wherever its diagonals are.
+        Each face's area is divided equally among its vertices, independently of its diagonals.
         """
         whole = np.bincount(self.of_triangles, areas)
         polygon = np.repeat(self.of_triangles, 3)
@@ -135,24 +135,23 @@ class FlatFaces(TriangleFaces):
 
 
 def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
-    """Closed ways around the faces that creases bound.
+    """Boundary cycles of the faces bounded by creases.
 
     Parameters
     ----------
     triangulation : Triangulation
     creased : ndarray of bool, shape (3F,)
-        The half-edges on creases; with each its twin, and all on a boundary.
+        Half-edges on creases, closed under twins and including those on the boundary.
 
     Returns
     -------
     list of list of int
-        The half-edges of each way, one after the other, with the face to their left.  A face with holes has
-        several.
+        Consecutive half-edges of each cycle, with the face to their left.  A face with holes has several.
     """
     t = triangulation
     halfedge = np.arange(t.faces.size)
     following = halfedge + np.where(halfedge % 3 == 2, -2, 1)
-    # At the end of a half-edge of an outline, turn around to the next: past all edges that are flat.
+    # At the end of a half-edge of an outline, rotate past all flat edges to the next one.
     rim = np.flatnonzero(creased)
     successor = following.copy()
     while (inside := rim[~creased[successor[rim]]]).size:
@@ -171,9 +170,9 @@ def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
 
 
 def flat_faces(triangulation: Triangulation, creased: Mask) -> Indices:
-    """The face that each triangle is part of, shape (F,), numbered in the order of their first triangles.
+    """Face containing each triangle, shape (F,), numbered in the order of the faces' first triangles.
 
-    The creases are as of `outlines`.
+    The creases are as in `outlines`.
     """
     t = triangulation
     inside = np.flatnonzero(~creased)
@@ -183,9 +182,9 @@ def flat_faces(triangulation: Triangulation, creased: Mask) -> Indices:
 def coplanar_faces(
     triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN, error: float = 0.0
 ) -> Indices:
-    """The flat face that each triangle is part of, shape (F,).
+    """Flat face containing each triangle, shape (F,).
 
-    A triangle so low that rounding turns it joins the face to which it is bent least, but joins no two.
+    A sliver that rounding may rotate joins the face with the smallest dihedral angle, but never merges two.
 
     Parameters
     ----------
@@ -193,15 +192,15 @@ def coplanar_faces(
     vertices : ndarray, shape (V, 3)
     space : Space, optional
     error : float, optional
-        Bound on the error of a vertex, from coordinates that were rounded: triangles are one face where no
-        bend between them is larger than its `bend_errors`, and all vertices are near one plane.
+        Bound on the error of a vertex from rounded coordinates: triangles form one face if no dihedral angle
+        between them exceeds its `bend_errors`, and all vertices are near one plane.
     """
     t = triangulation
     angles = np.abs(dihedral_angles(t, vertices, space))
     turned = turning_errors(t, vertices, space)
     flat, flanks = (angles <= FLAT_ANGLE) & ~t.boundary_edges, t.edge_flanks // 3
     faces = flat_faces(t, ~flat[t.face_edges.ravel()])
-    known = np.bincount(faces, turned <= FLAT_ANGLE) > 0  # by a triangle that is not as low
+    known = np.bincount(faces, turned <= FLAT_ANGLE) > 0  # faces with a triangle that is not a sliver
     doubtful = np.flatnonzero(~flat & (angles <= FLAT_ANGLE + turned[flanks].max(axis=1)))
     joined = np.arange(len(known))
     for e in doubtful[np.argsort(angles[doubtful], kind="stable")].tolist():
@@ -213,14 +212,14 @@ def coplanar_faces(
     if error:
         bent = (angles > FLAT_ANGLE + bend_errors(t, vertices, space, error)) | t.boundary_edges
         wide = flat_faces(t, bent[t.face_edges.ravel()])
-        # Many small bends may lead around a surface that is smooth: that is not a face.
+        # Many small bends may add up on a smooth surface, which is not a face.
         curved = _heights(t, vertices, wide) > 2 * error
         found = np.unique(np.where(curved, len(faces) + found, wide), return_inverse=True)[1]
-    return found if found.any() else faces  # of a needle all is doubtful, and a closed surface is no face
+    return found if found.any() else faces  # a needle is all slivers, and a closed surface is not one face
 
 
 def _heights(t: Triangulation, vertices: Floats, faces: Indices) -> Floats:
-    """Half the extent of each triangle's face normal to its plane, shape (F,)."""
+    """Half the extent of each triangle's face perpendicular to its plane, shape (F,)."""
     normals = np.column_stack([np.bincount(faces, n) for n in face_normals(t.faces, vertices).T])
     sizes = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = normals / np.maximum(sizes, np.finfo(np.float64).tiny)

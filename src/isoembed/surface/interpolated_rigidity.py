@@ -1,8 +1,8 @@
 """Rigidity matrix of an interpolated surface.
 
-The surface is ``P z``, z the values of the chosen vertices.  Of each cell some edges are measured: those
-inside or, if there are few, all that it has a part in.  Their ends are interpolated from the cell's stencil,
-so that the products of their rows are one dense matrix a cell.
+The surface is ``P z``, where z are the positions of the coarse vertices.  In each cell some edges are
+measured: those inside it or, if these are few, also those across its border.  Their ends are interpolated
+from the cell's stencil, so that the products of their rows form one dense matrix per cell.
 """
 
 from __future__ import annotations
@@ -18,34 +18,34 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.interpolation import CellRows, Stencils
 from isoembed.surface.interpolation_loops import cell_products
 
-MAX_EDGES = 30  # measured in a cell: an interpolated surface has fewer degrees of freedom
-DIAGONAL_SHIFT = 1e-6  # relative: beyond rounding in single precision
+MAX_EDGES = 30  # measured edges per cell: an interpolated surface has fewer degrees of freedom
+DIAGONAL_SHIFT = 1e-6  # relative: above the rounding error of single precision
 
 
 class InterpolatedRigidity:
-    """Edges within cells, as functions of the chosen vertices' values.
+    """Edges within cells as functions of the coarse vertices' positions.
 
     Parameters
     ----------
     triangulation : Triangulation
-        Of all vertices.
+        Fine triangulation, of all vertices.
     stencils : Stencils
     work : Work, optional
-        Counts the factorizations.
+        Counter of factorizations.
 
     Attributes
     ----------
     edges : ndarray of int, shape (M,)
-        Those measured, cell by cell; on the border of small cells some twice.
+        Measured edges, cell by cell; some edges on the border of small cells appear twice.
     of_edge : ndarray of int, shape (M,)
-        Their cells.
+        Cell of each measured edge.
     """
 
     def __init__(self, triangulation: Triangulation, stencils: Stencils, work: Work | None = None) -> None:
         self._triangulation, self._stencils, self._work = triangulation, stencils, work
         cells = stencils.cells.of_vertex[triangulation.edges]
         inner = np.flatnonzero(cells[:, 0] == cells[:, 1])
-        # too few edges inside: those across the border are measured, too
+        # with too few edges inside, those across the border are measured, too
         few = np.bincount(cells[inner, 0], minlength=len(stencils.cells.vertices)) < 6
         across = [np.flatnonzero((cells[:, 0] != cells[:, 1]) & few[cells[:, end]]) for end in (0, 1)]
         edges = np.concatenate([inner, *across])
@@ -54,13 +54,13 @@ class InterpolatedRigidity:
         edges, of_edge = edges[order], of_edge[order]
         counts = np.bincount(of_edge, minlength=len(few))
         rank = np.arange(len(edges)) - np.repeat(np.cumsum(counts) - counts, counts)
-        # Every so many, so that few enough are left: where a whole number of shares is passed.
+        # Evenly spaced subset of at most MAX_EDGES edges per cell.
         of, most = counts[of_edge], MAX_EDGES
         kept = (of <= most) | ((rank + 1) * most // of > rank * most // of)
         self.edges, self.of_edge = edges[kept], of_edge[kept]
 
     def interpolated(self, positions: Floats) -> tuple[CellRows, CellRows]:
-        """All vertices, (V, C), and the differences of both ends of the edges, (M, C), in these charts."""
+        """Interpolation of vertices, (V, C), and edge vectors, (M, C), in charts at these positions."""
         stencils, places = self._stencils, self._triangulation.edges[self.edges]
         cell, n = stencils.cells.of_vertex, len(stencils.cells.vertices)
         across = cell[places] != self.of_edge[:, None]  # ends outside the edge's cell
@@ -70,12 +70,12 @@ class InterpolatedRigidity:
         source = np.concatenate([cell, pairs % n])
         P = stencils.interpolation(positions, self._triangulation.faces, vertices, source)
         first, second = (P[place] for place in places.T)
-        first.data -= second.data  # of one stencil
+        first.data -= second.data  # both ends have the same stencil
         return CellRows.of(stencils, P, cell), CellRows.of(stencils, first, self.of_edge)
 
     @cached_property
     def pattern(self) -> csc_array:
-        """Sparsity pattern of the coupling of the chosen vertices, (C, C)."""
+        """Sparsity pattern of the coupling of the coarse vertices, (C, C)."""
         stencils = self._stencils.pattern
         products = csc_array(stencils.T @ stencils)
         products.sort_indices()
@@ -103,21 +103,21 @@ class InterpolatedRigidity:
         return np.flatnonzero(pattern.indices == columns)
 
     def factor(self, differences: CellRows, rows: Floats, penalty: csr_array) -> SymmetricFactor:
-        """Factor ``(J P)^T J P + penalty``, in single precision, the penalty acting on x, y and z alike.
+        """Factor ``(J P)^T J P + penalty`` in single precision; the penalty acts on x, y and z alike.
 
         Parameters
         ----------
         differences : CellRows, (M, C)
             As from `interpolated`.
         rows : ndarray, shape (M, 3)
-            The gradients of the residuals by the differences.
+            Gradients of the residuals with respect to the edge vectors.
         penalty : sparse, shape (C, C)
-            Symmetric; couples no more than `pattern`.
+            Symmetric matrix with its pattern contained in `pattern`.
 
         Raises
         ------
         SingularMatrix
-            It is not positive definite.
+            The matrix is not positive definite.
         """
         pattern = self.pattern
         values = cell_products(

@@ -21,13 +21,13 @@ DEGREE = 5
 
 @dataclass(frozen=True, eq=False)
 class Stencils:
-    """The chosen vertices whose values are used in each cell: three rings of triangles, and its own.
+    """Interpolation stencils: the coarse vertex of each cell and those within three rings around it.
 
     Attributes
     ----------
     cells : VertexCells
     triangulation : Triangulation
-        Of the chosen vertices.
+        Coarse triangulation, of the cells' vertices.
     """
 
     cells: VertexCells
@@ -35,7 +35,7 @@ class Stencils:
 
     @cached_property
     def pattern(self) -> csr_array:
-        """The chosen vertices by cell, ascending, (C, C)."""
+        """Coarse vertices in the stencil of each cell, ascending, (C, C)."""
         n = self.triangulation.n_vertices
         adjacency = self.triangulation.adjacency
         indptr, indices = neighborhoods((adjacency.indptr, adjacency.indices), THREE_RINGS)
@@ -45,18 +45,18 @@ class Stencils:
         return pattern
 
     def interpolation(self, positions: Floats, faces: Indices, vertices: Indices, cell: Indices) -> csr_array:
-        """Weights of the chosen vertices' values in those of some vertices, shape (n, C).
+        """Interpolation weights of the coarse vertices at some fine vertices, shape (n, C).
 
         Parameters
         ----------
         positions : ndarray, shape (V, 3)
-            Of a smooth surface, in whose tangent planes the polynomials are fitted.
+            Vertices of a smooth surface, in whose tangent planes the polynomials are fitted.
         faces : ndarray of int, shape (F, 3)
-            Of all its vertices.
+            Fine triangles.
         vertices : ndarray of int, shape (n,)
-            Where values are wanted.
+            Vertices to interpolate at.
         cell : ndarray of int, shape (n,)
-            Whose stencil each is interpolated from: that of its own cell, or of one that it borders on.
+            Cell whose stencil is used for each: its own or an adjacent one.
         """
         chosen = positions[self.cells.vertices]
         lengths = edge_lengths(self.triangulation.edges, chosen)
@@ -71,20 +71,20 @@ class Stencils:
 
 @dataclass(frozen=True, eq=False)
 class CellRows:
-    """A matrix (n, C) whose rows, cell by cell, have entries at the stencil of their cell.
+    """Matrix (n, C) in which the nonzeros of a row are those of its cell's stencil.
 
-    Products with it are those of a small dense matrix a cell.
+    Products with it are computed with one small dense matrix per cell.
 
     Attributes
     ----------
     rows : ndarray of int, shape (n,)
-        Their numbers, cell by cell.
+        Row indices, grouped by cell.
     starts : ndarray of int, shape (C + 1,)
-        Those of a cell are ``rows[starts[cell] : starts[cell + 1]]``.
+        Row pointers: the rows of a cell are ``rows[starts[cell] : starts[cell + 1]]``.
     stencils : (indptr, indices)
-        Of the cells.
+        Stencils of the cells.
     weights : ndarray, shape (nnz,)
-        The entries, in this order.
+        Entries, in this order.
     """
 
     rows: Indices
@@ -94,16 +94,16 @@ class CellRows:
 
     @classmethod
     def of(cls, stencils: Stencils, weights: csr_array, cell: Indices) -> CellRows:
-        """The rows of a matrix as from `Stencils.interpolation`, with the cell of each."""
+        """Group the rows of a matrix from `Stencils.interpolation` by their cells."""
         rows = np.argsort(cell, kind="stable")
         pattern = stencils.pattern
         starts = np.searchsorted(cell[rows], np.arange(pattern.shape[0] + 1))
         return cls(rows, starts, (pattern.indptr, pattern.indices), weights[rows].data)
 
     def __matmul__(self, values: Floats) -> Floats:
-        """The products, (n, 3), with values (C, 3)."""
+        """Product with values (C, 3), (n, 3)."""
         return products_of(self.rows, self.starts, *self.stencils, self.weights, values)
 
     def transposed(self, forces: Floats) -> Floats:
-        """The products, (C, 3), of the transposed matrix with forces (n, 3)."""
+        """Product of the transposed matrix with forces (n, 3), (C, 3)."""
         return transposed_products(self.rows, self.starts, *self.stencils, self.weights, forces)

@@ -1,5 +1,5 @@
 # cython: boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False, infer_types=True
-"""Compiled interpolation from coarse vertices: choice of the vertices, products, rigidity."""
+"""Compiled interpolation from coarse vertices: their selection, matrix products, rigidity."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ INF = cython.declare(cython.double, float("inf"))
 def chosen_centers(
     indptr: ConstInt[::1], indices: ConstInt[::1], hops: ConstReal[::1], order: ConstInt[::1], radius: Real
 ):
-    """Vertices, in order, farther than the radius from those before; and the cell of every vertex."""
+    """Vertices, in order, farther than the radius from all chosen before, and the cell of every vertex."""
     n = indptr.shape[0] - 1
     distance: Real[::1] = np.full(n, INF)
     cell: Int[::1] = np.full(n, -1, dtype=np.int64)
     waiting: Int[::1] = np.empty(n, dtype=np.int64)
-    is_waiting: Flag[::1] = np.zeros(n, dtype=np.bool_)  # round and round
+    is_waiting: Flag[::1] = np.zeros(n, dtype=np.bool_)  # `waiting` is a ring buffer
     chosen: Int[::1] = np.empty(n, dtype=np.int64)
     count: Int = 0
     head: Int
@@ -88,7 +88,7 @@ def transposed_products(
     at: Int = 0
     for cell in range(starts.shape[0] - 1):
         begin, size = indptr[cell], indptr[cell + 1] - indptr[cell]
-        sums[:, :size] = 0.0  # rows of numbers are added up at once
+        sums[:, :size] = 0.0  # contiguous rows vectorize
         for p in range(starts[cell], starts[cell + 1]):
             row = rows[p]
             for k in range(3):
@@ -110,9 +110,9 @@ def projected(
     indptr: ConstInt[::1],
     indices: ConstInt[::1],
 ):
-    """Targets in the tangent planes at points, in their units, (nnz, 2).
+    """Orthogonal projections of targets to the tangent planes at points, in their units, (nnz, 2).
 
-    Not in polar charts: these are not smooth coordinates of a surface that is curved otherwise than a sphere.
+    Polar charts would not be smooth coordinates on surfaces other than spheres.
     """
     x: Real
     y: Real
@@ -151,9 +151,9 @@ def cell_products(
     indptr: ConstInt[::1],
     indices: ConstInt[::1],
 ):
-    """The sum of the products of the rows of each cell, a symmetric matrix in blocks of 3 x 3.
+    """Sum of the Gram matrices of each cell's rows, a symmetric matrix in blocks of 3 x 3.
 
-    They are added up below the diagonal, a block at one place, then copied to the columns and above it.
+    It is accumulated below the diagonal block by block, then copied to the columns and above the diagonal.
     """
     n = indptr.shape[0] - 1
     diagonal: Int[::1] = np.empty(n, dtype=np.int64)
@@ -177,7 +177,7 @@ def cell_products(
                 for k in range(3):
                     J[edge - first, 3 * j + k] = differences[at] * rows[edge, k]
                 at += 1
-        products: Single[:, ::1] = np.dot(dense.T, dense.copy())  # of itself, NumPy would copy half of it
+        products: Single[:, ::1] = np.dot(dense.T, dense.copy())  # without the copy, NumPy mirrors one half
         for j in range(size):
             p = diagonal[stencil_indices[begin + j]]
             for i in range(j, size):

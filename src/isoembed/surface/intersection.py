@@ -7,28 +7,28 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Indices, Mask
 
-CONTACT = 2.0**-47  # largest coordinates of a pair: what is closer is in contact
-CHUNK = 1 << 15  # pairs that are compared at once, which bounds the memory
+CONTACT = 2.0**-47  # relative to the largest coordinate of a pair: closer points are in contact
+CHUNK = 1 << 15  # pairs compared at once, which bounds the memory
 
 
 def self_intersections(faces: ArrayLike, vertices: ArrayLike, reach: float = 0.0) -> Indices:
-    """Pairs of triangles that meet where they should not.
+    """Pairs of intersecting triangles.
 
-    Two triangles intersect if they have a point in common beyond the corner or the edge that they share:
+    Two triangles intersect if they have a point in common beyond their shared corner or edge:
     triangles without a common corner if they touch or cross, triangles with one common corner if they meet
-    anywhere else, triangles with a common edge if they are folded flat on each other.  Contact counts, and
-    what double precision cannot tell from contact is contact: points closer than 7e-15 times the largest
-    coordinate of the pair.  Coplanar triangles that meet in their common corner or edge alone (a subdivided
-    flat face) do not intersect.  A triangle without area may be found to intersect its neighbors.
+    anywhere else, triangles with a common edge if they are folded flat on each other.  Contact counts as
+    intersection, and so do points closer than 7e-15 times the largest coordinate of the pair, which double
+    precision cannot distinguish from contact.  Coplanar triangles that meet only in their common corner or
+    edge (a subdivided flat face) do not intersect.  A triangle without area may intersect its neighbors.
 
     Parameters
     ----------
     faces : array_like of int, shape (F, 3)
     vertices : array_like of float, shape (V, 3)
-        Finite; of any size.
+        Finite coordinates of any scale.
     reach : float
-        How far vertices may be from their places.  Faces that are not returned do not intersect wherever the
-        vertices are within this.
+        Bound on the error of the vertices.  Pairs not returned do not intersect for any vertices within this
+        distance of the given ones.
 
     Returns
     -------
@@ -38,9 +38,9 @@ def self_intersections(faces: ArrayLike, vertices: ArrayLike, reach: float = 0.0
     Notes
     -----
     Disjoint triangles have a separating plane that is parallel to one of them, or to an edge of each, or
-    upright on one of them along an edge (Gottschalk, Lin and Manocha, "OBBTree", 1996).  Any direction that
-    separates proves disjointness, however badly it is rounded: needles cannot produce a false "disjoint".
-    The cost is that of the overlapping boxes: about N log N for a good triangulation of a surface.
+    perpendicular to one of them along an edge (Gottschalk, Lin and Manocha, "OBBTree", 1996).  Any separating
+    direction proves disjointness, however inaccurate: needles cannot produce a false "disjoint".
+    The cost is proportional to the number of overlapping boxes: about N log N for a good triangulation.
     """
     corners = np.asarray(faces, dtype=np.int64)
     points = np.asarray(vertices, dtype=np.float64)
@@ -61,13 +61,13 @@ def _overlapping_boxes(triangles: Floats, reach: float) -> Iterator[Indices]:
     if count == 0:
         return
     depth = (count - 1).bit_length()
-    # Room for the rounding of coordinates, so that contact is not lost here.
+    # Margin for the rounding of coordinates, so that no contact is missed.
     room = CONTACT * np.abs(triangles).max(axis=(1, 2))[:, None] + reach
     low, high = triangles.min(axis=1) - room, triangles.max(axis=1) + room
     centers = low + high
     order = np.concatenate([np.arange(count), np.full((1 << depth) - count, -1)])[None]
     for _ in range(depth):
-        # Split each node at the median along its widest direction; the -1 that fill up the tree go last.
+        # Split each node at the median along its widest direction; the padding (-1) goes last.
         filled = order[..., None] >= 0
         center = centers[order]
         width = np.where(filled, center, -np.inf).max(axis=1) - np.where(filled, center, np.inf).min(axis=1)
@@ -103,7 +103,7 @@ def _overlapping_boxes(triangles: Floats, reach: float) -> Iterator[Indices]:
 
 
 def _intersect(faces: Indices, points: Floats, pairs: Indices, reach: float) -> Mask:
-    """Decide the pairs, one kind of neighborhood after the other."""
+    """Decide whether the pairs intersect, by the number of shared corners."""
     first, second = faces[pairs[:, 0]], faces[pairs[:, 1]]
     same = first[:, :, None] == second[:, None, :]
     shared = same.sum(axis=(1, 2))
@@ -112,14 +112,14 @@ def _intersect(faces: Indices, points: Floats, pairs: Indices, reach: float) -> 
         chosen = np.flatnonzero(shared == count)
         if len(chosen) == 0:
             continue
-        # Bring the odd corner to the front of each triangle: the one shared, or of two shared the third.
+        # Bring the distinguished corner to the front: the only shared one, or that opposite a shared edge.
         odd = 1 if count == 1 else 0
         i = (same[chosen].any(axis=2) == odd).argmax(axis=1)[:, None]
         j = (same[chosen].any(axis=1) == odd).argmax(axis=1)[:, None]
         turn = np.arange(3)
         p = points[np.take_along_axis(first[chosen], (i + turn) % 3, axis=1)]
         q = points[np.take_along_axis(second[chosen], (j + turn) % 3, axis=1)]
-        # Work in the pair's own unit, from one of its corners.
+        # Use the pair's own unit, with one of its corners as the origin.
         coordinate = np.maximum(np.abs(p).max(axis=(1, 2)), np.abs(q).max(axis=(1, 2)))
         origin = p[:, -1:] if count == 2 else p[:, :1]
         p, q = p - origin, q - origin
@@ -133,7 +133,7 @@ def _intersect(faces: Indices, points: Floats, pairs: Indices, reach: float) -> 
 def _apart(p: Floats, q: Floats, contact: Floats, moves: Floats) -> Mask:
     """Whether triangles without a common corner are disjoint, shapes (n, 3, 3), (n, 3, 3), (n,), (n,).
 
-    So they are if differences of corners change by no more than `moves`.
+    They remain disjoint if differences of corners change by at most `moves`.
     """
     e, f = np.roll(p, -1, axis=1) - p, np.roll(q, -1, axis=1) - q
     n, m = np.cross(e[:, 0], e[:, 1])[:, None], np.cross(f[:, 0], f[:, 1])[:, None]
@@ -150,9 +150,9 @@ def _apart(p: Floats, q: Floats, contact: Floats, moves: Floats) -> Mask:
 def _apart_at_corner(p: Floats, q: Floats, contact: Floats, moves: Floats) -> Mask:
     """Whether triangles with a common first corner, the origin, meet nowhere else.
 
-    They do where their angles at the corner, cones with two generators each, share a ray.  The separating
-    planes form a cone; its generators are among the `axes`, and their sum, which lies inside it, separates
-    strictly if any plane does.
+    They meet elsewhere if their sectors at the corner, cones with two generators each, share a ray.  The
+    separating planes form a cone; its generators are among the `axes`, and their sum, in the interior of the
+    cone, separates strictly if any plane does.
     """
     sides = [p[:, 1], p[:, 2], -q[:, 1], -q[:, 2]]
     couples = [(0, 1), (2, 3), (0, 2), (0, 3), (1, 2), (1, 3)]
@@ -161,7 +161,7 @@ def _apart_at_corner(p: Floats, q: Floats, contact: Floats, moves: Floats) -> Ma
     axes = _units(np.stack(normals + in_plane, axis=1))
     axes = np.concatenate([axes, -axes], axis=1)
     heights = axes @ np.stack(sides, axis=2)
-    # Zero by construction: what is left is the rounding of the cross product of nearly parallel sides.
+    # Zero by construction, up to rounding of the cross product of nearly parallel sides.
     upright = np.zeros((10, 4), dtype=bool)
     for k, on in enumerate([*couples, (0,), (1,), (2,), (3,)]):
         upright[k, list(on)] = True
@@ -187,6 +187,6 @@ def _apart_at_edge(p: Floats, q: Floats, contact: Floats, moves: Floats) -> Mask
 
 
 def _units(vectors: Floats) -> Floats:
-    """Vectors of length 1 or, without a direction, 0."""
+    """Normalized vectors; zero vectors stay zero."""
     norms = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.divide(vectors, norms, out=np.zeros_like(vectors), where=norms > 0)

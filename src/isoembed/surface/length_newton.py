@@ -1,4 +1,4 @@
-"""Newton's method on the edge lengths of a surface: J d = r in least norm, or in least squares."""
+"""Newton's method on the edge lengths of a surface: minimum-norm or damped solutions of J d = r."""
 
 from typing import Any
 
@@ -22,10 +22,10 @@ def length_newton(
     damping: float = 0.0,
     **stops: Any,
 ) -> Solution[Point]:
-    """Bring the edges of a surface from given vertices, (V, 3), to given lengths, (E,).
+    """Solve for vertices, (V, 3), with given edge lengths, (E,), from a starting surface.
 
-    The value of a point is the largest of the `length_residuals`; `damping` is the mu of `LengthSystem.step`,
-    and the rest is as of `isoembed.nonlinear.newton.newton`.  A recorder counts steps.
+    The merit function is the maximum of the `length_residuals`; `damping` is the mu of `LengthSystem.step`,
+    and the other parameters are those of `isoembed.nonlinear.newton.newton`.  A recorder counts the steps.
     """
 
     def residual(x: Floats) -> Floats:

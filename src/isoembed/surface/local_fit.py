@@ -1,8 +1,8 @@
 """Residuals of local polynomial fits to the neighbors of each vertex.
 
-The polynomial is fitted by weighted least squares over a chart, an image of the neighbors in the plane with
-the vertex itself at the origin.  Its value there is its constant term, and the neighbors' weights in that
-term are what is left of the constant column of the fit when all other monomials are projected out of it.
+The polynomial is fitted by weighted least squares in a chart, which maps the neighbors to the plane and the
+vertex itself to the origin.  Its value at the vertex is its constant term, and the neighbors' weights in that
+term are proportional to the constant column of the fit after projecting out all other monomials.
 """
 
 from __future__ import annotations
@@ -24,31 +24,31 @@ from isoembed.surface.fit_loops import fit_constants, rings
 from isoembed.surface.measures import edge_lengths, vertex_normals
 from isoembed.surface.normal_fits import TWO_RINGS, normal_weights
 
-HUB_DEGREE = 32  # neighbors of a vertex with more edges need not be near each other
+HUB_DEGREE = 32  # neighbors of a vertex of higher degree need not be near each other
 
 
-Graph = tuple[NDArray[Any], NDArray[Any]]  # of a vertex i: indices[indptr[i]:indptr[i + 1]]
+Graph = tuple[NDArray[Any], NDArray[Any]]  # neighbors of vertex i: indices[indptr[i]:indptr[i + 1]]
 
 
 def neighborhoods(graph: Graph, least: int = TWO_RINGS, vertices: range | None = None) -> Graph:
-    """The vertices within two edges of each vertex, or within three where two reach too few.
+    """Vertices within two edges of each vertex, or within three if these are too few.
 
-    Paths do not lead through vertices with more than 32 edges: all neighborhoods together stay within a fixed
-    multiple of the triangulation's size.
+    Paths do not lead through vertices with more than 32 edges, so that the total size of all neighborhoods is
+    within a fixed multiple of the triangulation's size.
 
     Parameters
     ----------
     graph : (indptr, indices)
-        Of a triangulation's adjacency.
+        Adjacency graph of a triangulation.
     least : int
-        Fewer neighbors than this are extended by a third ring.
+        Neighborhoods of fewer vertices are extended by a third ring.
     vertices : range, optional
-        The n consecutive vertices whose neighborhoods are wanted; by default all V.
+        The n consecutive vertices whose neighborhoods are returned; by default all V.
 
     Returns
     -------
     (indptr, indices)
-        The neighbors of the n vertices, nearest rings first and the vertex itself not among them.
+        Neighbors of the n vertices, nearest rings first, without the vertex itself.
     """
     chosen = range(len(graph[0]) - 1) if vertices is None else vertices
     indptr, indices = (table.astype(np.int32, copy=False) for table in graph)
@@ -56,19 +56,19 @@ def neighborhoods(graph: Graph, least: int = TWO_RINGS, vertices: range | None =
 
 
 class Surroundings(NamedTuple):
-    """A surface with what charts of it are made of.
+    """Surface with the data for charts around its vertices.
 
     Attributes
     ----------
     graph : (indptr, indices)
-        Of the adjacency.
+        Adjacency graph.
     vertices, normals : ndarray, shape (V, 3)
     units : ndarray, shape (V,)
-        The mean edge length about each vertex.
+        Mean edge length at each vertex.
     heights : ndarray, shape (V,)
         `Space.heights` of the vertices.
     curvature : float
-        Of space.
+        Curvature of space.
     """
 
     graph: Graph
@@ -90,46 +90,46 @@ class Surroundings(NamedTuple):
         return cls(graph, vertices, normals, units, heights, space.curvature)
 
     def in_order(self, order: Indices) -> Surroundings:
-        """Surroundings with the vertices numbered in another order."""
+        """Surroundings with renumbered vertices."""
         indptr, indices, _ = permuted(*self.graph, order, False)
         tables = (self.vertices[order], self.normals[order], self.units[order], self.heights[order])
         return Surroundings((indptr, indices), *tables, self.curvature)
 
     def neighborhoods(self, least: int, at_once: int) -> Iterator[tuple[int, Graph]]:
-        """The `neighborhoods` of all vertices, a number of them at once, and which is the first of these."""
+        """The `neighborhoods` of all vertices in chunks, each with the index of its first vertex."""
         n = len(self.vertices)
         for first in range(0, n, at_once):
             yield first, neighborhoods(self.graph, least, range(first, min(first + at_once, n)))
 
 
 def edge_lengths_about(triangulation: Triangulation, lengths: Floats) -> Floats:
-    """The mean length of the edges at each vertex, (V,); 1 if it is zero, where there is no normal either."""
+    """Mean length of the edges at each vertex, (V,); 1 if it is zero, where there is no normal either."""
     means = sums_at_ends(triangulation, lengths) / triangulation.degrees
     return np.where(means > 0, means, 1.0)
 
 
 def sums_at_ends(triangulation: Triangulation, values: Floats | Mask) -> Floats:
-    """Sum of the values of the edges at each vertex, (V,)."""
+    """Sum of the edge values at each vertex, (V,)."""
     return cast(Floats, np.bincount(triangulation.edges.ravel(), np.repeat(values, 2)))
 
 
 @dataclass(frozen=True)
 class FitResiduals:
-    """``I - fit`` at some vertices: what values there differ by from a fit to their neighbors' values.
+    """``I - fit`` at some vertices: differences of values from a fit to their neighbors' values.
 
-    The fit is the polynomial that comes nearest to the neighbors' values with the weights
-    ``1 / (1/2 + |p|^2)``, evaluated at the vertex, which has no part in it.  It is of lower degree where
-    there are too few neighbors (fewer than 24 for a quintic, 18, 13, 9, 6 for less), or where they lie so
-    that a fit of this degree leaves the value at the origin open (all on one side, or on a conic through it).
+    The fit is the least-squares polynomial for the neighbors' values with the weights ``1 / (1/2 + |p|^2)``,
+    evaluated at the vertex, which is excluded from the fit.  Its degree is reduced if there are too few
+    neighbors (fewer than 24 for a quintic, 18, 13, 9, 6 for lower degrees), or if their positions leave the
+    value at the origin undetermined (all on one side, or on a conic through it).
 
     Attributes
     ----------
     first : int
-        The vertices are n consecutive ones from here on.
+        First of the n consecutive vertices.
     indptr, indices : ndarray of int
         Their `neighborhoods`.
     weights : ndarray, shape (nnz,)
-        Of the neighbors in the fitted values.
+        Weights of the neighbors in the fitted values.
     """
 
     first: int
@@ -144,14 +144,14 @@ class FitResiduals:
         Parameters
         ----------
         first : int
-            Of n vertices.
+            First of the n vertices.
         neighborhoods : (indptr, indices)
-            As from the function of this name, of these vertices.
+            Neighborhoods of these vertices, as from `neighborhoods`.
         charts : ndarray, shape (nnz, 2)
             Coordinates p of each neighbor in the plane, with the vertex at the origin, in units of the mean
             edge length about the vertex.
         degree : int
-            Of the polynomials.
+            Degree of the polynomials.
         """
         indptr, indices = neighborhoods
         weights = np.empty(len(charts))
@@ -160,12 +160,12 @@ class FitResiduals:
         return cls(first, indptr, indices, weights)
 
     def __matmul__(self, values: Floats) -> Floats:
-        """The residuals (n, 3) of values (V, 3); those of polynomials in a vertex's chart are zero."""
+        """Residuals (n, 3) of values (V, 3); zero for polynomials in a vertex's chart."""
         n = len(self.indptr) - 1
         return cast(Floats, values[self.first : self.first + n] - self._fit(len(values)) @ values)
 
     def matrix(self, size: int) -> csr_array:
-        """The rows of these vertices as a matrix (n, V), given V; they sum to zero."""
+        """Rows of these vertices as a matrix (n, V), given V; each row sums to zero."""
         n = len(self.indptr) - 1
         return csr_array(eye_array(n, size, k=self.first, format="csr") - self._fit(size))
 

@@ -1,4 +1,4 @@
-"""Edge lengths, normals, area and volume; outward orientation: the mirror image of positive volume."""
+"""Edge lengths, normals, area and volume; outward orientation: the mirror image with positive volume."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from isoembed.surface.triangle_loops import face_areas as face_areas
 from isoembed.surface.triangle_loops import face_normals as face_normals
 from isoembed.surface.triangle_loops import vertex_normals as vertex_normals
 
-COPLANAR = 1e-9  # mean edge lengths: boundaries of caps in files
+COPLANAR = 1e-9  # in mean edge lengths: boundaries of caps in files
 
 
 def edge_lengths(edges: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
@@ -55,16 +55,16 @@ def volume(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> float:
 
 
 def above_boundary(triangulation: Triangulation, vertices: Floats, error: float = COPLANAR) -> Floats | None:
-    """The vertices about a point in the horizontal plane of the boundary, (V, 3); None if there is no such.
+    """Vertices relative to a point in the horizontal plane of the boundary, (V, 3); None if there is none.
 
-    About this point, the `cone_sum` is the volume between surface and plane, as the plane adds none.
+    Their `cone_sum` is the volume between surface and plane, as the plane does not contribute.
 
     Parameters
     ----------
     triangulation : Triangulation
     vertices : ndarray, shape (V, 3)
     error : float, optional
-        Mean edge lengths by which the heights of the boundary may differ.
+        Tolerance of the boundary heights, in mean edge lengths.
     """
     t = triangulation
     heights = vertices[t.boundary_vertices, 2]
@@ -81,7 +81,7 @@ def cone_sum(faces: Indices, vertices: Floats) -> float:
 def outward(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
     """Return the vertices, or their mirror image if the volume is negative.
 
-    It has the sign of the volume in projective coordinates.
+    The volume has the same sign in projective coordinates, where it is computed.
     """
     straight = to_model(space, vertices, "projective") if not space.is_euclidean else vertices
     return vertices if volume(faces, straight) >= 0 else vertices * np.array([1.0, 1.0, -1.0])

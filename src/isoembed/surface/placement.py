@@ -13,12 +13,12 @@ from isoembed.surface.principal_axes import SAME, points_backward, principal_axe
 
 
 def standard_position(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Move a closed surface to a place that its shape and the numbers of its vertices determine.
+    """Move a closed surface to a position determined by its shape and the numbering of its vertices.
 
-    Its triangles are counterclockwise from outside.  The centroid of its area, in curved space the center of
-    its vertices, is at the origin, and its principal axes are those of the coordinates, longest first.
-    Rounding of the vertices moves the result by some rounding over `principal_axes.EQUAL` at most, also where
-    a symmetry makes moments equal.
+    Its triangles become counterclockwise as seen from outside.  The centroid of its area, in curved space the
+    center of its vertices, is moved to the origin, and its principal axes to the coordinate axes, longest
+    first.  Rounding errors of the vertices are amplified at most by the order of 1 / `principal_axes.EQUAL`,
+    even if moments are equal by symmetry.
 
     Parameters
     ----------
@@ -31,10 +31,10 @@ def standard_position(faces: Indices, vertices: Floats, space: Space = EUCLIDEAN
 
 
 def standard_sheet(triangulation: Triangulation, vertices: Floats) -> Floats:
-    """Move a surface in R^3, (V, 3), with boundary or not, as `standard_position` does a closed one.
+    """Move a surface in R^3, (V, 3), with or without boundary, to its standard position.
 
-    Triangles of surfaces with boundary are counterclockwise seen from above, on the average, and of mirror
-    images it is the one with positive int H dA: they bulge upward.
+    Closed surfaces are moved by `standard_position`.  Triangles of surfaces with boundary are, on average,
+    counterclockwise seen from above, and the mirror image with positive int H dA is chosen: it bulges upward.
     """
     t = triangulation
     if t.is_closed:
@@ -51,7 +51,7 @@ def standard_sheet(triangulation: Triangulation, vertices: Floats) -> Floats:
 
 
 def turned_about_vertical(vertices: Floats, boundary: Indices) -> Floats:
-    """Move a surface, (V, 3), horizontally: the boundary's mean to the z axis, the longest axis to x."""
+    """Move a surface, (V, 3), horizontally: mean of the boundary to the z axis, longest axis to x."""
     middle = vertices[boundary].mean(axis=0) * [1.0, 1.0, 0.0]
     across = (vertices - middle) * [1.0, 1.0, 0.0]
     a, b, _ = principal_axes(across, across.T @ across)[:, 0]
@@ -62,7 +62,7 @@ def _on_principal_axes(faces: Indices, vertices: Floats, space: Space = EUCLIDEA
     if not space.is_euclidean:
         center = space.center(vertices)
         heights = space.heights(vertices) * space.heights(center) + space.curvature * (vertices @ center)
-        # On the sphere, bodies wider than a quarter of a great circle may leave the half about the origin.
+        # On the sphere, bodies wider than a quarter of a great circle may leave the hemisphere of the origin.
         points = space.translated(vertices, -center) if (heights > 0).all() else vertices
         return points @ principal_axes(points, points.T @ points)
     points = vertices - vertices.mean(axis=0)

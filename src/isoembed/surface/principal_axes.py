@@ -1,24 +1,24 @@
-"""Principal axes of inertia that rounding cannot turn."""
+"""Principal axes of inertia, insensitive to rounding."""
 
 import numpy as np
 
 from isoembed.arrays import Floats
 
-EQUAL = 1e-4  # relative difference of moments of inertia below which their axes are one plane, or all space
-SAME = 1e-6  # relative difference below which skews and distances are equal
+EQUAL = 1e-4  # relative difference of moments of inertia below which they count as equal
+SAME = 1e-6  # relative difference below which skews and distances count as equal
 
 
 def principal_axes(points: Floats, moments: Floats) -> Floats:
-    """Axes of a centered body, longest first, as columns, right-handed.
+    """Right-handed axes of a centered body as columns, longest first.
 
-    Rounding does not turn them: among axes of equal moments the first one points to the farthest vertex; an
-    axis points along the heavier tail, or, where the tails are alike, to the side of the farthest vertex.
+    Rounding does not rotate them: of axes with equal moments, the first points to the farthest vertex; an
+    axis points along the heavier tail or, if the tails are equal, to the side of the farthest vertex.
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
     moments : ndarray, shape (3, 3)
-        Second moments of their distribution, or of another one of the same symmetry.
+        Second moments of their distribution, or of another one with the same symmetry.
     """
     values, axes = np.linalg.eigh(moments)
     values, axes = values[::-1], axes[:, ::-1].copy()
@@ -36,12 +36,12 @@ def principal_axes(points: Floats, moments: Floats) -> Floats:
 
 
 def points_backward(along: Floats) -> bool:
-    """Whether the heavier tail of coordinates along an axis, (n,), or else the farthest, is negative."""
+    """Whether the heavier tail of coordinates along an axis, (n,), or else the farthest one, is negative."""
     skew = (along**3).sum()
     tails_alike = abs(skew) <= SAME * (np.abs(along) ** 3).sum()
     return bool((along[_farthest(np.abs(along))] if tails_alike else skew) < 0)
 
 
 def _farthest(distances: Floats) -> int:
-    """The first of the vertices that are the farthest but for rounding."""
+    """First of the vertices that are farthest up to rounding."""
     return int(np.argmax(distances >= (1 - SAME) * distances.max()))

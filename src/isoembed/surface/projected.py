@@ -4,8 +4,8 @@ With y = x / w and motions x' = w z of the points, lengths change by
 
     dl_ab/dt = (w_a w_b / sn(l_ab)) (y_a - y_b) . (z_a - z_b):
 
-the rigidity matrix of a surface in a space form is a Euclidean one, its rows scaled (Pogorelov, Topics in the
-theory of surfaces in elliptic space, 1961).  The motions that change no length are ``z = p + q x y``.
+the rigidity matrix of a surface in a space form is a Euclidean one with scaled rows (Pogorelov, Topics in the
+theory of surfaces in elliptic space, 1961).  The isometries are ``z = p + q x y``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from isoembed.space import Space
 
 @dataclass(frozen=True, eq=False)
 class Projected:
-    """Vertices of a surface, in Euclidean space as they are, and what turns z into motions.
+    """Projective coordinates of a surface's vertices (in R^3 the vertices themselves), and motions from z.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Projected:
         return cls(space, vertices, w, vertices if space.is_euclidean else vertices / w[:, None])
 
     def divisors(self, edges: Indices | Indices32, lengths: Floats) -> Floats:
-        """``sn(l_ab) / (w_a w_b)``, shape (E,): what ``y_a - y_b`` is divided by in a row of J."""
+        """``sn(l_ab) / (w_a w_b)``, shape (E,): divisors of ``y_a - y_b`` in the rows of J."""
         if self.space.is_euclidean:
             return lengths
         a, b = edges.T
@@ -57,7 +57,7 @@ class Projected:
         return z if self.space.is_euclidean else self.heights[:, None] * z
 
     def velocities(self, z: Floats) -> Floats:
-        """Motions whose norms are the speeds of the points, (V, 3): carried to the origin by translations."""
+        """Motions translated to the origin, (V, 3): their norms are the speeds of the points."""
         if self.space.is_euclidean:
             return z
         return self.heights[:, None] * z + self._radial(z)
@@ -73,17 +73,17 @@ class Projected:
         return self.space.curvature * along[:, None] * x
 
     def isometries(self) -> Floats:
-        """An orthonormal basis of the `velocities` that change no length, shape (3 V, 6)."""
+        """Orthonormal basis of the `velocities` that change no length, shape (3 V, 6)."""
         return np.linalg.qr(np.column_stack([self.velocities(z).ravel() for z in self._rigid_motions()]))[0]
 
     def rigid_motions(self) -> Floats:
-        """An orthonormal basis of the z that change no length, shape (3 V, 6)."""
+        """Orthonormal basis of the z that change no length, shape (3 V, 6)."""
         return np.linalg.qr(np.column_stack([z.ravel() for z in self._rigid_motions()]))[0]
 
     def without_isometries(self) -> Callable[[Floats], Floats]:
-        """The projection of z, (3 V,), that leaves the isometries out; the identity in Euclidean space.
+        """Projection of z, (3 V,), to the complement of the isometries; the identity in Euclidean space.
 
-        There no isometry changes how smooth a surface is, and steps have none.
+        In Euclidean space isometries do not change the smoothness of a surface, and steps contain none.
         """
         if self.space.is_euclidean:
             return lambda z: z

@@ -2,10 +2,10 @@
 
 A row of J per edge holds ``(x_a - x_b)^T / l_ab`` at a and its negative at b; the edge's residual is
 ``(|x_a - x_b|^2 - l_ab^2) / (2 l_ab)``.
-The step of least norm, ``d = J^T (J J^T + mu I)^-1 r``, needs no triangle pinned: J J^T is an edges x edges
-matrix that is definite whenever the surface is infinitesimally rigid.  At a vertex with hundreds of edges it
-is dense, and J itself, with a triangle held, is not.  In hyperbolic and spherical space J is
-that of the projective coordinates, and acts on the z of `projected`.
+The minimum-norm step, ``d = J^T (J J^T + mu I)^-1 r``, needs no fixed triangle: J J^T is an edges x edges
+matrix that is positive definite whenever the surface is infinitesimally rigid.  At a vertex with hundreds of
+edges it is dense, unlike J itself with a triangle fixed.  In hyperbolic and spherical space J is that of the
+projective coordinates, and acts on the z of `projected`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def length_residuals(
     """
     a, b = triangulation.edges.T
     if not space.is_euclidean:
-        with np.errstate(invalid="ignore"):  # no number beyond the half of the sphere about the origin
+        with np.errstate(invalid="ignore"):  # NaN outside the hemisphere of the origin
             chords, goals = space.chords(vertices[a], vertices[b]), space.chord(lengths)
         return (chords - goals) * (chords + goals) / (2 * space.sn(lengths))
     d = vertices[a] - vertices[b]
@@ -48,7 +48,7 @@ def length_residuals(
 def edge_rows(
     triangulation: Triangulation, vertices: Floats, lengths: Floats, space: Space = EUCLIDEAN
 ) -> Floats:
-    """The nonzeros of J, ``(x_a - x_b) / l_ab``, shape (E, 3).
+    """Nonzeros of J, ``(x_a - x_b) / l_ab``, shape (E, 3).
 
     In hyperbolic and spherical space they act on the z of `projected`, with x' = w z.
     """
@@ -60,7 +60,7 @@ def edge_rows(
 
 @dataclass(frozen=True, eq=False)
 class LinearizedLengths:
-    """J at one surface, and how to solve with ``J J^T + damping I``; edges are in elimination order.
+    """J at one surface, and a factorization of ``J J^T + damping I``, with the edges in elimination order.
 
     In hyperbolic and spherical space it acts on the z of `projected`.
 
@@ -69,7 +69,7 @@ class LinearizedLengths:
     J : RigidityMatrix
     factor : SymmetricFactor
     order : ndarray of int, shape (E,)
-        The edges in that order.
+        Edges in elimination order.
     """
 
     J: RigidityMatrix
@@ -77,20 +77,20 @@ class LinearizedLengths:
     order: Indices
 
     def solve(self, r: Floats) -> Floats:
-        """Solve ``(J J^T + damping I) y = r``, (E,), by the factors as they are."""
+        """Solve ``(J J^T + damping I) y = r``, (E,), without iterative refinement."""
         return self.factor.solve(r, sweeps=0)
 
 
 class LengthSystem:
-    """J J^T of one triangulation: its pattern is analyzed once, its values change with the vertices.
+    """J J^T of one triangulation, with a single symbolic analysis for all positions of the vertices.
 
     Parameters
     ----------
     triangulation : Triangulation
     space : Space, optional
-        Where the surface is.
+        Ambient space.
     work : Work, optional
-        Counts the factorizations.
+        Counter of factorizations.
     """
 
     def __init__(
@@ -98,24 +98,24 @@ class LengthSystem:
     ) -> None:
         self.triangulation, self.space = triangulation, space
         self.work = Work() if work is None else work
-        # The edges are held in the order in which they are eliminated: neighbors then are near in memory.
+        # The edges are stored in elimination order: neighbors are then close in memory.
         by_number = np.arange(triangulation.n_edges)
         self._order = by_number if self._by_vertices else self._dissection.edge_order(triangulation.edges)
         self._ends = triangulation.edges[self._order].astype(np.int32)
 
     def step(self, vertices: Floats, lengths: Floats, residuals: Floats, mu: float = 0.0) -> Floats:
-        """``d = J^T (J J^T + mu I)^-1 r``, (V, 3): to be subtracted from the vertices.
+        """Step ``d = J^T (J J^T + mu I)^-1 r``, (V, 3), to be subtracted from the vertices.
 
         The residuals r, (E,), are the `length_residuals`; mu is Levenberg-Marquardt damping, relative to the
-        mean diagonal of J J^T: 0 is Newton's step.  In hyperbolic and spherical space the step is of the
-        points x, and ``d / w`` is of least norm; the vertices should be about the origin.
+        mean diagonal of J J^T: 0 gives the Newton step.  In hyperbolic and spherical space the step is that
+        of the points x, and ``d / w`` has minimum norm; the vertices should be centered at the origin.
 
         Raises
         ------
         SingularMatrix
             The surface is not infinitesimally rigid and mu is 0.
         OutOfMemory
-            The factors need more memory than is free.
+            The factors exceed the available memory.
         """
         r, surface = residuals[self._order], Projected.of(self.space, vertices)
         J = self._matrix(surface, lengths)
@@ -125,21 +125,21 @@ class LengthSystem:
         linear = LinearizedLengths(J, self._factor(J, damping), self._order)
         d = J.forces(linear.solve(r))
         if mu == 0:
-            # Refined through J: refining the solution of J J^T alone would not reduce this residual.
+            # Refinement through J: refining the solution of J J^T alone would not reduce this residual.
             d = d + J.forces(linear.solve(r - J.rates(d)))
         return surface.motion(d)
 
     def linearized(
         self, vertices: Floats, lengths: Floats, damping: float = 0.0, *, single: bool = False
     ) -> LinearizedLengths:
-        """J where the vertices are, and the factors of ``J J^T + damping I``, in `single` precision or not.
+        """J at the vertices, and the factors of ``J J^T + damping I``, optionally in `single` precision.
 
         Raises
         ------
         SingularMatrix
-            It is singular.
+            The matrix is singular.
         OutOfMemory
-            The factors need more memory than is free.
+            The factors exceed the available memory.
         """
         J = self._matrix(Projected.of(self.space, vertices), lengths)
         return LinearizedLengths(J, self._factor(J, damping, single=single), self._order)
@@ -147,20 +147,21 @@ class LengthSystem:
     def smallest_singular_values(
         self, vertices: Floats, lengths: Floats, count: int
     ) -> tuple[Floats, Floats, Floats]:
-        """The smallest singular values of J, apart from the six of the rigid motions, and their vectors.
+        """Smallest singular values of J, apart from the six of the rigid motions, and their vectors.
 
-        To about three digits: the roots of the smallest eigenvalues of J J^T, by Lanczos' iteration with its
-        inverse, which takes one factorization and some 20 solves.  In hyperbolic and spherical space they are
-        those of the J that acts on velocities, whose norms are speeds: no isometry changes them.
+        The values are accurate to about three digits: square roots of the smallest eigenvalues of J J^T, by
+        Lanczos iteration with its inverse, which takes one factorization and some 20 solves.  In hyperbolic
+        and spherical space they are those of the J that acts on velocities, whose norms are speeds, and are
+        thus invariant under isometries.
 
         Returns
         -------
         sigma : ndarray, shape (count,)
-            Ascending.
+            Singular values, ascending.
         motions : ndarray, shape (count, V, 3)
-            Of unit norm, as velocities: the motions of the vertices that change the lengths least.
+            Motions of the vertices that change the lengths least, of unit norm as velocities.
         changes : ndarray, shape (count, E)
-            Of unit norm: the lengths change by ``sigma changes``, to first order.
+            Unit vectors: the lengths change by ``sigma changes``, to first order.
 
         Raises
         ------
@@ -174,13 +175,13 @@ class LengthSystem:
         factor = self._factor(J)
         n = len(lengths)
         inverse = LinearOperator((n, n), matvec=self._inverse(surface, J, factor), dtype=np.float64)
-        # Lanczos vectors between restarts, beyond those wanted
+        # Lanczos vectors between restarts
         start, kept = np.random.default_rng(0).standard_normal(n), min(n, 8 + count)
-        # a measure, not a solution
+        # an estimate suffices
         _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=kept, tol=1e-3)
         changes = np.empty((count, n))
         changes[:, self._order] = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)
-        # Rayleigh's quotient, through J: rounding in J J^T would hide values below 1e-8.
+        # Rayleigh quotient through J: rounding in J J^T would hide values below 1e-8.
         velocities = np.array([surface.from_velocities(J.forces(change[self._order])) for change in changes])
         sigma = np.linalg.norm(velocities, axis=(1, 2))
         motions = np.array([surface.motion(surface.from_velocities(v)) for v in velocities])
@@ -189,7 +190,7 @@ class LengthSystem:
     def _inverse(
         self, surface: Projected, J: RigidityMatrix, factor: SymmetricFactor
     ) -> Callable[[Floats], Floats]:
-        """The product with the inverse of J J^T, J being that of velocities."""
+        """Product with the inverse of J J^T, where J acts on velocities."""
         solve = partial(factor.solve, sweeps=0)
         if self.space.is_euclidean:
             return solve
@@ -229,9 +230,9 @@ class LengthSystem:
         return VertexSystem(self.triangulation, work=self.work)
 
     def _step_by_vertices(self, surface: Projected, J: RigidityMatrix, r: Floats, damping: float) -> Floats:
-        """Newton step by factors of J^T J; without damping, by those of J with a triangle held.
+        """Newton step by factorizing J^T J or, without damping, J with a triangle fixed.
 
-        J then is square, and its factors lose half as many digits as those of J^T J.
+        J is then square, and its factors lose half as many digits as those of J^T J.
         """
         rows = np.empty_like(J.rows)
         rows[self._order] = J.rows
@@ -255,7 +256,7 @@ class LengthSystem:
 
 
 def _square(J: RigidityMatrix, positions: Floats) -> csc_array:
-    """J, and six rows more that hold a triangle of vertices which are far from each other, (3 V, 3 V)."""
+    """J with six more rows that fix a triangle of distant vertices, (3 V, 3 V)."""
     away = positions - positions.mean(axis=0)
     a = int(np.linalg.norm(away, axis=1).argmax())
     away = positions - positions[a]

@@ -67,7 +67,7 @@ def vertex_forces(ends: ConstInt32[:, ::1], rows: ConstReal[:, ::1], tensions: C
     for e in range(ends.shape[0]):
         a, b = ends[e, 0], ends[e, 1]
         x, y, z = rows[e, 0] * tensions[e], rows[e, 1] * tensions[e], rows[e, 2] * tensions[e]
-        forces[a, 0] += x  # a loop would read these back ten times as slowly
+        forces[a, 0] += x  # unrolled: a loop would be ten times slower
         forces[a, 1] += y
         forces[a, 2] += z
         forces[b, 0] -= x
@@ -94,6 +94,6 @@ def gram_values(
                 values[p] = 2.0 * product + shift
             elif ends[f, 0] == a or ends[f, 1] == b:
                 values[p] = product
-            else:  # one ends where the other begins
+            else:  # one ends where the other starts
                 values[p] = -product
     return np.asarray(values)

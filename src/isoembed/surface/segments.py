@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 class Segments(NamedTuple):
-    """Straight pieces of lines on a surface.
+    """Straight segments on a surface.
 
     Attributes
     ----------
     ends : ndarray, shape (n, 2, 3)
     faces : ndarray of int, shape (n, 2)
-        The triangles on both sides of each: the same twice, unless it lies along an edge.
+        Triangles on both sides of each: the same one twice, unless it lies along an edge.
     """
 
     ends: Floats
@@ -36,14 +36,14 @@ class Segments(NamedTuple):
 
     @classmethod
     def along(cls, paths: EdgePaths, which: Indices, vertices: Floats) -> Segments:
-        """The pieces of paths, from one edge of the triangles that they cross to the next.
+        """Segments of paths between consecutive crossings of triangle edges.
 
         Parameters
         ----------
         paths : EdgePaths
-            On triangles of which no two have the same ends of an edge.
+            Paths on a triangulation without multiple edges.
         which : ndarray of int
-            Of the paths, those that are wanted and were found.
+            Indices of the paths, which must have been found.
         vertices : ndarray, shape (V, 3)
         """
         tables, points = paths.tables, paths.points(vertices)

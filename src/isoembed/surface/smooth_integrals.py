@@ -1,15 +1,16 @@
 """Fourth-order integrals over the smooth surface that a triangulation approximates.
 
-Area, volume and the integral of H of a polyhedron differ from those of the surface through its vertices by
-the square of the edge length.  The surface bulges out of each triangle by a height that the curvatures along
-its edges tell to leading order, with lambda the barycentric coordinates,
+Area, volume and the integral of H of a polyhedron are second-order approximations, in the edge length, of
+those of the surface through its vertices.  The height of the surface over each triangle is, to leading order,
 
     f = 1/2 sum_{i<j} lambda_i lambda_j kappa_ij l_ij^2,
 
-and the polyhedron is the surface moved by -f along its normals.  Steiner's variations of the three integrals
-in f are what the polyhedron lacks; the next ones are of fourth order in the edge length.  Odd orders cancel
-between neighboring triangles.  In space of curvature k the polyhedron has straight edges and flat faces
-there, and the same variations but that of the integral of H, in which ``det B - k`` replaces K.
+with the normal curvatures kappa_ij along its edges and barycentric coordinates lambda, and the polyhedron is
+the surface displaced by -f along its normals.  Steiner's variations of the three integrals in f are the
+corrections of the polyhedron's integrals; the next ones are of fourth order in the edge length.  Odd orders
+cancel between neighboring triangles.  In space of curvature k the polyhedron has geodesic edges and totally
+geodesic faces, and the variations are the same, except that ``det B - k`` replaces K in that of the integral
+of H.
 """
 
 from __future__ import annotations
@@ -37,28 +38,28 @@ from isoembed.surface.tangent_frames import sides
 
 Lengths = Literal["geodesic", "chord"]
 
-QUARTIC, CUBIC = 4, 3  # degrees of the fits: the second only says how far the first can be trusted
+QUARTIC, CUBIC = 4, 3  # degrees of the fits: the second only serves to estimate the error of the first
 
 
 @dataclass(frozen=True, eq=False)
 class SmoothIntegrals:
-    r"""Integrals over a smooth surface of which the vertices of a triangulation are known.
+    r"""Integrals over a smooth surface approximated by a triangulation.
 
     Attributes
     ----------
     triangulation : Triangulation
-        Oriented so that its normals point outward.
+        Oriented with outward normals.
     vertices : ndarray, shape (V, 3)
     lengths : "geodesic" or "chord"
-        What the distances between the vertices are.  "chord": those between points of the surface, which the
-        vertices are.  "geodesic": its geodesics' lengths; the vertices are then near the surface, not on it.
+        Kind of the edge lengths.  "chord": distances in space; the vertices are on the surface.  "geodesic":
+        lengths of the surface's geodesics; the vertices are then near the surface, not on it.
     space : Space
-        In which the vertices are; `of` takes it from a surface.
+        Ambient space; `of` takes it from a surface.
 
     Raises
     ------
     InvalidParameter
-        The lengths are neither, or the vertices have another shape or are not finite.
+        `lengths` is invalid, or the vertices have another shape or are not finite.
 
     Notes
     -----
@@ -66,12 +67,12 @@ class SmoothIntegrals:
 
         \|sum d\| + 6 sqrt(sum d^2) + 1/10 sum \|c\| (kappa l)^2,
 
-    c what is added in each triangle and d the part of it that is lost when the curvatures are fitted by
-    cubics instead of quartics: the error of the fits, in its mean and from triangle to triangle, and the size
-    of the next order of the expansion.  It is not a bound.  On smooth surfaces that the mesh resolves it is
-    1 to 50 times the error, or more where errors happen to cancel; where curvatures change by their own size
-    within an edge it means little.  Where there are too few vertices for a fit, as in solids with a dozen, it
-    is the whole times the squared deficits there over their sum.
+    where c is the correction of each triangle and d its difference between quartic and cubic fits of the
+    curvatures.  The terms are the systematic and the random error of the fits, and the size of the next order
+    of the expansion.  The error is not a bound.  On smooth surfaces resolved by the mesh it is 1 to 50 times
+    the actual error, or more where errors happen to cancel; it is unreliable where curvatures change by their
+    own size within an edge.  Where there are too few vertices for a fit, as in solids with a dozen, it is the
+    integral times the fraction of the squared deficits at the vertices without fit.
     """
 
     triangulation: Triangulation
@@ -88,12 +89,12 @@ class SmoothIntegrals:
 
     @classmethod
     def of(cls, surface: Surface, lengths: Lengths) -> Self:
-        """Integrals over the smooth surface behind a triangulated one, in its space.
+        """Integrals over the smooth surface approximated by a triangulated one, in its space.
 
         Parameters
         ----------
         surface : Surface
-            As `Embedding.surface`.
+            Triangulated surface, such as `Embedding.surface`.
         lengths : "geodesic" or "chord"
         """
         return cls(surface.triangulation, surface.vertices, lengths, surface.space)
@@ -102,32 +103,32 @@ class SmoothIntegrals:
     def integrated_mean_curvature(self) -> Estimate:
         """Integral of H = (k1 + k2) / 2 over the surface, in the unit of length.
 
-        With B the shape operator in a triangle, ``T = (tr B) 1 - B``, ``K = det B``, and g the derivative of
-        f along the outward normal of an edge, f_t that along the edge, it is
+        With the shape operator B in a triangle, ``T = (tr B) 1 - B``, ``K = det B``, and the derivatives g of
+        f along the outward normal of an edge and f_t along the edge, it is
 
             1/2 sum_edges c theta + sum_faces [ K int f - 1/2 int T(grad f, grad f)
                 + 1/4 tr B int |grad f|^2 + 1/4 sum_edges int (g f_t^2 + g^3 / 3) ds ],
 
-        c the chords of the edges (their lengths if these are chords).  The surface moved by phi = -f along
-        its normals is the polyhedron, whose integral of H is larger by the following terms, and is corrected
-        by them:
+        where c are the chords of the edges (their lengths if these are chords).  The surface displaced by
+        phi = -f along its normals is the polyhedron, whose integral of H is larger by the following terms and
+        is corrected by them:
 
         - ``int K phi``, the first variation of the integral of H (Steiner 1840; Reilly 1973).  In space of
           curvature k it is ``int (det B - k) phi``.
         - ``1/2 int T(grad phi, grad phi)``, half of the second one: K dA varies by ``-div(T grad phi) dA``.
         - ``1/4 int grad phi . grad |grad phi|^2``, the third order of ``H dA = -1/2 W div(grad phi / W)`` on
-          a graph over a plane, W^2 = 1 + |grad phi|^2.  By parts over a triangle, in which lap phi = tr B, it
-          is ``-1/4 tr B int |grad phi|^2 + 1/4 sum_edges int (g phi_t^2 + g^3) ds``, g that of phi.
+          a graph over a plane, W^2 = 1 + |grad phi|^2.  Integrated by parts over a triangle, where lap phi =
+          tr B, it is ``-1/4 tr B int |grad phi|^2 + 1/4 sum_edges int (g phi_t^2 + g^3) ds``, g that of phi.
         - ``-1/6 int g^3 ds`` on both sides of each edge, where the slope g jumps: H integrated across it is
           half the angle, that is half the sum of ``arctan g = g - g^3 / 3``.
-        - ``1/2 sum theta dl`` where lengths are geodesics', too long for an inscribed polyhedron by dl: that
-          the angles change does not count, ``sum l dtheta = 0`` (Schlaefli 1858; Regge 1961; Rivin &
-          Schlenker 1999).  In space of curvature k it is ``-2 k dV``: the volume changes, too, by what
-          Newton's step on the lengths makes of it.
+        - ``1/2 sum theta dl`` for geodesic lengths, too long for an inscribed polyhedron by dl: changes of
+          the angles do not contribute, ``sum l dtheta = 0`` (Schlaefli 1858; Regge 1961; Rivin & Schlenker
+          1999).  In space of curvature k the sum is ``-2 k dV``: the volume changes, too, by the effect of
+          Newton's step on the lengths.
 
-        Where the triangulation is irregular, geodesic lengths change the dihedral angles by a tenth of their
-        size from edge to edge, and a thousandth of the correction remains as an error, of second order.
-        Correcting the lengths by `chord_lengths` and embedding them as chords, twice over, removes it.
+        On irregular triangulations, geodesic lengths change the dihedral angles by a tenth of their size from
+        edge to edge, and a thousandth of the correction remains as a second-order error.  Correcting the
+        lengths by `chord_lengths` and embedding them as chords, twice in succession, removes it.
         """
         t, points, unit, space = self.triangulation, self._points, self._unit, self._scaled_space
         theta = curvature.dihedral_angles(t, points, space)
@@ -146,9 +147,9 @@ class SmoothIntegrals:
         """Area of the surface, in the unit of length, squared.
 
         ``A + sum_faces [ tr B int f - 1/2 int |grad f|^2 ]`` for chords: the first variation and the flat
-        part of the second.  A geodesic triangle is ``1 + K sum l^2 / 24`` times as large as the flat one with
-        its sides, and each of its angles is larger by a third of the integral of K (Gauss 1827): for geodesic
-        lengths K is the deficits' at the vertices, and neither the dihedral angles nor the fits are asked.
+        part of the second.  The area of a geodesic triangle is ``1 + K sum l^2 / 24`` times that of the flat
+        one with the same sides, and each of its angles is larger by a third of the integral of K (Gauss
+        1827): for geodesic lengths, K follows from the angle deficits, without dihedral angles or fits.
         """
         return _scaled(
             self._estimate(float(self._flat_areas.sum()), *self._face_areas), self._unit, self._unit
@@ -156,13 +157,13 @@ class SmoothIntegrals:
 
     @cached_property
     def volume(self) -> Estimate:
-        """Enclosed volume, in the unit of length, cubed: ``V + sum_faces int f``, where lengths are chords.
+        """Enclosed volume, in the unit of length cubed: ``V + sum_faces int f``, for chord lengths.
 
         Raises
         ------
         InvalidParameter
-            The lengths are geodesics': the vertices are not on the surface, and no formula of their
-            neighborhoods says how far off they are.
+            The lengths are geodesic: the vertices are not on the surface, and no local formula gives their
+            distance from it.
         """
         if self.lengths != "chord":
             raise InvalidParameter("the volume is known from vertices on the surface only: lengths = 'chord'")
@@ -174,12 +175,12 @@ class SmoothIntegrals:
     def integral(self, values: ArrayLike) -> Estimate:
         """Integral of a function over the surface, from its values at the vertices.
 
-        In each triangle, the mean of the values times the area of the surface over it, less ``A / 24
-        sum_{i<j} f_ij l_ij^2``, f_ij the second derivatives of the function along the edges: that is what
-        linear interpolation misses.
+        In each triangle, the mean of the values times the area of the surface over it, minus the error of
+        linear interpolation, ``A / 24 sum_{i<j} f_ij l_ij^2``, where f_ij are the second derivatives of the
+        function along the edges.
 
-        The error is at least 5/2 times the root of the sum of squares of `misfits`, each times a third of the
-        triangles at its vertex: noise in the values averages out.
+        The error estimate is at least 5/2 times the root sum of squares of `misfits`, each times a third of
+        the area of the triangles at its vertex, as independent noise.
 
         Parameters
         ----------
@@ -214,16 +215,16 @@ class SmoothIntegrals:
             means * cubic - missed[1],
             np.abs(means) * sizes + np.abs(missed[0]),
         )
-        # standard deviations of the noise
+        # 2.5 standard deviations of the noise
         noise = 2.5 * float(np.linalg.norm(self._cells * self.misfits(data)))
         estimate = Estimate(estimate.value, max(estimate.error, noise))
         return _scaled(estimate, size, self._unit, self._unit)
 
     def misfits(self, values: ArrayLike) -> Floats:
-        """Values (V,) less the quartics that are fitted to their neighbors' alone, (V,).
+        """Differences of values (V,) from quartics fitted to their neighbors' values only, (V,).
 
-        Of a smooth function it is what the triangulation does not resolve; the noise of others, and the error
-        of a value that is wrong.
+        For a smooth function, the part not resolved by the triangulation; otherwise an estimate of noise, or
+        of the error of a wrong value.
         """
         given = _checked(values, (self.triangulation.n_vertices,), "values")
         size = float(np.abs(given).max()) or 1.0
@@ -231,7 +232,7 @@ class SmoothIntegrals:
         return size * misfits(self.triangulation, self._points, columns, QUARTIC)[:, 0]
 
     def sum_at_vertices(self, values: Floats) -> float:
-        """The sum of values (V,), each times a third of the area of the triangles at its vertex."""
+        """Sum of values (V,), each times a third of the area of the triangles at its vertex."""
         return float(self._cells @ values) * self._unit * self._unit
 
     @cached_property
@@ -256,7 +257,7 @@ class SmoothIntegrals:
 
     @cached_property
     def _points(self) -> Floats:
-        """The vertices in units of the mean edge length, in which nothing under- or overflows."""
+        """Vertices in units of the mean edge length, which avoids under- and overflow."""
         return self.vertices / self._unit
 
     @cached_property
@@ -265,7 +266,7 @@ class SmoothIntegrals:
 
     @cached_property
     def _unseen(self) -> float:
-        """Part of an integral that is uncertain because not even a quadric fits about some vertices.
+        """Uncertain fraction of an integral, as no quadric can be fitted around some vertices.
 
         An inscribed polyhedron is smaller than a round sphere by a quarter of the deficits at its vertices.
         """
@@ -275,12 +276,12 @@ class SmoothIntegrals:
 
     @cached_property
     def _cubic(self) -> Bulges:
-        """Bulges to lower accuracy, which only show how far the others can be trusted."""
+        """Less accurate bulges, used only for the error estimate."""
         return Bulges.of(self.triangulation, self._points, CUBIC, self._scaled_space)
 
     @cached_property
     def _face_areas(self) -> tuple[Floats, Floats, Floats]:
-        """Area of the surface less that of the triangles, the same to lower accuracy, and its size."""
+        """Area of the surface minus that of the triangles, the same to lower accuracy, and its magnitude."""
         t, points = self.triangulation, self._points
         if self.lengths == "chord":
             return self._quartic.area, self._cubic.area, self._quartic.area_size
@@ -288,14 +289,14 @@ class SmoothIntegrals:
         squares = measures.edge_lengths(t.edges, points, space) ** 2
         moments = flat / 24 * squares[t.face_edges].sum(axis=1)
         around = np.bincount(t.faces.ravel(), np.repeat(flat, 3))
-        K = 3 * _deficits(t, points, space) / around  # less the curvature of space, which the triangles have
-        # Over the geodesic triangles instead of the flat ones, K is smaller by as much as they are larger.
+        K = 3 * _deficits(t, points, space) / around  # minus the curvature of space
+        # Relative to the larger areas of the geodesic triangles, K is smaller.
         less = K * around / (around + K * np.bincount(t.faces.ravel(), np.repeat(moments, 3)))
         more = moments * K[t.faces].mean(axis=1)
         return more, moments * less[t.faces].mean(axis=1), np.abs(more)
 
     def _excess(self, operators: Floats) -> Floats:
-        """Lengths of the edges over the distances of their ends on the surface, (E,)."""
+        """Edge lengths minus the distances in space of the edges' ends on the surface, (E,)."""
         t, points, space = self.triangulation, self._points, self._scaled_space
         lengths = measures.edge_lengths(t.edges, points, space)
         if self.lengths == "chord":
@@ -304,10 +305,7 @@ class SmoothIntegrals:
 
     @cached_property
     def _shrinking(self) -> float:
-        """Change of the volume when lengths become those of an inscribed polyhedron; 0 in Euclidean space.
-
-        There nothing depends on it.
-        """
+        """Change of the volume from geodesic to chord lengths; 0, as not needed, in Euclidean space."""
         t, points, space = self.triangulation, self._points, self._scaled_space
         if space.is_euclidean or self.lengths == "chord":
             return 0.0
@@ -317,15 +315,15 @@ class SmoothIntegrals:
 
     def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
         lost = quartic - cubic
-        # faces about a vertex, in which the errors of the fits are alike
+        # six faces around a vertex, whose fit errors are correlated
         error = abs(float(lost.sum())) + float(np.sqrt(36.0 * np.sum(lost**2)))
-        # the next order in (kappa l)^2
+        # next order in (kappa l)^2
         error += 0.1 * float(sizes @ self._quartic.turns) + self._unseen * abs(raw)
         return Estimate(raw + float(quartic.sum()), error)
 
 
 def _deficits(triangulation: Triangulation, points: Floats, space: Space) -> Floats:
-    """2 pi less the angles at each vertex, (V,)."""
+    """Angle deficits: 2 pi minus the angles at each vertex, (V,)."""
     faces = triangulation.faces
     corners = points[faces.ravel()]
     ahead, behind = (

@@ -1,10 +1,10 @@
 """Roughness measures of a surface, and rough edges.
 
-Near a smooth surface there are others with its lengths, to rounding, in which a few vertices stand on the
-other side of their neighbors.  Here each vertex is compared with a cubic fitted to its neighbors alone, in a
-polar chart: a neighbor keeps its distance from the vertex and its direction in the tangent plane.  In this
-chart, unlike in a projection to the plane, the height of a sphere is a polynomial, and a neighborhood that
-bends by more than a right angle does not fold over.
+Near a smooth surface there are others with the same lengths, up to rounding, in which a few vertices are on
+the other side of their neighbors.  Here each vertex is compared with a cubic fitted to its neighbors only, in
+a polar chart, which preserves the distances of the neighbors from the vertex and their directions in the
+tangent plane.  In this chart, unlike in a projection to the plane, the height of a sphere is a polynomial,
+and a neighborhood that bends by more than a right angle does not fold over.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from isoembed.surface.normal_fits import THREE_RINGS, TWO_RINGS
 from isoembed.surface.smoothness_loops import polar_charts, residuals_of, transposed_residuals_of
 from isoembed.surface.spatial_order import spatial_order
 
-CHUNK = 1 << 16  # vertices fitted together: their charts take memory
-ROBUST_EXPONENT = 2 / 3  # of the mean of the residuals of quintics, which discounts outliers
+CHUNK = 1 << 16  # vertices fitted at once, which bounds the memory of their charts
+ROBUST_EXPONENT = 2 / 3  # of the power mean of the residuals of quintics, which discounts outliers
 
 
 Ordered = tuple[Indices, Surroundings]
 
 
 def in_spatial_order(triangulation: Triangulation, vertices: Floats) -> Ordered:
-    """The vertices as they come in `spatial_order`, and the surface so numbered."""
+    """The `spatial_order` of the vertices, and the surface renumbered in this order."""
     order = spatial_order(vertices)
     return order, Surroundings.of(triangulation, vertices).in_order(order)
 
@@ -40,9 +40,9 @@ def in_spatial_order(triangulation: Triangulation, vertices: Floats) -> Ordered:
 def offsets(triangulation: Triangulation, vertices: Floats, ordered: Ordered | None = None) -> Floats:
     """Offset of each vertex from the cubic fitted to its neighbors, along its normal, shape (V, 3).
 
-    On smooth surfaces it shrinks with the fourth power of the edge length.  Zero where there is no normal.
-    Subtracted from the vertices, it gives the surface that the neighborhoods expect.  What `in_spatial_order`
-    makes of the surface is `ordered`, where it is known.
+    On smooth surfaces it decreases with the fourth power of the edge length.  Zero where there is no normal.
+    Subtracting it from the vertices gives the surface predicted by the neighborhoods.  `ordered` is the
+    result of `in_spatial_order`, if known.
     """
     order, surface = ordered or in_spatial_order(triangulation, vertices)
     residuals = _fit_errors(_residuals(surface), surface.vertices)
@@ -52,9 +52,9 @@ def offsets(triangulation: Triangulation, vertices: Floats, ordered: Ordered | N
 
 
 def fit_residuals(triangulation: Triangulation, vertices: Floats, degree: int = 3) -> csr_array:
-    """``I - fit`` in the polar charts of a surface, (V, V): what a function adds to its neighborhoods.
+    """Matrix ``I - fit`` of the residuals of polynomial fits in the polar charts of a surface, (V, V).
 
-    The fits are polynomials of the degree; beyond 3 they are fitted to three rings of neighbors.
+    Polynomials of degree above 3 are fitted to three rings of neighbors.
     """
     n = triangulation.n_vertices
     blocks = _residuals(Surroundings.of(triangulation, vertices), degree)
@@ -63,22 +63,22 @@ def fit_residuals(triangulation: Triangulation, vertices: Floats, degree: int = 
 
 @dataclass(frozen=True, eq=False)
 class QuinticResiduals:
-    """R: differences from quintics fitted to the neighbors of each vertex, in the charts of one surface.
+    """Matrix R of differences from quintics fitted to each vertex's neighbors, in the charts of one surface.
 
     The rows have unit norm.
 
     Attributes
     ----------
     order : ndarray of int, shape (V,)
-        The vertices as they come here: neighbors are near.
+        Spatial order of the vertices, in which the other attributes are.
     indptr, indices : ndarray of int32
         Their neighbors.
     weights : ndarray, shape (nnz,)
-        Of the neighbors.
+        Weights of the neighbors.
     own : ndarray, shape (V,)
-        Of the vertices themselves.
+        Weights of the vertices themselves.
     units : ndarray, shape (V,)
-        The mean edge length about each vertex.
+        Mean edge length at each vertex.
     """
 
     order: Indices
@@ -108,7 +108,7 @@ class QuinticResiduals:
         return pulls
 
     def roughness(self, vertices: Floats) -> float:
-        """The `fine_roughness` of vertices near this surface."""
+        """Return the `fine_roughness` of vertices near this surface."""
         size = self.own[:, None]
         twice = self._times(self._times(vertices[self.order]) / size) / size
         return robust_mean(np.linalg.norm(twice, axis=1) / self.units)
@@ -121,15 +121,15 @@ class QuinticResiduals:
 
 
 def misfits(triangulation: Triangulation, vertices: Floats, values: Floats, degree: int = 4) -> Floats:
-    """Values (V, 3) at the vertices less the polynomials fitted to their neighbors' alone, (V, 3).
+    """Differences of values (V, 3) from polynomials fitted to their neighbors' values only, (V, 3).
 
-    Of smooth functions they shrink with a power of the edge length; noise they are, and a little more.
+    For smooth functions they decrease with a power of the edge length; noise is slightly amplified.
     """
     return _fit_errors(_residuals(Surroundings.of(triangulation, vertices), degree), values)
 
 
 def _residuals(surface: Surroundings, degree: int = 3) -> Iterator[FitResiduals]:
-    """`fit_residuals` of some vertices after the other: the charts of all at once take much memory."""
+    """Yield `fit_residuals` in chunks of vertices, which bounds the memory of the charts."""
     least = TWO_RINGS if degree <= 3 else THREE_RINGS
     for first, near in surface.neighborhoods(least, CHUNK):
         yield FitResiduals.of(first, near, polar_charts(first, *near, surface), degree)
@@ -141,12 +141,12 @@ def _fit_errors(blocks: Iterable[FitResiduals], values: Floats) -> Floats:
 
 
 def fine_roughness(triangulation: Triangulation, vertices: Floats, ordered: Ordered | None = None) -> float:
-    """Residual of the residuals of quintics fitted to three rings, over the mean edge length there.
+    """Power mean of the twice-applied residuals of quintic fits to three rings, in mean edge lengths.
 
-    Realizations that are less than a thousandth of an edge apart differ in it where their `roughness` does
-    not: there, what a cubic misses of the smooth shape is more than what tells them apart.  It is the mean
-    over the vertices with the exponent 2/3: the few where edges are too long for the shape must not outweigh
-    all others.  What `in_spatial_order` makes of the surface is `ordered`, where it is known.
+    It distinguishes realizations less than a thousandth of an edge apart, for which the difference in
+    `roughness` is masked by the error of cubic fits to the smooth shape.  The power mean over the vertices
+    has the exponent 2/3, so that the few vertices where edges are too long for the shape do not dominate.
+    `ordered` is the result of `in_spatial_order`, if known.
     """
     _, surface = ordered or in_spatial_order(triangulation, vertices)
     blocks = list(_residuals(surface, 5))
@@ -155,14 +155,14 @@ def fine_roughness(triangulation: Triangulation, vertices: Floats, ordered: Orde
 
 
 def robust_mean(values: Floats) -> float:
-    """Robust mean of sizes: few large ones do not outweigh all others."""
+    """Power mean with `ROBUST_EXPONENT`, in which a few large values do not dominate."""
     return float(np.mean(values**ROBUST_EXPONENT) ** (1 / ROBUST_EXPONENT))
 
 
 def roughness(triangulation: Triangulation, vertices: Floats, offsets: Floats) -> float:
-    """Root mean square, over the vertices, of the `offsets` over the mean length of the vertex's edges.
+    """Root mean square of the vertices' `offsets`, relative to the mean length of the edges at each vertex.
 
-    Near surfaces with the same lengths are told apart by `fine_roughness`.
+    Nearby surfaces with the same lengths are distinguished by `fine_roughness`.
     """
     relative = np.linalg.norm(offsets, axis=1) / edge_lengths_about(
         triangulation, edge_lengths(triangulation.edges, vertices)
@@ -175,12 +175,12 @@ def rough_edges(
 ) -> Mask:
     """Edges that bend against their neighborhood, shape (E,), given the `offsets`.
 
-    The dihedral angle of such an edge has another sign than the one between the same triangles when their
-    four vertices have moved to where their neighbors expect them, and both angles are plain: not flat, and
-    beyond a fifth of what is typical, the root mean square of the expected angles around.  The mean is taken
-    over the edges at each vertex, then over each end of the edge with its neighbors, then over both ends.
-    Nor does an edge bend against its neighborhood if no edge that it meets bends the other way: convex bodies
-    have no rough edges, however coarse.  `angles` are the `dihedral_angles`, where they are known.
+    The dihedral angle of such an edge has the opposite sign of the expected one, between the same triangles
+    after their four vertices are moved to the positions predicted by their neighbors.  Both angles must be
+    significant: not flat, and greater than a fifth of the root mean square of the expected angles nearby.
+    The mean is taken over the edges at each vertex, then over each end of the edge with its neighbors, then
+    over both ends.  An edge must also meet an edge that bends the other way: convex bodies have no rough
+    edges, however coarse.  `angles` are the `dihedral_angles`, if known.
     """
     found = dihedral_angles(triangulation, vertices) if angles is None else angles
     expected = dihedral_angles(triangulation, vertices - offsets)
@@ -188,7 +188,7 @@ def rough_edges(
     squares = sums_at_ends(triangulation, expected**2) / degrees
     around = (triangulation.adjacency @ squares + squares) / (degrees + 1)
     typical = np.sqrt(around[triangulation.edges].mean(axis=1))
-    # of the angles around; with less, an error may decide the sign
+    # smaller angles may have their sign from errors
     plain = np.minimum(np.abs(found), np.abs(expected)) > np.maximum(FLAT_ANGLE, 0.2 * typical)
     meets_convex, meets_concave = (
         (sums_at_ends(triangulation, bent) > 0)[triangulation.edges].any(axis=1)

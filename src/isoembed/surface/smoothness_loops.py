@@ -52,7 +52,7 @@ def transposed_residuals_of(
 
 
 def polar_charts(begin: Int, indptr: ConstInt[::1], indices: ConstInt32[::1], surface: object):
-    """Directions of neighbors in the tangent planes of vertices, times distances in their units, (nnz, 2)."""
+    """Directions of neighbors in the vertices' tangent planes, times distances in their units, (nnz, 2)."""
     vertices: ConstReal[:, ::1] = surface.vertices
     normals: ConstReal[:, ::1] = surface.normals
     units: ConstReal[::1] = surface.units

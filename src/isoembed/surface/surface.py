@@ -1,4 +1,4 @@
-"""Surfaces: triangulation, vertices and space, with all measures of extrinsic geometry, computed lazily."""
+"""Surfaces: triangulation, vertices and space, with lazily computed measures of extrinsic geometry."""
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, fields
@@ -27,18 +27,18 @@ class Surface:
     ----------
     triangulation : Triangulation
     vertices : array_like of float, shape (V, 3)
-        In hyperbolic and spherical space, the first three coordinates on hyperboloid or sphere.
+        In hyperbolic and spherical space, the first three coordinates on the hyperboloid or sphere.
     space : Space
-        By default R^3.
+        Ambient space, by default R^3.
     unit : float
-        Power of two: measures are computed in this unit, so that nothing under- or overflows.  By default (0)
-        the one below the mean edge length.
+        Power of two used as the unit of computations, to avoid under- and overflow.  By default (0) the one
+        below the mean edge length.
     vertex_error : float
-        Error of the vertices from rounded coordinates, in the unit of the vertices: bends and dents that it
-        explains do not count.
+        Error of the vertices from rounded coordinates, in the unit of the vertices: bends and dents within
+        its effect do not count.
     flat_vertices : ndarray of bool, shape (V,), optional
-        Of a convex polyhedron whose faces are polygons, the vertices inside faces and edges.  By default the
-        faces are the triangles.
+        Vertices inside the faces and edges of a convex polyhedron with polygonal faces.  By default the faces
+        are the triangles.
 
     Raises
     ------
@@ -75,24 +75,24 @@ class Surface:
         return f"{type(self).__name__}({self.triangulation.n_vertices} vertices, {self.space!r})"
 
     def _measured_as(self, other: "Surface") -> Self:
-        """Take over what was measured on the same surface in another unit, unless it has a unit."""
+        """Copy cached dimensionless measures from the same surface in another unit."""
         own = {*self._DIMENSIONAL, *(field.name for field in fields(self))}
         self.__dict__.update({name: value for name, value in other.__dict__.items() if name not in own})
         return self
 
     @property
     def faces(self) -> Indices:
-        """(F, 3): the triangles."""
+        """Triangles, shape (F, 3)."""
         return self.triangulation.faces
 
     @property
     def edges(self) -> Indices:
-        """(E, 2): the ends of the edges."""
+        """Ends of the edges, shape (E, 2)."""
         return self.triangulation.edges
 
     @cached_property
     def flat_faces(self) -> TriangleFaces:
-        """The faces: the triangles, or of a polyhedron with polygonal faces the polygons."""
+        """Faces: the triangles, or the polygons of a polyhedron with polygonal faces."""
         t = self.triangulation
         if self.flat_vertices is None:
             return TriangleFaces(t, frozen(np.arange(t.n_faces)))
@@ -100,7 +100,7 @@ class Surface:
 
     @property
     def seams(self) -> Segments:
-        """Seams where sides of paper were glued: none unless the surface is that of a `ConvexPolyhedron`."""
+        """Seams of glued paper: none, except on the surface of a `ConvexPolyhedron`."""
         return Segments.none()
 
     @cached_property
@@ -118,12 +118,12 @@ class Surface:
 
     @cached_property
     def _straight(self) -> Floats:
-        """The normalized vertices in projective coordinates, in which planes are planes."""
+        """Normalized vertices in projective coordinates, which map planes to planes."""
         return frozen(to_model(self._space, self._normalized, "projective"))
 
     @cached_property
     def _conformal(self) -> Floats:
-        """The normalized vertices in conformal coordinates, in which small shapes are as they are."""
+        """Normalized vertices in conformal coordinates, which preserve small shapes."""
         return frozen(to_model(self._space, self._normalized, "conformal"))
 
     @cached_property
@@ -133,7 +133,7 @@ class Surface:
 
     @cached_property
     def _vertex_areas(self) -> Floats:
-        """The vertices' shares of the area, (V,), in the normalized unit."""
+        """Vertex areas, (V,), in the normalized unit."""
         t, x, space = self.triangulation, self._normalized, self._space
         if isinstance(self.flat_faces, FlatFaces):
             return frozen(self.flat_faces.vertex_shares(measures.triangle_areas(t.faces, x, space)))
@@ -164,14 +164,14 @@ class Surface:
         if not self.space.is_euclidean:
             raise InvalidParameter(f"normals need surfaces in R^3, not in {self.space!r}")
         normals = measures.face_normals(self.faces, self._normalized)
-        with np.errstate(invalid="ignore"):  # a triangle without area has none: NaN
+        with np.errstate(invalid="ignore"):  # NaN for triangles without area
             return frozen(normals / np.linalg.norm(normals, axis=1, keepdims=True))
 
     @cached_property
     def concave_edges(self) -> Mask:
         """Edges with an exterior dihedral angle below -1e-7 radians, shape (E,).
 
-        Where the coordinates that the lengths come from were rounded, below minus what this explains.
+        If the lengths come from rounded coordinates, the bound is lower by the effect of the rounding.
         """
         return frozen(
             convexity.concave_edges(
@@ -191,7 +191,7 @@ class Surface:
 
     @cached_property
     def bend_errors(self) -> Floats:
-        """Dihedral angles that the `vertex_error` explains, shape (E,), in radians."""
+        """Errors of the dihedral angles due to the `vertex_error`, shape (E,), in radians."""
         return frozen(
             curvature.bend_errors(self.triangulation, self._normalized, self._space, self._vertex_error)
         )
@@ -224,22 +224,22 @@ class Surface:
     def roughness(self) -> float:
         """Root mean square distance of the vertices from a cubic fitted to their neighbors, in edge lengths.
 
-        Surfaces less than a thousandth of an edge apart are told apart by `fine_roughness`.  Both are
+        Surfaces less than a thousandth of an edge apart are distinguished by `fine_roughness`.  Both are
         measured in conformal coordinates.
         """
         return smoothness.roughness(self.triangulation, self._conformal, self._offsets)
 
     @cached_property
     def fine_roughness(self) -> float:
-        """Robust mean of the residuals of quintics fitted to the neighbors, taken twice, in edge lengths.
+        """Robust mean of the twice-applied residuals of quintics fitted to the neighbors, in edge lengths.
 
-        Of two realizations of the same lengths that are near each other, the one with less is the smoother.
+        It is smaller for the smoother one of two nearby realizations of the same lengths.
         """
         return smoothness.fine_roughness(self.triangulation, self._conformal, self._ordered)
 
     @cached_property
     def rough_edges(self) -> Mask:
-        """Edges whose dihedral angle has another sign than their neighborhood gives them, shape (E,)."""
+        """Edges with a dihedral angle of the sign opposite to their neighborhood's prediction, shape (E,)."""
         t, straight = self.triangulation, self._straight
         if self.space.is_euclidean:
             return frozen(smoothness.rough_edges(t, straight, self._offsets, self.dihedral_angles))
@@ -247,9 +247,9 @@ class Surface:
 
     @cached_property
     def bending_energy(self) -> float:
-        """Integral of H^2 + k dA, k the curvature of space.
+        """Integral of H^2 + k dA, where k is the curvature of space.
 
-        Of closed surfaces 4 pi for a sphere, more for any other.
+        4 pi for spheres, more for all other closed surfaces.
         """
         return curvature.bending_energy(
             self.triangulation, self._normalized, self._vertex_areas, self._space, self.dihedral_angles
@@ -277,12 +277,12 @@ class Surface:
 
 
 def vertex_array(triangulation: Triangulation, vertices: ArrayLike | Sequence[Any]) -> Floats:
-    """Vertices as an array of their own, (V, 3).
+    """Copy of the vertices as an array, (V, 3).
 
     Raises
     ------
     ValueError
-        They have another shape or are not finite.
+        The vertices have another shape or are not finite.
     """
     points = np.array(vertices, dtype=np.float64, order="C")
     if points.shape != (triangulation.n_vertices, 3):

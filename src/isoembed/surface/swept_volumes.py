@@ -1,12 +1,12 @@
 """Derivative of the volume in hyperbolic and spherical space.
 
-With the fourth coordinate w, a point of a triangle is ``sum of s_i X_i`` over its norm, s barycentric, and a
-motion with the normal speeds phi_i of the corners has the speed ``sum of s_i phi_i`` there, over the same
-norm.  So a triangle sweeps the volume ``sum of c_i phi_i``,
+With the fourth coordinate w, a point of a triangle is ``sum of s_i X_i`` over its norm, with barycentric
+coordinates s, and a motion with normal speeds phi_i of the corners has the normal speed ``sum of s_i phi_i``
+there, over the same norm.  Hence a triangle sweeps volume at the rate ``sum of c_i phi_i``,
 
     c_i = sn b sn c sin A  int s_i / q^2 ds,    q = sum of s_i s_j cs(l_ij),
 
-over the simplex of the s; in Euclidean space it is a third of the area.
+integrated over the simplex of the s; in Euclidean space it is a third of the area.
 """
 
 import numpy as np
@@ -18,10 +18,10 @@ from isoembed.surface.measures import amplitudes, edge_lengths
 
 
 def curved_volume_gradient(triangulation: Triangulation, vertices: Floats, space: Space) -> Floats:
-    """Derivatives of the volume by vertices on hyperboloid or sphere, (V, 3).
+    """Gradient of the volume with respect to vertices on the hyperboloid or sphere, (V, 3).
 
-    The unit normal of a triangle is ``(n, -k d)``, n and d those of its plane ``n . y = d`` in projective
-    coordinates y, with ``|n|^2 + k d^2 = 1``; of a corner that moves by x' it is ``(n + k d y) . x'``.
+    The unit normal of a triangle is ``(n, -k d)``, where ``n . y = d`` is its plane in projective coordinates
+    y, with ``|n|^2 + k d^2 = 1``; the normal speed of a corner with velocity x' is ``(n + k d y) . x'``.
     """
     t, k = triangulation, space.curvature
     y = vertices / space.heights(vertices)[:, None]
@@ -36,9 +36,9 @@ def curved_volume_gradient(triangulation: Triangulation, vertices: Floats, space
 
 
 def _shares(t: Triangulation, vertices: Floats, space: Space) -> Floats:
-    """c, (F, 3)."""
+    """Coefficients c, (F, 3)."""
     lengths = edge_lengths(t.edges, vertices, space)[t.face_edges]  # from each corner to the next one
-    # nodes of Gauss's formula: 6, and 6 more for every radius of curvature of the longest edge
+    # quadrature nodes: 6, plus 6 per radius of curvature in the longest edge
     wanted = 6 + 6.0 * space.root * float(lengths.max())
     nodes, weights = np.polynomial.legendre.leggauss(int(min(wanted, 80)))  # nodes at most
     nodes, weights = (nodes + 1) / 2, weights / 2

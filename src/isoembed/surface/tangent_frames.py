@@ -1,8 +1,8 @@
 """Tangent frames at points and faces, in Euclidean, hyperbolic and spherical space.
 
-Seen from a point of it, space is drawn in the conformal model with that point as its center: there lengths
-are right to second order, and a plane is as curved as it is.  Vectors at a point are those to which the
-translation along the line through the origin has carried them there.
+Around a point, space is represented in the conformal model centered there, in which lengths and curvatures of
+surfaces are correct to leading order.  Vectors at a point are identified with vectors at the origin by the
+translation along the line through both.
 """
 
 import numpy as np
@@ -19,9 +19,9 @@ def directions(space: Space, x: Floats, y: Floats) -> Floats:
 
 
 def sides(space: Space, x: Floats, y: Floats) -> Floats:
-    """Directions (n, 3) at points x (n, 3) toward points y (n, 3), with the sn of distances for norms.
+    """Directions (n, 3) at points x (n, 3) toward points y (n, 3), with the sn of the distances as norms.
 
-    Each is y as the translation moves it that takes x to the origin; nothing cancels where y is near x.
+    Each is the image of y under the translation from x to the origin, without cancellation for y near x.
     """
     d = y - x
     if space.is_euclidean:
@@ -33,7 +33,7 @@ def sides(space: Space, x: Floats, y: Floats) -> Floats:
 
 
 def drawn_faces(space: Space, faces: Indices, points: Floats) -> Floats:
-    """The corners (F, 3, 3) of triangles, in space that is curved each seen from its centroid."""
+    """Corners (F, 3, 3) of triangles, in curved space in the conformal model about each centroid."""
     corners = points[faces]
     if space.is_euclidean:
         return corners
@@ -42,7 +42,7 @@ def drawn_faces(space: Space, faces: Indices, points: Floats) -> Floats:
 
 
 def carried_to_faces(space: Space, faces: Indices, points: Floats, tensors: Floats) -> Floats:
-    """Tensors at the vertices, (V, 3, 3), at the corners of `drawn_faces`, (F, 3, 3, 3)."""
+    """Tensors at the vertices, (V, 3, 3), transported to the corners of `drawn_faces`, (F, 3, 3, 3)."""
     at_corners = tensors[faces]
     if space.is_euclidean:
         return at_corners
@@ -58,10 +58,10 @@ def _centers(space: Space, corners: Floats) -> tuple[Floats, Floats]:
 
 
 def _turns(space: Space, corners: Floats) -> Floats:
-    """Rotations (F, 3, 3, 3) that take vectors at the corners to the frame in which their face is drawn.
+    """Rotations (F, 3, 3, 3) from the frames at the corners to those of `drawn_faces`.
 
-    A vector u that was carried to the origin is ``(u - k x (x.u) / (1 + w), -k x.u)`` at X = (x, w); the
-    translation that takes the centroid to the origin moves it with X, and it is carried to the origin again.
+    A vector u translated to the origin is ``(u - k x (x.u) / (1 + w), -k x.u)`` at X = (x, w); it moves with
+    X under the translation from the centroid to the origin, and is then translated to the origin again.
     """
     k, w = space.curvature, space.heights(corners)
     centers, height = _centers(space, corners)

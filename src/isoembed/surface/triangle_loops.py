@@ -9,12 +9,12 @@ from cython.cimports.isoembed.c_types import ConstInt, ConstReal, Real
 from cython.cimports.isoembed.space.trigonometry import triangle_area
 from cython.cimports.libc.math import sqrt
 
-TINY = cython.declare(cython.double, 2.2250738585072014e-308)  # the least normal number
+TINY = cython.declare(cython.double, 2.2250738585072014e-308)  # smallest normal number
 SHUT = cython.declare(cython.double, 1e-9)  # as in `curvature`
 
 
 def face_normals(faces: ConstInt[:, :], vertices: ConstReal[:, ::1]):
-    """Normals of the triangles with twice their areas as norms, (F, 3), by the right-hand rule."""
+    """Normals of the triangles by the right-hand rule, with twice the areas as norms, (F, 3)."""
     normals: Real[:, ::1] = np.empty((faces.shape[0], 3))
     for f in range(faces.shape[0]):
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
@@ -37,7 +37,7 @@ def face_areas(faces: ConstInt[:, ::1], vertices: ConstReal[:, ::1]):
 
 
 def vertex_normals(faces: ConstInt[:, ::1], vertices: ConstReal[:, ::1]):
-    """Unit normals at the vertices, (V, 3): of the triangles, weighted by area; zero where they cancel."""
+    """Unit normals at the vertices, (V, 3): area-weighted means over triangles; zero where these cancel."""
     x: Real
     y: Real
     z: Real

@@ -1,8 +1,8 @@
 """Vertex areas of a surface: circumcentric dual cells, as for the Gaussian curvature.
 
-The integral of H around a vertex is that over its Voronoi cell to leading order, however irregular the
-triangles around are.  Shares of a third of each triangle leave H at a vertex with five neighbors among others
-with six 1/7 too large, on every refinement.
+The integral of H around a vertex is that over its Voronoi cell to leading order, even on irregular
+triangulations.  With a third of each triangle as the vertex area, H at a vertex with five neighbors, all with
+six, is 1/7 too large on every refinement.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from isoembed.metric.triangles import Triangles
 from isoembed.space import EUCLIDEAN, Space
 from isoembed.surface.measures import edge_lengths, triangle_areas
 
-FARTHEST = 10.0  # of sums of thirds: dual areas beyond come from triangles that are not Delaunay, or flat
+FARTHEST = 10.0  # times the barycentric area: larger dual areas come from triangles not Delaunay, or flat
 
 
 def vertex_areas(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:
-    """Circumcentric dual areas, shape (V,), between a tenth and ten times a third of the triangles around.
+    """Circumcentric dual areas, shape (V,), clipped to a tenth and ten times the barycentric areas.
 
-    A vertex beside a triangle without area has that third.
+    The barycentric area is a third of the area of the triangles around a vertex, and replaces the dual area
+    of a vertex beside a triangle without area.
     """
     duals, thirds = _duals_and_thirds(triangulation, vertices, space)
     return np.clip(duals, thirds / FARTHEST, thirds * FARTHEST)
@@ -32,8 +33,8 @@ def vertex_areas(triangulation: Triangulation, vertices: Floats, space: Space = 
 def vertex_area_rates(triangulation: Triangulation, vertices: Floats, grown: Floats, rates: Floats) -> Floats:
     """Derivatives of `vertex_areas` in R^3, shape (V,).
 
-    The share of a corner is ``(p (a + b) - (a - b)^2) / (32 A)``, p, a and b being the squared lengths of the
-    side across and of the sides there.
+    The dual area of a corner is ``(p (a + b) - (a - b)^2) / (32 A)``, with the squared lengths p of the
+    opposite side and a and b of the adjacent sides.
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ def vertex_area_rates(triangulation: Triangulation, vertices: Floats, grown: Flo
 def vertex_area_changes(
     triangulation: Triangulation, vertices: Floats, squares: Floats, grown: Floats
 ) -> Floats:
-    """Bounds on the changes of `vertex_areas` in R^3, shape (V,), without their rounding.
+    """Bounds on the changes of `vertex_areas` in R^3, shape (V,), excluding their rounding.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ def vertex_area_changes(
 
 
 def _duals_and_thirds(t: Triangulation, vertices: Floats, space: Space) -> tuple[Floats, Floats]:
-    """Dual areas, and sums of a third of the triangles, shape (V,) each."""
+    """Dual and barycentric areas, shape (V,) each."""
     thirds = _around(t, np.repeat(triangle_areas(t.faces, vertices, space)[:, None] / 3, 3, axis=1))
     lengths = edge_lengths(t.edges, vertices, space)[t.face_edges]
     if not lengths.any():

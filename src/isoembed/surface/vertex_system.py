@@ -16,17 +16,17 @@ from isoembed.mesh.triangulation import Triangulation
 from isoembed.surface.projected import Projected
 from isoembed.surface.rigidity_matrix import MEAN_DIAGONAL
 
-DIAGONAL_SHIFT = 1e-10  # relative, added to J^T J: it fixes the motions that change no edge
+DIAGONAL_SHIFT = 1e-10  # relative, added to J^T J: it fixes the rigid motions
 
 
 class HeldVertices(NamedTuple):
-    """Vertices that are held.
+    """Constrained vertices.
 
     Attributes
     ----------
     corners : ndarray of int, shape (n,)
     blocks : ndarray, shape (n, 3, 3)
-        What that adds to the matrix at each.
+        Penalty added to the diagonal block of each.
     """
 
     corners: Indices
@@ -34,14 +34,14 @@ class HeldVertices(NamedTuple):
 
     @classmethod
     def fixed(cls, corners: Indices) -> HeldVertices:
-        """Vertices that do not move, by more than a force times 1e-20."""
+        """Fixed vertices: they move by at most 1e-20 times a force."""
         return cls(corners, np.tile(1e20 * np.eye(3), (len(corners), 1, 1)))
 
 
 class HeldTriangle(HeldVertices):
-    """A triangle that holds a surface against the six rigid motions, and against nothing else.
+    """Triangle whose constraints remove exactly the six rigid motions.
 
-    The first corner does not move, the second only along the edge to it, the third only in the plane.
+    The first corner is fixed, the second moves only along the edge to it, the third only in the plane.
     """
 
     @classmethod
@@ -55,7 +55,7 @@ class HeldTriangle(HeldVertices):
 
 
 class VertexSystem:
-    """Matrices ``J^T J + S + w P`` of one triangulation, P coupling vertices of a graph.
+    """Matrices ``J^T J + S + w P`` of one triangulation with a penalty P.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class VertexSystem:
         P, symmetric; its pattern, with the triangulation's, is the pattern of every matrix of the system.
         It acts on x, y and z alike.
     work : Work, optional
-        Counts the factorizations.
+        Counter of factorizations.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class VertexSystem:
         n = triangulation.n_vertices
         penalty = csr_array((n, n)) if penalty is None else penalty
         graph = csr_array(triangulation.adjacency + abs(penalty) + eye_array(n))
-        graph.data[:] = 1.0  # a pattern, from connectivity: values that cancel must not shrink it
+        graph.data[:] = 1.0  # the pattern must not depend on cancellation of values
         pairs = csr_array(graph - eye_array(n))
         pairs.eliminate_zeros()
         order = dissect(pairs).block_order(3)  # where P reaches beyond the neighbors, so do the separators
@@ -113,10 +113,10 @@ class VertexSystem:
     ) -> SymmetricFactor:
         """Factor ``J^T J + S + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite.
 
-        S is the Laplacian of the triangulation with the tensions, (E,), for the weights of its edges.  For a
-        surface in hyperbolic or spherical space P penalizes the motions ``w z`` of its points.  Rigid motions
-        are held at all vertices, a little, or by held vertices: where the weight is below `DIAGONAL_SHIFT`,
-        the former would be more than P.
+        S is the Laplacian of the triangulation with the tensions, (E,), as edge weights.  For a surface in
+        hyperbolic or spherical space P penalizes the motions ``w z`` of its points.  Rigid motions are
+        suppressed by a small diagonal shift or by held vertices, which are needed for weights below
+        `DIAGONAL_SHIFT`, where the shift would exceed P.
         """
         penalty = weight * self._penalty
         if surface is not None and not surface.space.is_euclidean:
@@ -124,7 +124,7 @@ class VertexSystem:
             penalty *= w[pattern.indices] * np.repeat(w, np.diff(pattern.indptr))
         hold = self._hold
         if held is not None:
-            hold = 1e-16 / DIAGONAL_SHIFT * hold  # where a triangle fixes the motions, 1e-16 is enough
+            hold = 1e-16 / DIAGONAL_SHIFT * hold  # with held vertices, a shift of 1e-16 suffices
             hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(-1, 9)
         return self._factor(rows, penalty, tensions, hold)
 
@@ -134,10 +134,10 @@ class VertexSystem:
         return self._factor(rows, none, 0.0, damping * self._diagonal)
 
     def spherical_step(self, vertices: Floats, rows: Floats, residuals: Floats, radius: float) -> Floats:
-        """Gauss-Newton's step, (V, 3), for the lengths and ``|x_a| = r`` together, in least squares.
+        """Gauss-Newton step, (V, 3), for the lengths and ``|x_a| = r``, to subtract from the vertices.
 
-        The rows ``x_a^T / r`` with residuals ``(|x_a|^2 - r^2) / (2 r)`` join those of J, given by its
-        `edge_rows`.  To be subtracted from the vertices; raises SingularMatrix if the matrix is not definite.
+        The rows ``x_a^T / r`` with residuals ``(|x_a|^2 - r^2) / (2 r)`` are appended to those of J, given by
+        its `edge_rows`.  Raises SingularMatrix if the matrix is not positive definite.
         """
         outward = vertices / radius
         blocks = np.einsum("ai,aj->aij", outward, outward).ravel()
