@@ -142,17 +142,23 @@ def fit_within_errors(
     BestFit
     """
     known = np.array(errors)
+    energy = SmoothingEnergy(metric, start, recorder.work)
     for _ in range(SUSPECTS):
-        fit, suspect = _fit_of_smooth_start(metric, known, start, recorder)
-        wrong = _followed(metric, known, fit, start, recorder) if suspect is None else [suspect]
+        fit, suspect = _fit_of_smooth_start(metric, known, start, energy, recorder)
+        wrong = _followed(metric, known, fit, start, energy, recorder) if suspect is None else [suspect]
         if not wrong:
             return fit
         known[wrong] = metric.mean_length
-    return _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+    return _fit_of_smooth_start(metric, known, start, energy, recorder, most=np.inf)[0]
 
 
 def _followed(
-    metric: PolyhedralMetric, errors: Floats, fit: BestFit, start: Floats, recorder: StageRecorder
+    metric: PolyhedralMetric,
+    errors: Floats,
+    fit: BestFit,
+    start: Floats,
+    energy: SmoothingEnergy,
+    recorder: StageRecorder,
 ) -> list[int]:
     """The length that makes most of the scatter of a fit: a blunder, which it has followed if it agrees.
 
@@ -164,7 +170,7 @@ def _followed(
         return wrong
     known = np.maximum(errors, scatter)
     for _ in range(2):
-        last, suspect = _fit_of_smooth_start(metric, known, start, recorder)
+        last, suspect = _fit_of_smooth_start(metric, known, start, energy, recorder)
         if wrong and _halves(last, fit):
             return wrong
         if suspect is None:
@@ -175,7 +181,7 @@ def _followed(
         wrong.append(suspect)
         known = np.maximum(errors, scatter / SCATTERED**2)
         known[wrong] = metric.mean_length
-    last = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+    last = _fit_of_smooth_start(metric, known, start, energy, recorder, most=np.inf)[0]
     return wrong if _halves(last, fit) else []
 
 
@@ -190,11 +196,16 @@ def root_mean_square(errors: Floats) -> float:
 
 
 def _fit_of_smooth_start(
-    metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder, most: float = OUTLIER
+    metric: PolyhedralMetric,
+    errors: Floats,
+    start: Floats,
+    energy: SmoothingEnergy,
+    recorder: StageRecorder,
+    most: float = OUTLIER,
 ) -> tuple[BestFit, int | None]:
     """The fit, and the first length whose studentized residual is more than the most: it ends the search."""
     rms = root_mean_square(errors)
-    energy = SmoothingEnergy(metric, start, recorder.work).weighted(rms / errors)
+    energy = energy.weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
     # lengths: no body collapses, however sharp its corners.

@@ -81,12 +81,7 @@ class Projected:
         return np.linalg.qr(np.column_stack([z.ravel() for z in self._rigid_motions()]))[0]
 
     def without_isometries(self) -> Callable[[Floats], Floats]:
-        """The projection of z, (3 V,), that leaves the isometries out; the identity in Euclidean space.
-
-        There no isometry changes how smooth a surface is, and steps have none.
-        """
-        if self.space.is_euclidean:
-            return lambda z: z
+        """The projection of z, (3 V,), that leaves the isometries out."""
         basis = self.rigid_motions()
         return lambda z: z - basis @ (basis.T @ z)
 
