@@ -174,8 +174,7 @@ def _followed(
         if wrong and _halves(last, fit):
             return wrong
         if suspect is None:
-            a, b = last.vertices[metric.edges.T]
-            suspect = int(np.argmax(np.abs(metric.space.distances(a, b) - metric.lengths) / known))
+            suspect = int(np.argmax(np.abs(energy.residuals(last.vertices, metric.lengths)) / known))
         if wrong and metric.lengths[suspect] != metric.lengths[wrong[0]]:
             return []
         wrong.append(suspect)

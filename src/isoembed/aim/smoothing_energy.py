@@ -34,7 +34,7 @@ WORTH = 0.6  # iterations that cost as much as new factors, over the root of the
 PATIENCE = 4  # iterations before it is judged whether so many will do
 NEAR = 0.035  # ratio of mu to that of factors that still serve, over that root
 FORETOLD = 1e-4  # share of the energy: a step whose model comes as near to it as that is the last
-DOWNHILL = LineSearch(0.0, 1 / 64)
+DOWNHILL = LineSearch(0.0, 1 / 128)  # fractions of 1 / mu: steps are shorter where surfaces are soft
 
 
 class Point(NamedTuple):
@@ -45,7 +45,7 @@ class Point(NamedTuple):
 
 
 class KeptFactors:
-    """The factors of one surface and mu, kept for others nearby with the same mu.
+    """The factors of one surface and mu, kept for others nearby.
 
     Parameters
     ----------
@@ -161,9 +161,14 @@ class SmoothingEnergy(RegularizedEnergy):
             gradient = self.forces(p.x, lengths, r) + mu * self.roughness(p.x, 0.0)
             recorder.iterations += 1
             recorder.show(residual=float(np.abs(r).max()))
-            d = self.solved(p.x, lengths, gradient, mu, 0.0)
-            foretold = value(p) - float(np.vdot(gradient, d))
-            return lambda fraction: Point(p.x - fraction * d, foretold if fraction == 1.0 else np.inf)
+            before = value(p)
+
+            def at(fraction: float) -> Point:
+                d = self.solved(p.x, lengths, gradient, mu / fraction, 0.0)
+                whole = fraction == 1.0
+                return Point(p.x - d, before - float(np.vdot(gradient, d)) if whole else np.inf)
+
+            return at
 
         def converged(p: Point, reached: float, before: float) -> bool:
             return settled(share)(p, reached, before) or abs(reached - p.foretold) < FORETOLD * reached
