@@ -10,6 +10,7 @@ from isoembed.aim import best_fit as module
 from isoembed.aim.adaptive import Aim
 from isoembed.aim.best_fit import best_fit
 from isoembed.aim.regularized_energy import RegularizedEnergy
+from isoembed.aim.smoothing_energy import SmoothingEnergy
 from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
@@ -29,7 +30,7 @@ def noisy(vertices, faces, noise, seed=0):
 
 
 def fitted(metric, start, recorder):
-    return best_fit(metric, RegularizedEnergy(metric, start, recorder.work), start, recorder, np.inf)
+    return best_fit(metric, SmoothingEnergy(metric, start, recorder.work), start, recorder, np.inf)
 
 
 BODIES = {

@@ -171,7 +171,7 @@ class Fits:
         """The fit nearest to these vertices, with mu in units of the squared mean edge length."""
         lengths, unit = self._metric.lengths, self._metric.mean_length
         mu = weight * unit**2
-        x = self._energy.minimized(vertices, lengths, mu, 0.01, MAX_STEPS, self._recorder)
+        x = self._energy.minimized(vertices, lengths, mu, 0.001, MAX_STEPS, self._recorder)
         r = self._energy.residuals(x, lengths)
         try:
             free = self._degrees_of_freedom(x, mu)
