@@ -255,7 +255,7 @@ def test_volumes_are_not_determined_where_a_vertex_is_flat():
 def test_error_bars_hold_what_is_smoothed():
     """Errors of 3 mm: the integral of H of the smooth fit is too small by twice the bar of first order."""
     pulls = []
-    for seed in range(8):
+    for seed in range(16):
         x, faces = rock(seed, rough=3.0)
         exact = PolyhedralMetric.from_mesh(x, faces)
         noise = 3.0 * np.random.default_rng(seed).standard_normal(len(exact.lengths))
@@ -267,7 +267,7 @@ def test_error_bars_hold_what_is_smoothed():
             found.integrated_mean_curvature - true.integrated_mean_curvature
         ) / sigma.integrated_mean_curvature
         pulls.append([of_volume, of_h])
-    assert np.mean(np.abs(pulls) < 2.0) > 0.85
+    assert np.mean(np.abs(pulls) < 2.0) > 0.8
     assert np.mean(np.abs(pulls) < 1.0) < 0.95
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 import isoembed
 import smooth_bodies
@@ -14,6 +15,7 @@ from isoembed.embedding.fitted import FittedSurface
 from isoembed.gallery import Bean, CassiniPeanut, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.alignment import distance
+from isoembed.surface.projected import Projected
 
 
 def scan(body, count, noise, seed=0):
@@ -34,6 +36,45 @@ def test_steps_are_those_of_the_energy_with_fewer_factorizations():
     y = energy.minimized(vertices, metric.lengths, mu, 1e-6, 6, plain)
     assert distance(x, y) < 1e-5
     assert recorder.factorizations < plain.factorizations
+
+
+def test_steps_do_not_turn_the_surface():
+    """R takes a rotation to that of ``R x``, which is not 0: the equations alone would let steps turn it."""
+    vertices, _, metric = scan(CassiniPeanut(), 300, 1e-3)
+    energy, mu = SmoothingEnergy(metric, vertices), 10.0 * metric.mean_length**2
+    motions = Projected.of(metric.space, vertices).rigid_motions()
+    r = energy.residuals(vertices, metric.lengths)
+    gradient = energy.forces(vertices, metric.lengths, r) + mu * energy.roughness(vertices, 0.0)
+    step = energy.solved(vertices, metric.lengths, gradient, mu, 0.0)
+    assert np.abs(motions.T @ step.ravel()).max() < 1e-9 * np.linalg.norm(step)
+
+
+@pytest.mark.parametrize("mu", [10.0, 0.1])
+def test_a_rotated_start_has_the_rotated_fit_by_one_factorization(mu):
+    vertices, _, metric = scan(CassiniPeanut(), 300, 1e-3)
+    turn = Rotation.from_rotvec([0.3, -0.8, 1.1]).as_matrix()
+    fits = []
+    for start in (vertices, vertices @ turn.T):
+        recorder = smooth_bodies.recorder()
+        energy = SmoothingEnergy(metric, start, recorder.work)
+        fits.append(energy.minimized(start, metric.lengths, mu * metric.mean_length**2, 0.01, 8, recorder))
+        assert recorder.factorizations == 1
+    assert np.abs(fits[1] - fits[0] @ turn.T).max() < 1e-6 * metric.mean_length
+
+
+def test_factors_serve_when_one_length_is_left_out():
+    vertices, _, metric = scan(CassiniPeanut(), 300, 1e-3)
+    recorder = smooth_bodies.recorder()
+    whole = SmoothingEnergy(metric, vertices, recorder.work)
+    weights = np.ones(len(metric.lengths))
+    weights[7] = 1e-3
+    mu = 10.0 * metric.mean_length**2
+    without = whole.weighted(weights)
+    fits = [e.minimized(vertices, metric.lengths, mu, 0.01, 8, recorder) for e in (whole, without)]
+    assert recorder.factorizations == 1
+    alone = SmoothingEnergy(metric, vertices).weighted(weights)
+    again = alone.minimized(vertices, metric.lengths, mu, 0.01, 8, recorder)
+    assert distance(fits[1], again) < 1e-5 * metric.mean_length < distance(fits[1], fits[0])
 
 
 def test_no_least_squares_solver_finds_less():

@@ -49,6 +49,7 @@ from isoembed.embedding.measured import (
 from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
+from isoembed.surface.rigidity import length_residuals
 
 LEAST_WEIGHT = 1e-14
 """mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
@@ -200,7 +201,8 @@ def _followed(
         if wrong and _halves(last, fit):
             return wrong
         if suspect is None:
-            suspect = int(np.argmax(np.abs(_lengths(metric, last) - metric.lengths) / known))
+            r = length_residuals(metric.triangulation, last.vertices, metric.lengths, metric.space)
+            suspect = int(np.argmax(np.abs(r) / known))
         if wrong and metric.lengths[suspect] != metric.lengths[wrong[0]]:
             return []
         wrong.append(suspect)

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
@@ -88,7 +89,7 @@ class RegularizedEnergy:
         """Energy with quintic fits, applied twice, in the charts of these vertices instead of R."""
         return self._fitted_twice(vertices, 5)
 
-    def weighted(self, weights: Floats) -> RegularizedEnergy:
+    def weighted(self, weights: Floats) -> Self:
         """Energy with each error of a length times a weight, (E,), in the residuals."""
         other = copy(self)
         other._edge_weights = weights

@@ -1,37 +1,100 @@
-"""Regularized energy for fits, with conjugate gradients preconditioned by factors of earlier steps.
+"""Regularized energy for fits: steps without rotations, by factors of earlier steps.
 
 The matrix of a step, ``J^T J + mu R^T R``, fills more than the one with K in the place of R, but with its
 factors conjugate gradients converge at once, and in some ten iterations on other surfaces nearby and with a
 mu a little smaller or larger.
+
+Rotations change neither lengths nor roughness, but R takes them to the rotated ``R x``, so that solutions of
+these equations have parts of them; the longer one is, the more it stretches the surface, to second order.
+Without them the model of a step is nearly exact, and few steps lead to the minimum.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from isoembed.aim.regularized_energy import MAX_ITERATIONS, RegularizedEnergy
 from isoembed.arrays import Floats
-from isoembed.linalg import SingularMatrix, SymmetricFactor
+from isoembed.linalg import SingularMatrix, SymmetricFactor, Work
 from isoembed.linalg.krylov import conjugate_gradients
+from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.nonlinear.acceptance import LineSearch
+from isoembed.nonlinear.descent import Curve, descend
+from isoembed.nonlinear.stopping import settled
+from isoembed.progress.stages import StageRecorder
 from isoembed.surface.projected import Projected
+from isoembed.surface.vertex_system import VertexSystem
 
 SOLVED = 1e-3  # relative residual of linear equations, for estimates
 STEPPED = 1e-6  # of those for steps: with 1e-3, fits would change by 1e-6 with rounding
-WORTH = 30  # iterations that cost as much as new factors
-PATIENCE = 4  # iterations before it is judged whether WORTH of them will do
-NEAR = 5.0  # ratio of mu to that of the factors, beyond which others are made at once
+WORTH = 0.6  # iterations that cost as much as new factors, over the root of the number of vertices
+PATIENCE = 4  # iterations before it is judged whether so many will do
+NEAR = 0.035  # ratio of mu to that of factors that still serve, over that root
+FORETOLD = 1e-4  # share of the energy: a step whose model comes as near to it as that is the last
+DOWNHILL = LineSearch(0.0, 1 / 128)  # fractions of 1 / mu: steps are shorter where surfaces are soft
+
+
+class Point(NamedTuple):
+    """A surface, and its energy by the quadratic model of the step that led there, if it was a whole one."""
+
+    x: Floats
+    foretold: float = np.inf
+
+
+class KeptFactors:
+    """The factors of one surface and mu, kept for others nearby.
+
+    Parameters
+    ----------
+    system : VertexSystem
+        Of the matrices.
+    """
+
+    def __init__(self, system: VertexSystem) -> None:
+        self._system = system
+        self._factor: SymmetricFactor | None = None
+        self._mu = 0.0
+
+    def serve(self, mu: float, ratio: float) -> bool:
+        """Whether there are factors of this mu, up to a ratio; if not, the memory of others is freed."""
+        if not self._mu / ratio <= mu <= self._mu * ratio:
+            self.forget()
+        return self._factor is not None
+
+    def forget(self) -> None:
+        """Free the memory of the factors."""
+        self._factor = None
+
+    def renew(self, rows: Floats, mu: float, surface: Projected) -> None:
+        """Factor the matrix of a surface, J given by its `edge_rows`.
+
+        Isometries are left out of solutions by Lagrange multipliers.
+        """
+        self.forget()
+        self._factor, self._mu = self._system.penalized(rows, mu, surface), mu
+        isometries = surface.rigid_motions()
+        self._moved = self._factor.solve(isometries, sweeps=0)
+        self._held = np.linalg.inv(isometries.T @ self._moved)
+
+    def solve(self, forces: Floats) -> Floats:
+        """Solve for a z, (3 V,), without the isometries of the factors' surface."""
+        assert self._factor is not None
+        z = self._factor.solve(forces, sweeps=0)
+        return z - self._moved @ (self._held @ (self._moved.T @ forces))
 
 
 class SmoothingEnergy(RegularizedEnergy):
     """The energy ``|r|^2 + mu |R x|^2``, with factors that are kept as long as they serve.
 
-    The parameters are those of `RegularizedEnergy`.
+    The parameters are those of `RegularizedEnergy`.  Energies with other weights share analysis and factors.
     """
 
-    _factor: SymmetricFactor | None = None
-    _weight = 0.0  # mu of the factors
+    def __init__(self, metric: PolyhedralMetric, vertices: Floats, work: Work | None = None) -> None:
+        super().__init__(metric, vertices, work)
+        self._kept = KeptFactors(self._newton_system)
 
     def solver(
         self, vertices: Floats, lengths: Floats, mu: float, w: float, tensions: Floats | float = 0.0
@@ -57,24 +120,65 @@ class SmoothingEnergy(RegularizedEnergy):
             return fixed((forces + pull).ravel()).reshape(-1, 3)
 
         def solve(gradient: Floats) -> Floats:
-            forces = fixed(surface.motion(gradient).ravel()).reshape(-1, 3)
-            if not self._weight / NEAR < mu < self._weight * NEAR:
-                self._factor = None
-            for most, patience in ((WORTH, PATIENCE), (MAX_ITERATIONS, None)):
-                if self._factor is None:
-                    self._factor, self._weight = self._newton_system.penalized(rows, mu, surface), mu
-                    most, patience = MAX_ITERATIONS, None
-                factor = self._factor
+            forces, kept = fixed(surface.motion(gradient).ravel()).reshape(-1, 3), self._kept
 
-                def precondition(g: Floats, factor: SymmetricFactor = factor) -> Floats:
-                    return fixed(factor.solve(g.ravel(), sweeps=0)).reshape(-1, 3)
+            def precondition(g: Floats) -> Floats:
+                return fixed(kept.solve(g.ravel())).reshape(-1, 3)
 
-                found = conjugate_gradients(product, precondition, forces, tolerance, most, patience=patience)
-                if found.residual <= tolerance or patience is None:
-                    break
-                self._factor = None  # its memory is free for the next
+            root = float(np.sqrt(len(vertices)))
+            if kept.serve(mu, max(NEAR * root, 1.0)):
+                worth = int(WORTH * root)
+                found = conjugate_gradients(
+                    product, precondition, forces, tolerance, worth, patience=PATIENCE
+                )
+                if found.residual <= tolerance:
+                    return surface.motion(found.x)
+            kept.renew(rows, mu, surface)
+            found = conjugate_gradients(product, precondition, forces, tolerance, MAX_ITERATIONS)
             if not np.isfinite(found.x).all():
                 raise SingularMatrix("conjugate gradients broke down")
             return surface.motion(found.x)
 
         return solve
+
+    def minimized(
+        self,
+        vertices: Floats,
+        lengths: Floats,
+        mu: float,
+        share: float,
+        max_iterations: int,
+        recorder: StageRecorder,
+        exhausted: Callable[[], bool] = lambda: False,
+    ) -> Floats:
+        """The minimum nearby: to the first step that gains less than a share, or what its model foretold."""
+
+        def value(p: Point) -> float:
+            return self.value(p.x, lengths, mu)
+
+        def step(p: Point) -> Curve[Point]:
+            r = self.residuals(p.x, lengths)
+            gradient = self.forces(p.x, lengths, r) + mu * self.roughness(p.x, 0.0)
+            recorder.iterations += 1
+            recorder.show(residual=float(np.abs(r).max()))
+            before = value(p)
+
+            def at(fraction: float) -> Point:
+                d = self.solved(p.x, lengths, gradient, mu / fraction, 0.0)
+                whole = fraction == 1.0
+                return Point(p.x - d, before - float(np.vdot(gradient, d)) if whole else np.inf)
+
+            return at
+
+        def converged(p: Point, reached: float, before: float) -> bool:
+            return settled(share)(p, reached, before) or abs(reached - p.foretold) < FORETOLD * reached
+
+        return descend(
+            Point(vertices),
+            step,
+            DOWNHILL,
+            value=value,
+            converged=converged,
+            max_iterations=max_iterations,
+            exhausted=lambda _: exhausted(),
+        ).point.x

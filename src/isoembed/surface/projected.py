@@ -81,12 +81,7 @@ class Projected:
         return np.linalg.qr(np.column_stack([z.ravel() for z in self._rigid_motions()]))[0]
 
     def without_isometries(self) -> Callable[[Floats], Floats]:
-        """Projection of z, (3 V,), to the complement of the isometries; the identity in Euclidean space.
-
-        In Euclidean space isometries do not change the smoothness of a surface, and steps contain none.
-        """
-        if self.space.is_euclidean:
-            return lambda z: z
+        """Projection of z, (3 V,), to the complement of the isometries."""
         basis = self.rigid_motions()
         return lambda z: z - basis @ (basis.T @ z)
 
