@@ -102,7 +102,7 @@ def test_integrals_are_the_reference_values(surface, area, volume, imc):
 
 @pytest.mark.parametrize("surface", SURFACE_ZOO, ids=str)
 def test_directions_name_their_points(surface):
-    u = sphere_points()
+    u = sphere_points(100)
     assert np.abs(directions_of(surface, surface.point(u)) - u).max() < 1e-9
 
 
