@@ -27,9 +27,7 @@ def run(call, monkeypatch):
 
 @pytest.fixture(scope="module")
 def ellipsoids():
-    return [
-        PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3.0, 2.0, float(k))), 50)) for k in (1, 2, 3)
-    ]
+    return [PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3.0, 2.0, float(k))), 50)) for k in (1, 2, 3)]
 
 
 @pytest.fixture
