@@ -1,6 +1,7 @@
 """What a newcomer types, from the README, from habit and with typos, and what is answered."""
 
 import shlex
+import shutil
 
 import numpy as np
 import pytest
@@ -83,16 +84,24 @@ PYTHON = [
 ]
 
 
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A folder with a metric, a mesh and a net."""
+    made = tmp_path_factory.mktemp("files")
+    line = "surface ellipsoid --axes 3 2 1 --vertices 50 --quiet -o"
+    assert main([*shlex.split(line), str(made / "metric.npz")]) == 0
+    isoembed.embed(zoo.cube()).save(made / "cube.obj")
+    isoembed.unfold(made / "cube.obj").save(made / "net.json")
+    (made / "part.step").write_text("ISO-10303-21;")
+    (made / "part.txt").write_text("a part")
+    return made
+
+
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """A folder with a metric, a mesh and a net, in which one works."""
+def folder(files, tmp_path, monkeypatch):
+    """A copy, in which one works."""
+    shutil.copytree(files, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
-    assert main(shlex.split("surface ellipsoid --axes 3 2 1 --vertices 50 -o metric.npz --quiet")) == 0
-    vertices, faces = zoo.cube()
-    isoembed.embed((vertices, faces)).save("cube.obj")
-    isoembed.unfold("cube.obj").save("net.json")
-    (tmp_path / "part.step").write_text("ISO-10303-21;")
-    (tmp_path / "part.txt").write_text("a part")
 
 
 @pytest.mark.parametrize(("line", "status", "said"), COMMANDS, ids=[line for line, *_ in COMMANDS])

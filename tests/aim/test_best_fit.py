@@ -1,5 +1,7 @@
 """The best fit to noisy lengths: near the surface they came from, with the noise that was put in."""
 
+from functools import cache, partial
+
 import numpy as np
 import pytest
 
@@ -33,16 +35,16 @@ def fitted(metric, start, recorder):
 
 
 BODIES = {
-    "ellipsoid": smooth_bodies.ellipsoid(400),
-    "peanut": triangulate(CassiniPeanut(), 400),
-    "irregular saddle": triangulate(HarmonicSurface(2, 2, 0.2), 500, irregular=1),
+    "ellipsoid": partial(smooth_bodies.ellipsoid, 400),
+    "peanut": cache(partial(triangulate, CassiniPeanut(), 400)),
+    "irregular saddle": cache(partial(triangulate, HarmonicSurface(2, 2, 0.2), 500, irregular=1)),
 }
 
 
 @pytest.mark.parametrize("noise", [1e-3, 3e-3, 1e-2])
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_it_is_as_near_as_the_noise_and_tells_it(body, noise):
-    metric, sphere, truth = noisy(*body, noise)
+    metric, sphere, truth = noisy(*body(), noise)
     recorder = smooth_bodies.recorder()
     fit = fitted(metric, sphere, recorder)
     assert fit.noise == pytest.approx(noise, rel=0.35)
@@ -53,7 +55,7 @@ def test_it_is_as_near_as_the_noise_and_tells_it(body, noise):
 @pytest.mark.slow
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
-    metric, sphere, truth = noisy(*body, 2e-3)
+    metric, sphere, truth = noisy(*body(), 2e-3)
     exact, x = edge_lengths(metric.edges, truth), sphere
     fits, risks = (
         module.Fits(
@@ -70,7 +72,7 @@ def test_the_weight_is_nearly_that_of_one_who_knows_the_lengths(body):
 
 
 def test_no_other_weight_is_tried_when_no_more_may_be_spent():
-    metric, start, _ = noisy(*BODIES["peanut"], 1e-4)
+    metric, start, _ = noisy(*BODIES["peanut"](), 1e-4)
     recorder = smooth_bodies.recorder()
     energy = RegularizedEnergy(metric, start, recorder.work)
     assert best_fit(metric, energy, start, recorder, 1.0).weight == module.WEIGHT
@@ -98,14 +100,14 @@ def test_degrees_of_freedom_are_a_trace(monkeypatch):
 
 
 def test_lengths_without_errors_are_met():
-    metric, sphere, truth = noisy(*BODIES["peanut"], 0.0)
+    metric, sphere, truth = noisy(*BODIES["peanut"](), 0.0)
     fit = fitted(metric, sphere, smooth_bodies.recorder())
     assert fit.noise < 1e-5
     assert smooth_bodies.misfit(fit.vertices, truth) < 1e-5
 
 
 def test_the_unit_does_not_matter():
-    metric, sphere, _ = noisy(*BODIES["ellipsoid"], 1e-2)
+    metric, sphere, _ = noisy(*BODIES["ellipsoid"](), 1e-2)
     scale = 1.9 / metric.mean_length
     plain = fitted(metric, sphere, smooth_bodies.recorder())
     scaled = fitted(metric.scaled(scale), scale * sphere, smooth_bodies.recorder())

@@ -16,7 +16,7 @@ from isoembed.surface.measures import edge_lengths
 from isoembed.surface.rigidity import LengthSystem
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def saddle():
     vertices, faces = triangulate(HarmonicSurface(2, 2, 0.3), 300)
     metric = PolyhedralMetric.from_mesh(vertices, faces).normalized

@@ -25,15 +25,18 @@ def run(call, monkeypatch):
     return partial(call, "embed", "--jobs", 1, "--quiet")
 
 
+@pytest.fixture(scope="module")
+def ellipsoids():
+    return [PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3.0, 2.0, float(k))), 50)) for k in (1, 2, 3)]
+
+
 @pytest.fixture
-def metrics(call):
+def metrics(call, ellipsoids):
     """Three metrics in files, and one that is none."""
-    found = []
-    for k in (1, 2, 3):
-        found.append(PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3.0, 2.0, float(k))), 50)))
-        write_metric(f"m{k}.npz", found[-1])
+    for k, metric in enumerate(ellipsoids, 1):
+        write_metric(f"m{k}.npz", metric)
     Path("wrong.npz").write_text("no archive")
-    return found
+    return ellipsoids
 
 
 def rows():

@@ -2,7 +2,7 @@
 
 import csv
 import os
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -41,8 +41,9 @@ def simulation(call):
     return [f"h.t{iteration}.ah1.gp" for iteration in SPINS]
 
 
-def write_slice(path, spin, spacing=0.25, n=32):
-    """Write a Kerr-Schild hole on a grid, no point of which is on its disk."""
+@cache
+def slice_of(spin, spacing=0.25, n=32):
+    """A Kerr-Schild hole on a grid, no point of which is on its disk."""
     origin = np.array([-3.93, -3.91, -3.87])
     x = origin + spacing * np.stack(np.meshgrid(*[np.arange(n)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     hole = KerrSchild(1.0, spin)
@@ -53,7 +54,11 @@ def write_slice(path, spin, spacing=0.25, n=32):
         for name, tensor in tensors.items()
         for i, j in pairs
     }
-    np.savez(path, origin=origin, spacing=spacing, **arrays)
+    return {"origin": origin, "spacing": spacing, **arrays}
+
+
+def write_slice(path, spin):
+    np.savez(path, **slice_of(spin))
 
 
 def rows(folder="out"):

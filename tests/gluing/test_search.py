@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric
@@ -47,6 +47,7 @@ def test_the_latin_cross():
     assert sorted(cones) == [4] * 8 + [5] * 4 + [6] * 4 + [8]
 
 
+@settings(max_examples=12)
 @given(n=st.sampled_from([4, 6, 8]), seed=st.integers(0, 10**6))
 def test_as_by_brute_force(n, seed):
     # An equilateral polygon that need not be convex: unit steps of which each is paired with its opposite.
@@ -61,6 +62,7 @@ def test_as_by_brute_force(n, seed):
     assert edge_gluings(polygon) == convex
 
 
+@settings(max_examples=12)
 @given(turn=st.integers(0, 13), mirror=st.booleans())
 def test_the_first_corner_and_the_orientation_do_not_matter(turn, mirror):
     polygon = np.roll(LATIN_CROSS, turn, axis=0)

@@ -1,5 +1,7 @@
 """Slices on Cartesian grids: exact for polynomials, of eighth order for holes."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -97,6 +99,7 @@ def test_a_hole_converges():
     assert np.all(np.array(errors[-1]) < [1e-7, 3e-7, 2e-6, 2e-6, 1e-8]), errors
 
 
+@cache
 def sampled(hole, spacing, half, cut, noise=0.0, unit=1.0):
     """The hole on a cube about the origin, but for a ball within; the unit multiplies all lengths."""
     n = round(2 * half / spacing) + 1
@@ -121,7 +124,7 @@ def exact():
     return embed_surface(SPHERE.data(HOLE), vertices=60).energies
 
 
-@pytest.mark.parametrize(("spacing", "noise"), [(0.25, 0.0), (0.125, 0.0), (0.125, 1e-5)])
+@pytest.mark.parametrize(("spacing", "noise"), [(0.25, 0.0), (0.125, 0.0), (0.175, 1e-5)])
 def test_energies_are_within_their_errors(exact, spacing, noise):
     grid = sampled(HOLE, spacing, 3.5, 0.3, noise)
     found = embed_surface(SPHERE.data(grid), vertices=60).energies
@@ -147,16 +150,19 @@ def test_the_error_knows_of_extrinsic_curvature():
     assert sphere.data(still).relative_error < 1e-14
 
 
+@pytest.fixture(scope="module")
+def intrinsic():
+    return intrinsic_energies(SPHERE.data(HOLE))
+
+
 @pytest.mark.parametrize("noise", [1e-8, 1e-5, 1e-3])
-def test_noise_on_the_grid_is_in_the_errors(noise):
+def test_noise_on_the_grid_is_in_the_errors(intrinsic, noise):
     """Also where it is less than what interpolation misses, and averages out in part."""
-    hole, sphere = IsotropicSchwarzschild(1.0), StarSurface.sphere((0, 0, 0), 2.5)
-    clean = sampled(hole, 0.25, 3.5, 0.3)
+    clean = sampled(HOLE, 0.25, 3.5, 0.3)
     gamma = clean.gamma + noise * np.random.default_rng(4).normal(size=clean.gamma.shape)
-    found = intrinsic_energies(sphere.data(CartesianGrid(clean.origin, clean.spacing, gamma)))
-    exact = intrinsic_energies(sphere.data(hole))
+    found = intrinsic_energies(SPHERE.data(CartesianGrid(clean.origin, clean.spacing, gamma)))
     for name in ("area", "hawking"):
-        assert abs(getattr(found, name).value - getattr(exact, name).value) < getattr(found, name).error
+        assert abs(getattr(found, name).value - getattr(intrinsic, name).value) < getattr(found, name).error
 
 
 @pytest.mark.slow
@@ -202,10 +208,14 @@ def test_beside_missing_points_the_error_is_told_by_fewer():
     assert true < k.error.pointwise < 1e3 * true
 
 
+@pytest.fixture(scope="module")
+def on_the_grid():
+    return SPHERE.data(sampled(HOLE, 0.25, 3.5, 0.3))
+
+
 @pytest.mark.parametrize("unit", [1e-60, 1e60])
-def test_the_error_scales(unit):
-    sphere, other = (StarSurface.sphere((0, 0, 0), 2.5 * scale) for scale in (1.0, unit))
-    one = sphere.data(sampled(IsotropicSchwarzschild(1.0), 0.25, 3.5, 0.3))
+def test_the_error_scales(on_the_grid, unit):
+    one, other = on_the_grid, StarSurface.sphere((0, 0, 0), 2.5 * unit)
     scaled = other.data(sampled(IsotropicSchwarzschild(unit), 0.25, 3.5, 0.3, unit=unit))
     assert scaled.relative_error == pytest.approx(one.relative_error, rel=1e-6)
     error = one.mean_curvature.error.pointwise

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -114,6 +114,7 @@ class TestMeanCurvature:
             surface.angular_momentum(hole, (0, 0, 1)), abs=1e-13
         )
 
+    @settings(max_examples=10)
     @given(exponent=st.integers(-60, 60))
     def test_scales(self, exponent):
         unit, u = 10.0**exponent, directions(3)
