@@ -118,13 +118,13 @@ def test_what_a_method_returns_is_checked(metric):
         def run(self, metric, tolerance, log):
             return np.zeros((6, 3))
 
-    with pytest.raises(InvalidParameter, match="the method 'points' returned ndarray, which is no Embedding"):
+    with pytest.raises(InvalidParameter, match="the method 'points' returned ndarray, not an Embedding"):
         isoembed.embed(metric, method=Points())
 
 
 @pytest.mark.parametrize(
     ("size", "looser", "named"),
-    [(1.0, 1e12, r"the tolerance 100, not the 1e-10"), (100.0, 1.0, "of another metric")],
+    [(1.0, 1e12, r"the tolerance 100, not the given 1e-10"), (100.0, 1.0, "of a different metric")],
 )
 def test_a_method_embeds_the_metric_and_to_the_tolerance_it_is_given(metric, size, looser, named):
     class Other(isoembed.Method):

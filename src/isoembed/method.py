@@ -104,8 +104,9 @@ def solve(
     """Check a metric and a method against each other, normalize the unit, and run the method."""
     if isinstance(metric, GluedMetric) and not method.takes_glued:
         raise InvalidParameter(
-            f"the method {method.name!r} keeps the given triangles, and those of a glued metric need not be "
-            'a simplicial complex: take the method "alexandrov", or glued.simplicial()'
+            f"the method {method.name!r} keeps the given triangles, and the triangles of a glued "
+            'metric need not form a simplicial complex: use the method "alexandrov", or '
+            "glued.simplicial()"
         )
     if isinstance(metric, GluedMetric):
         metric.check_sphere()
@@ -162,15 +163,13 @@ def solve(
         raise Interrupted(checkpoints.last, log.stages) from interruption
     if not isinstance(found, Embedding):
         kind = type(found).__name__
-        raise InvalidParameter(f"the method {method.name!r} returned {kind}, which is no Embedding")
+        raise InvalidParameter(f"the method {method.name!r} returned {kind}, not an Embedding")
     if method.keeps_triangles and not np.array_equal(found.metric.lengths, unit.lengths):
-        raise InvalidParameter(
-            f"the method {method.name!r} returned an Embedding of another metric than it was given"
-        )
+        raise InvalidParameter(f"the method {method.name!r} returned an Embedding of a different metric")
     if found.tolerance != tolerance:
         raise InvalidParameter(
-            f"the method {method.name!r} returned an Embedding with the tolerance {found.tolerance:g}, not "
-            f"the {tolerance:g} that it was given"
+            f"the method {method.name!r} returned an Embedding with the tolerance {found.tolerance:g}, "
+            f"not the given {tolerance:g}"
         )
     embedding = found._in_unit_of(metric)
     if not embedding.is_answer:

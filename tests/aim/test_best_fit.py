@@ -179,7 +179,7 @@ def test_a_fit_that_loses_the_shape_is_none():
     # Of the two triangles at the long side, both are nearly flat: no tetrahedron, and nothing smooth near it.
     faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]
     metric = PolyhedralMetric(faces, [1.0, 1.0, 1.0, 1.0, 1.0, 1.9])
-    with pytest.raises(NotEmbedded, match="No smooth surface near to them was found: check") as caught:
+    with pytest.raises(NotEmbedded, match="No smooth surface was found near them: check") as caught:
         isoembed.embed(metric, method=Aim(best_fit=True))
     assert caught.value.embedding.status == "not converged"
 

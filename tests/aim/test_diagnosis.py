@@ -54,7 +54,7 @@ def test_noise_on_a_convex_body():
     count = int(negative_deficits(metric).sum())
     assert count > 1
     assert f"{count} of 400 deficits are negative" in text
-    assert f"but for errors of about {surface.noise:.0e} of the mean edge length" in text
+    assert f"up to errors of about {surface.noise:.0e} of the mean edge length" in text
     assert surface.noise == pytest.approx(2e-3, rel=0.35)
     assert "method=Aim(best_fit=True)" in text
     repair = float(re.search(r"method=Alexandrov\(repair=(\S+)\) finds a polyhedron", text)[1])
@@ -80,14 +80,15 @@ def test_a_repair_that_changes_lengths_by_much_is_not_advised(factor, change):
     solid = isoembed.embed(metric, method=isoembed.Alexandrov(repair=repair))
     said = repair_that_succeeds(metric, repair, 1e-10, Log())
     assert bool(said) == bool(change) == (solid.repair.largest_change < 0.1)
-    assert f"lengths changed by {change}" in said or not change
+    assert f"relative length changes of at most {change}" in said or not change
 
 
 def test_lengths_of_no_surface():
     metric, x = of_body(*smooth_bodies.ellipsoid(200))
     text, surface = diagnosed(metric.with_lengths(np.ones(len(metric.lengths))), x)
-    assert f"No smooth surface near to them was found: the best fit misses {surface.residual_rms:.0%}" in text
-    assert "check that each length is with its edge" in text
+    said = f"No smooth surface was found near them: the best fit misses them by {surface.residual_rms:.0%}"
+    assert said in text
+    assert "check that each length belongs to its edge" in text
     assert "alexandrov" not in text
 
 
@@ -106,7 +107,7 @@ def test_a_convex_metric_has_another_way():
     metric, x = of_body(*zoo.icosphere(2))
     assert not negative_deficits(metric).any()
     text, _ = diagnosed(metric, x)
-    assert 'No deficit is negative: method="alexandrov" is for the convex polyhedron' in text
+    assert 'No deficit is negative: method="alexandrov" finds the convex polyhedron' in text
     assert "effort" not in text
 
 

@@ -71,7 +71,8 @@ def test_what_is_not_proven(call, files, realizations):
     status, out, _ = call("compare", "a.ply", "c.npz")  # of surfaces with other lengths none can be made
     assert status == 0
     assert (
-        "differences of OTHER from SURFACE, in the unit of the lengths; of numbers, OTHER - SURFACE\n" in out
+        "differences between OTHER and SURFACE, in the unit of the lengths; signed values: OTHER - SURFACE\n"
+        in out
     )
     assert call("compare", "a.ply", "a.ply", "c.npz")[1].splitlines()[0].endswith("both are equally smooth")
 

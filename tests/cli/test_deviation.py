@@ -98,7 +98,7 @@ def test_what_holds_a_boundary(call):
         assert found["vertices_rms"] == pytest.approx(expected["vertices_rms"], rel=1e-6)
         assert found["integrated_mean_curvature"] == pytest.approx(expected["integrated_mean_curvature"])
     out = call("deviation", "c.npz", "--length-error", "1e-4", "--boundary", "plane")[1]
-    assert "int H dA" in out and "volume" in out and "first order is not valid" not in out
+    assert "int H dA" in out and "volume" in out and "first-order estimate is not valid" not in out
 
 
 def test_conditions_that_do_not_suit(call, peanut):
@@ -108,14 +108,14 @@ def test_conditions_that_do_not_suit(call, peanut):
     np.save("two.npy", np.zeros(2))
     np.save("heights.npy", np.arange(18.0))
     for arguments, words in (
-        (("c.npz",), "c.npz has a boundary: --boundary says what holds it there"),
+        (("c.npz",), "c.npz has a boundary: give its condition by --boundary"),
         (("s.npz", "--boundary", "free"), "s.npz is closed"),
         (("c.npz", "--boundary", "two.npy"), "two.npy has the shape (2,), not (18,) or (18, 3)"),
         (
             ("c.npz", "--boundary", "heights.npy"),
-            "the boundary is not at the heights of 'heights': its vertex",
+            "the boundary does not have the heights of 'heights': its vertex",
         ),
-        (("c.npz", "--boundary", "free"), "the forces of bending are balanced to"),
+        (("c.npz", "--boundary", "free"), "the bending forces are balanced only to"),
     ):
         status, _, err = call("deviation", *arguments, "--length-error", "1e-4")
         assert status == 2 and words in err and err.count("\n") == 1

@@ -116,8 +116,8 @@ def test_parts_leave_the_table_to_the_whole(run, metrics):
     [
         (["m1.npz", "m2.npz"], "2 files need an --output: the folder for their surfaces"),
         (["m1.npz", "a/m1.json", "-o", "out"], "m1.npz and a/m1.json have the same name: m1"),
-        (["m1.npz", "-", "-o", "out"], "standard input, -, is one file: it does not go with others"),
-        (["m1.npz", "m2.npz", "-o", "out", "--html", "x.html"], "--html is for one file"),
+        (["m1.npz", "-", "-o", "out"], "standard input, -, cannot be combined with other inputs"),
+        (["m1.npz", "m2.npz", "-o", "out", "--html", "x.html"], "--html is for a single input"),
         (["m1.npz", "-o", "m1.ply"], "--jobs is for several files, whose --output is a folder"),
         (["m1.npz", "m2.npz", "-o", "out", "--shard", "3/2"], "'3/2' is not I/N with I from 1 to N"),
         (["m1.json", "m2.npz", "-o", "."], "m1.json would overwrite the input m1.json: take another"),

@@ -288,7 +288,7 @@ def test_a_net_with_too_much_angle_is_refused(run):
         ({"pita": {"outline": {"circle": 1}, "n": 2}}, "n is 2, not a whole number of sides"),
         ({"dform": {"outlines": [SQUARE]}}, "the outlines of net.json are 1, not 2"),
         ({"dform": {"outlines": SQUARE}}, "the outlines of net.json are not a list"),
-        ({"dform": {"outlines": [SQUARE, SQUARE], "offset": 1}}, "offset is 1, not a part of the perimeter"),
+        ({"dform": {"outlines": [SQUARE, SQUARE], "offset": 1}}, "offset is 1, not a fraction of the"),
     ],
 )
 def test_every_mistake_in_a_net_is_one_line(run, document, sentence):

@@ -147,7 +147,7 @@ REFUSED = [
         "--spin takes one number, along z, or three, not 2",
     ),
     (["h.gp", *KERR_SCHILD, "--axis", 0, 0, 0], "--axis 0 0 0 is not an axis"),
-    (["grid.npz", "--axis", 0, 0, 1], "grid.npz holds no coordinates that an --axis could be given in"),
+    (["grid.npz", "--axis", 0, 0, 1], "grid.npz has no coordinates for an --axis"),
     (["h.gp", *KERR_SCHILD[:2], "--vertices", 11], "--vertices must be at least 12, not 11"),
     (["bad.gp", *KERR_SCHILD], "bad.gp"),
     (["no.gp", "bad.gp", "-o", "found"], "there is no file no.gp; bad.gp"),

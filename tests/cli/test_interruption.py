@@ -70,7 +70,7 @@ def test_it_leaves_a_checkpoint_beside_the_output_and_goes_on_from_it(run):
     assert status == 130
     assert err == (
         "isoembed: error: interrupted in the stage 'counting'; the checkpoint is in a.ply.checkpoint.npz: "
-        "the same command with --resume a.ply.checkpoint.npz goes on from it\n"
+        "resume with the same command and --resume a.ply.checkpoint.npz\n"
     )
     assert files() == [LEFT]
     assert read_checkpoint(LEFT).arrays["left"] == 2
@@ -89,7 +89,7 @@ def test_sigterm_does_the_same_under_its_own_status(run):
 def test_the_checkpoint_may_have_a_name_of_its_own(run):
     status, err = run(*STOP, "-o", "a.ply", "--checkpoint", "my run.npz")
     assert status == 130
-    assert "is in my run.npz: the same command with --resume 'my run.npz' goes on" in err
+    assert "is in my run.npz: resume with the same command and --resume 'my run.npz'" in err
     assert files() == ["my run.npz"]
     assert run(*STOP, "--resume", "my run.npz", "--checkpoint", "my run.npz") == (0, "")
 
@@ -97,7 +97,7 @@ def test_the_checkpoint_may_have_a_name_of_its_own(run):
 def test_without_an_output_there_is_a_checkpoint_only_on_demand(run):
     status, err = run(*STOP)
     assert status == 130
-    assert err.endswith("; there is no checkpoint, as neither --output nor --checkpoint says where\n")
+    assert err.endswith("; there is no checkpoint: neither --output nor --checkpoint names its file\n")
     assert files() == []
     assert run(*STOP, "--checkpoint", "c.npz")[0] == 130
     assert files() == ["c.npz"]
@@ -140,7 +140,7 @@ def test_a_checkpoint_that_cannot_be_written_goes_to_a_second_place(run, here, t
     (folder,) = temporary.iterdir()
     second = folder / LEFT
     assert "; cannot write a.ply.checkpoint.npz: Is a directory; the checkpoint is in " in err
-    assert f"is in {second}: the same command with --resume {second} goes on" in err
+    assert f"is in {second}: resume with the same command and --resume {second}" in err
     assert os.listdir(LEFT) == []
     assert run(*STOP, "-o", "a.ply", "--resume", second) == (0, "")
     is_the_answer("a.ply")
@@ -226,8 +226,8 @@ def test_if_the_answer_cannot_be_written_the_checkpoint_stays(run, always, monke
 def test_that_of_another_computation_is_refused(run):
     run(*STOP, "-o", "a.ply")
     for options, words in (
-        (("--method", "counting"), "left by another method: Counting(steps=5, stop=2, "),
-        ((*STOP, "--tolerance", "1e-8"), "left under another tolerance: 1e-10, not 1e-08"),
+        (("--method", "counting"), "written by another method: Counting(steps=5, stop=2, "),
+        ((*STOP, "--tolerance", "1e-8"), "written with another tolerance: 1e-10, not 1e-08"),
     ):
         status, err = run(*options, "-o", "a.ply", "--resume", LEFT)
         assert status == 2

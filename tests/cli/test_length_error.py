@@ -84,7 +84,7 @@ def test_several_files(call, metric):
     assert 0 < float(row["chi_square"]) < len(metric.lengths)
     np.save("e.npy", np.zeros(len(metric.lengths)))
     status, _, err = call("embed", "m.npz", "n.npz", "-o", "all", "--length-error", "e.npy")
-    assert (status, err) == (2, "isoembed: error: --length-error of several files is a number\n")
+    assert (status, err) == (2, "isoembed: error: --length-error must be a number for several files\n")
 
 
 def test_energies(call, metric):

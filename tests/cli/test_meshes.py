@@ -53,10 +53,10 @@ def test_notes_belong_to_the_one_line_of_a_refusal(call, tmp_path):
     [
         (
             ("--merge", "apart.obj"),
-            "'apart.obj' is not a number (write a file before --merge, not behind it)",
+            "'apart.obj' is not a number (put files before --merge, not after it)",
         ),
-        (("apart.obj", "--merge", "1"), "1 is not a number of mean edge lengths from 0 to below 1"),
-        (("apart.obj", "--merge", "nan"), "nan is not a number of mean edge lengths from 0 to below 1"),
+        (("apart.obj", "--merge", "1"), "1 is not a number of mean edge lengths in [0, 1)"),
+        (("apart.obj", "--merge", "nan"), "nan is not a number of mean edge lengths in [0, 1)"),
     ],
 )
 def test_tolerances_that_are_none(call, apart, arguments, sentence):

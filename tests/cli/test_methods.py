@@ -97,7 +97,7 @@ def test_a_method_of_another_package_does_what_ours_do(run):
     ("arguments", "said"),
     [
         (["turned"], "the method 'turned' needs --parameter times=VALUE"),
-        (["turned", "--parameter", "path=x"], "a parameter of the type Path can be set in Python only"),
+        (["turned", "--parameter", "path=x"], "a parameter of type Path can only be set in Python"),
         (["turned", "--parameter", "times=1.5"], "'1.5' is not a whole number"),
         (["plain", "--parameter", "times=1"], "the method 'plain' has no parameter 'times'; it has none"),
         (["plain", "--best-fit"], "the method 'plain' has no best fit"),

@@ -34,7 +34,7 @@ def test_everything_at_once(metric, tmp_path, capsys):
     ("arguments", "said"),
     [
         (["--picture", "a.gif"], "a.gif has the ending '.gif', not one of .png .svg .pdf"),
-        (["-o", "a.pdf"], "surfaces, and a paper net is of 'isoembed unfold': did you mean --picture a.pdf?"),
+        (["-o", "a.pdf"], "and paper nets are written by 'isoembed unfold': did you mean --picture a.pdf?"),
         (["--html", "a.png"], "a.png has the ending '.png', not one of .html"),
         (["--animate", "a.html"], "a.html has the ending '.html', not one of .gif .mp4"),
         (["--color", "residual"], "--color needs a --picture whose colors it chooses"),

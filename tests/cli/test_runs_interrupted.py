@@ -55,7 +55,7 @@ def test_ctrl_c_keeps_what_is_done(files):
     out, err = process.communicate(timeout=300)
     assert (process.returncode, out) == (130, "")
     assert err.startswith("isoembed: interrupted: ") or err.startswith("isoembed: error: interrupted: ")
-    assert f"of {N}" in err and err.rstrip().endswith("the same command goes on with what is left")
+    assert f"of {N}" in err and err.rstrip().endswith("the same command continues with the rest")
     there = results("out")
     assert 3 <= len(there) < N
     assert done(begun(files, "out"))["computed"] == N - len(there)

@@ -79,7 +79,7 @@ def test_a_sphere_needs_its_curvature(call):
     written("m.npz", 0.0)
     status, _, err = call("embed", "m.npz", "--space", "spherical", "-o", "s.ply")
     assert status == 2
-    assert "m.npz does not say the curvature of its space: give it, as in spherical=1" in err
+    assert "m.npz does not contain the curvature of its space: give it, as in spherical=1" in err
 
 
 def test_methods_that_embed_in_r3_alone(call):

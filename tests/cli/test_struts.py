@@ -72,7 +72,7 @@ def test_few_digits_are_fitted(call):
         (["dome.obj", "--tolerance", "-1"], "argument --tolerance: -1 is not a non-negative length"),
         (["dome.obj", "--stock", "x"], "argument --stock: 'x' is not a number (see"),
         (["dome.obj", "--stock", "1m"], "'1m' is not a number: lengths are in the unit of the file"),
-        (["dome.obj", "--stock", ".5"], "a strut of type B is 0.618034 long: none is cut from a bar of 0.5"),
+        (["dome.obj", "--stock", ".5"], "a strut of type B is 0.618034 long, more than a bar of 0.5"),
         (["dome.obj", "--hub-radius", "3"], "hubs of radius 3 overlap: struts of type A are 0.546533 long"),
     ],
 )

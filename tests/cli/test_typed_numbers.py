@@ -88,7 +88,7 @@ def test_glue(name, volume, error, tmp_path):
         (
             "glue",
             "09_L_prism_net_from_unfold.json",
-            'what is missing is "folds" (.json), for each',
+            'the net lacks its fold angles: "folds" (.json), for each',
         ),
         ("embed", "11_collinear_triangle.obj", "vertex 8 is on the side from vertex 0 to vertex 1"),
         ("embed", "13_damaged_points.vtk", "among the points"),
@@ -110,7 +110,7 @@ def test_an_edge_among_the_faces_and_faces_of_any_orientation(tmp_path, capsys):
     assert read_surface(tmp_path / "s.ply").volume == pytest.approx(1.0, rel=1e-10)
     name = "10_tetrahedron_any_orientation.json"
     assert ran("embed", NUMBERS / name, "-o", tmp_path / "s.ply") == 0
-    assert "2 of 4 faces are turned over" in capsys.readouterr().err
+    assert "2 of 4 faces are reversed" in capsys.readouterr().err
 
 
 def farthest(found, true):

@@ -163,13 +163,13 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
         (["cube.ply", "-o", "a.svg", "--paper", "A9"], "paper is 'A9', not one of A0, A1,"),
         (
             ["cube.ply", "-o", "a.svg", "--scale", "300"],
-            "scale is 300 mm, but face 0 fits on A4 up to --scale 182; --paper A2 has room for it",
+            "scale is 300 mm, but face 0 fits on A4 up to --scale 182; --paper A2 is large enough",
         ),
-        (["cube.ply", "-o", "a.svg", "--cut", "3"], "'3' is not two numbers of vertices, as 3-17 is"),
+        (["cube.ply", "-o", "a.svg", "--cut", "3"], "'3' is not a pair of vertex numbers such as 3-17"),
         (["cube.ply", "-o", "a.svg", "--objective", "page"], "invalid choice: 'page'"),
         (
             ["cube.ply", "-o", "a.svg", "--objective", "pages"],
-            "how large the solid is: give a scale or a size",
+            "size of the solid: give a scale or a size",
         ),
         (["cube.ply", "-o", "a.json", "--objective", "pages"], "--objective pages is for nets on pages"),
         (
@@ -178,17 +178,17 @@ def test_a_solid_of_a_given_size_with_numbers_on_several_pages(call, tmp_path):
         ),
         (
             ["cube.ply", "-o", "a.svg", "--size", "2ft"],
-            "argument --size: '2ft' is not a length, as 15, 15mm,",
+            "argument --size: '2ft' is not a length such as 15, 15mm,",
         ),
         (["cube.ply", "-o", "a.svg", "--size", "20", "cm"], "unrecognized arguments: cm; did you mean 20cm?"),
         (["cube.ply", "-o", "a.svg", "--height", "20cm"], "--height; did you mean '--size'?"),
-        (["cube.ply", "-o", "a.svg", "--size", "h=3"], "'h=3' is not of x, y or z, as z=200 is"),
-        (["cube.ply", "-o", "a.svg", "--size", "1,500"], "'1,500' is not a length, as 15, 15mm, 1.5cm and"),
+        (["cube.ply", "-o", "a.svg", "--size", "h=3"], "'h=3' is not an extent in x, y or z such as z=200"),
+        (["cube.ply", "-o", "a.svg", "--size", "1,500"], "'1,500' is not a length such as 15, 15mm,"),
         (["cube.ply", "-o", "a.svg", "--cut", "0-0"], ": --cut 0-0 is not an edge between two faces"),
         (["cube.ply", "-o", "a.svg", "--scale", "0"], "scale is 0, not a positive finite number"),
         (
             ["cube.ply", "-o", "a.svg", "--scale", "3m"],
-            "no format has room for it: give a page of your own, --paper WIDTHxHEIGHT in mm",
+            "no format is large enough: give a page size, --paper WIDTHxHEIGHT in mm",
         ),
         (["cube.ply", "-o", "a.svg", "--paper", "21x29.7"], "; in centimeters, write '21x29.7cm'"),
         (["nothing.ply", "-o", "a.svg"], "there is no file nothing.ply"),
@@ -219,7 +219,7 @@ def test_an_open_box_and_a_torus(call):
 def test_a_net_of_many_folds_is_announced(call):
     write("ball.obj", *zoo.random_hull(250, 1))
     status, _, said = call("unfold", "ball.obj", "-o", "net.json")
-    simplify = "simplify the mesh first, to as many faces as you are ready to fold"
+    simplify = "simplify the mesh first, to the number of faces that you want to fold"
     assert (status, said) == (0, f"isoembed: note: 495 folds: {simplify}\n")
     assert call("unfold", "ball.obj", "-o", "net.json", "--quiet")[2] == ""
 

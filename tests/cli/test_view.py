@@ -82,7 +82,7 @@ def test_every_format_becomes_a_page(kind, folder):
     found = report(folder / "a.html")
     assert found["method"] == "given"
     assert found["status"] == "converged"
-    assert found["message"] == "the lengths are those between the vertices of the file"
+    assert found["message"] == "the lengths are computed from the vertices in the file"
     assert found["area"] == pytest.approx(area(faces, vertices))
     assert f"<h1>a.{kind}</h1>" in (folder / "a.html").read_text()
 

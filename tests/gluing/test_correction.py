@@ -49,7 +49,7 @@ def test_johnson_nets_with_six_decimals(number):
 
 
 def test_the_change_is_said():
-    with pytest.warns(MeshNote, match=r"differ by up to 3\.5e-07 .*, as the corners have 6 digits"):
+    with pytest.warns(MeshNote, match=r"differ by up to 3\.5e-07 .*, from the corners, with 6 digits"):
         net = glue([TRIANGLE] * 4, corners=NAMES)
     change = net.correction
     # Neither the digits nor the change are larger than the differences between the sides.
@@ -101,7 +101,7 @@ def test_exact_numbers_are_no_rounded_ones():
 @pytest.mark.parametrize(
     ("top", "tolerance", "sentence"),
     [
-        (0.8661, None, "as the corners have"),
+        (0.8661, None, "from the corners, with"),
         (
             0.866025,
             1e-8,
@@ -175,7 +175,7 @@ def test_what_a_large_tolerance_flattens_is_said():
     sheets, names = pyramid(0.01)
     sheets = [np.array(sheet) for sheet in sheets]
     sheets[4] = sheets[4] * [1.0, 1.01]  # two sides are off by a hundredth, which hides the apex
-    with pytest.warns(MeshNote, match=r"1 vertices are made flat, with deficits of up to 0\.0008"):
+    with pytest.warns(MeshNote, match=r"1 vertices are flattened, with deficits of up to 0\.0008"):
         net = glue(sheets, corners=names, tolerance=0.02)
     assert net.correction.flattened == 1
     apex = net.corners[0][2]

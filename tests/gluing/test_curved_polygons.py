@@ -97,7 +97,7 @@ def test_doubly_covered_triangles(k):
 REFUSALS = {
     "outside": (
         lambda: glue([[[0, 0], [1, 0], [0, 1]]] * 2, [], curvature=-1.0, model="projective"),
-        "polygon 0: point 1 is 1 from the center of the klein model, in which space ends at 1",
+        "polygon 0: point 1 is 1 from the center of the klein model, whose boundary is at 1",
     ),
     "model": (
         lambda: glue([[[0, 0], [1, 0], [0, 1]]], [], model="poincare"),
@@ -114,7 +114,7 @@ REFUSALS = {
     ),
     "half": (
         lambda: from_sides([1.5] * 4, [3.0] * 3, curvature=1.0),
-        "corner 1 of the polygon is not in one half of the sphere with the others",
+        "corner 1 of the polygon does not lie in a common hemisphere with the others",
     ),
     "angle": (
         lambda: from_sides([1.0] * 3, [1.0, 7.0]),
@@ -124,7 +124,7 @@ REFUSALS = {
     "curvature": (lambda: triangle(1, 1, 1, curvature="x"), "the curvature of space is 'x', not a finite"),
     "count": (
         lambda: from_sides([1.0] * 3, [1.0] * 3),
-        "there are sides of shape (3,) and angles of shape (3,): of a polygon of n sides n - 1 are given",
+        "there are sides of shape (3,) and angles of shape (3,): a polygon with n sides takes n - 1 sides",
     ),
 }
 

@@ -160,13 +160,13 @@ def test_two_squares_that_fit_exactly():
         ),
         (
             {"keep": [(0, 1), (1, 2), (2, 3)], "objective": "strips"},
-            r"the edge \(\d, \d\) cannot be kept: .* are not a strip",
+            r"the edge \(\d, \d\) cannot be kept: .* do not form a strip",
         ),
         ({"within": (1.0, 0.0)}, r"within is \(1\.0, 0\.0\), not the width and height of a rectangle"),
         ({"within": 2.0}, r"within is 2\.0, not the width and height of a rectangle"),
         (
             {"keep": [(0, 1)], "within": (1.5, 1.5)},
-            r"the edge \(1, 0\) cannot be kept: .* are larger than the rectangle",
+            r"the edge \(1, 0\) cannot be kept: .* do not fit in the rectangle",
         ),
         ({"objective": "pages"}, "objective is 'pages', not one of sheets, length, strips, faces"),
     ],
@@ -186,7 +186,7 @@ def test_faces_that_overlap_cannot_be_kept_together():
     surface = solid(vertices, faces)
     assert deficits(surface.metric)[n] < -1
     with pytest.raises(
-        InvalidParameter, match=r"cannot be kept: faces that it and others before it join overlap"
+        InvalidParameter, match=r"cannot be kept: faces that it and the previous edges join overlap"
     ):
         unfold(surface, keep=[(k, n) for k in range(1, n)])
     check(unfold(surface), surface)

@@ -74,10 +74,10 @@ def test_parts_of_polygons_follow_the_corners_as_given():
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
-        (lambda: pita(circle(), 1.0), "at is 1.0, not a part of the perimeter from 0 to below 1"),
-        (lambda: pita(circle(), np.nan), "at is nan, not a part"),
-        (lambda: pita(circle(), "a"), "at is 'a', not a part"),
-        (lambda: dform(circle(), circle(), -0.1), "offset is -0.1, not a part of the perimeter"),
+        (lambda: pita(circle(), 1.0), "at is 1.0, not a fraction of the perimeter in [0, 1)"),
+        (lambda: pita(circle(), np.nan), "at is nan, not a fraction"),
+        (lambda: pita(circle(), "a"), "at is 'a', not a fraction"),
+        (lambda: dform(circle(), circle(), -0.1), "offset is -0.1, not a fraction of the perimeter"),
         (lambda: pita(circle(), 0.0, 2), "n is 2, not a whole number of sides, at least 3"),
         (lambda: pita(circle(), 0.0, 7.5), "n is 7.5, not a whole number"),
         (lambda: pita(Ellipse(30, 1), 0.25, 3), "3 sides are too few for Ellipse(a=30, b=1)"),

@@ -93,20 +93,20 @@ def test_names_that_tell_no_gluing(names, sentence):
 
 def test_one_name_for_two_vertices():
     # A cube, two of whose far corners have the same name.
-    with pytest.raises(InvalidMetric, match=r"the corners 'a' of polygons \d and \d do not come together"):
+    with pytest.raises(InvalidMetric, match=r"the corners 'a' of polygons \d and \d do not meet"):
         glue([SQUARE] * 6, corners=[name.replace("g", "a") for name in CUBE])
 
 
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({}, "either the sides that are glued or the names"),
-        ({"sides": [], "corners": []}, "either the sides that are glued or the names"),
+        ({}, "either the glued sides or the names"),
+        ({"sides": [], "corners": []}, "either the glued sides or the names"),
         ({"corners": ["abc"]}, "the corners are not 2 lists of names"),
         ({"corners": ["abc", "ab"]}, "corners[1] is 'ab', not a list of the names of the 3 corners"),
         (
             {"corners": ["abc", ["a", "b", 1.5]]},
-            "corner 2 of polygon 1 is called 1.5, not text or a whole number",
+            "corner 2 of polygon 1 is called 1.5, neither text nor a whole number",
         ),
         ({"corners": 7}, "the corners are not 2 lists of names"),
     ],

@@ -233,20 +233,20 @@ def test_a_polygon_lost_in_rounding_is_refused(monkeypatch):
         glue([flat], FOLDED)
     # No polygon is known that gets this far.
     monkeypatch.setattr("isoembed.gluing.net.triangulated", lambda points: None)
-    with pytest.raises(InvalidMetric, match="polygon 0 is so thin that its triangles are lost in rounding"):
+    with pytest.raises(InvalidMetric, match="polygon 0 is too thin to be triangulated"):
         glue([SQUARE], FOLDED)
 
 
 @pytest.mark.parametrize(
     ("sides", "sentence"),
     [
-        (None, "give either the sides that are glued or the names of the corners"),
+        (None, "give either the glued sides or the names of the corners"),
         (17, "the sides are 17, not a list of pairs"),
         ([(0, 1, 2)], "sides[0] is (0, 1, 2), not a pair of sides or runs"),
         ([((0, 1), 3)], "sides[0] glues 3, which is neither a side (polygon, side) nor a run"),
         ([((0, 1), (0, 1, 2, 3))], "sides[0] glues (0, 1, 2, 3), which is neither"),
-        ([((0, 1), (0, "a"))], "sides[0] glues (0, 'a'), in which 'a' is not a finite number"),
-        ([((0, True), (0, 1))], "sides[0] glues (0, True), in which True is not a finite number"),
+        ([((0, 1), (0, "a"))], "sides[0] glues (0, 'a'), where 'a' is not a finite number"),
+        ([((0, True), (0, 1))], "sides[0] glues (0, True), where True is not a finite number"),
         ([((0, 10**400), (0, 1))], "is not a finite number"),
         ([((0, 1), (1, 1))], "sides[0] glues (1, 1), but the polygons are numbered from 0 to 0"),
         ([((0.5, 1), (0, 1))], "sides[0] glues (0.5, 1), but the polygons are numbered"),

@@ -63,8 +63,8 @@ def test_each_side_by_its_own_distance():
 @pytest.mark.parametrize(
     ("outline", "d", "sentence"),
     [
-        (NOTCHED, 0.51, r"side 4 of it vanishes: an offset of 0\.51 is too much, as in a notch; it takes"),
-        (SQUARE, -0.6, r"side 0 of it vanishes: an offset of -0\.6 is too much"),
+        (NOTCHED, 0.51, r"side 4 of it vanishes: an offset of 0\.51 is too large, as in a notch; it takes"),
+        (SQUARE, -0.6, r"side 0 of it vanishes: an offset of -0\.6 is too large"),
         (
             HOLLOW,
             0.3,

@@ -143,7 +143,7 @@ def test_glued_polygons_are_embedded_with_a_condition():
     assert (net.n_vertices, net.n_edges, net.n_faces) == (5, 8, 4)
     assert net.mean_length == pytest.approx(1.0)
     assert np.ptp(embed(net, boundary="plane").vertices[:, 2]) == pytest.approx(0.5**0.5, abs=1e-12)
-    with pytest.raises(InvalidMetric, match="does not say how it is folded, and lengths alone do not"):
+    with pytest.raises(InvalidMetric, match="no fold angles, and lengths alone do not"):
         embed(net)
     with pytest.raises(InvalidMetric, match=r"is glued to none \(4 such sides\): the surface is not closed"):
         embed(net, method="alexandrov")

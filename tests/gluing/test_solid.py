@@ -95,7 +95,7 @@ def test_the_precision_of_the_solid_stays_with_its_net(ending, tmp_path):
 def test_without_folds_a_net_that_is_not_convex_is_refused(tmp_path):
     points, faces, _ = SOLIDS["U prism"]
     unfolding = isoembed.unfold(given(points, faces))
-    with pytest.raises(InvalidMetric, match=r"450 degrees, meets at .* what is missing is \"folds\""):
+    with pytest.raises(InvalidMetric, match=r"450 degrees, meets at .* lacks its fold angles: \"folds\""):
         embed_net(unfolding.net)
 
 
@@ -122,7 +122,7 @@ def test_damaged_folds_are_refused(changes, sentence, tmp_path):
 
 @pytest.mark.shared
 def test_typed_tetrahedron():
-    with pytest.warns(MeshNote, match="as the corners have 6 digits"):
+    with pytest.warns(MeshNote, match="from the corners, with 6 digits"):
         net = read_net(str(NUMBERS / "02_tetrahedron_net_typed.json"))
     assert embed_net(net).volume == pytest.approx(2**0.5 / 12, abs=1e-6)
 
@@ -136,7 +136,7 @@ def test_prism_of_a_fold_file():
 
 @pytest.mark.shared
 def test_tetrahedron_with_faces_in_any_orientation():
-    with pytest.warns(MeshNote, match="2 of 4 faces are turned over"):
+    with pytest.warns(MeshNote, match="2 of 4 faces are reversed"):
         metric = isoembed.io.read_metric(NUMBERS / "10_tetrahedron_any_orientation.json")
     # Heron's formula of space (Cayley-Menger): squares of the lengths from vertex 3 and between the others.
     squares = np.array([[0, 900, 2500, 3600], [900, 0, 1600, 3600], [2500, 1600, 0, 3600], [3600] * 3 + [0]])

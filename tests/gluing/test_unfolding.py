@@ -206,14 +206,14 @@ def test_a_face_without_area_is_refused():
     vertices, faces = zoo.tetrahedron()
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     flat = Embedding(metric, vertices * [1, 0, 0], method="given", tolerance=1e-10)
-    with pytest.raises(InvalidMetric, match=r"face 0 \[\d, \d, \d\] is so thin that it lies in no plane"):
+    with pytest.raises(InvalidMetric, match=r"face 0 \[\d, \d, \d\] is too thin to define a plane"):
         unfold(flat)
 
 
 @pytest.mark.parametrize("thin", [1e-16, 3e-17, 1e-40])
 def test_sides_that_rounding_hides_are_refused(thin):
     points, faces = zoo.cube()
-    with pytest.raises(InvalidMetric, match=r"vertex . is so near to another that paper does not tell them"):
+    with pytest.raises(InvalidMetric, match=r"vertex . is too near to another to be distinguished"):
         unfold(solid(points * [1.0, thin, thin], faces))
 
 

@@ -226,14 +226,14 @@ def test_colors_that_two_sides_have(tmp_path):
         ("", "has no lines"),
         ('<path d="M0 0L10 0"/>', "has no closed outlines"),
         ('<path d="M0 0L10 10L10 0L0 10z"/>', r"lines from \[.*\] to \[.*\] and from \[.*\] to \[.*\] cross"),
-        (square(0, 0, 50) + square(10, 10), "there is an outline inside of another"),
+        (square(0, 0, 50) + square(10, 10), "an outline lies inside another"),
         ('<path d="M0 0L10"/>', "the command L of a path lacks numbers"),
         ('<path d="0 0"/>', "does not begin with M"),
         ('<path d="M0 0 # 1"/>', "a path has '# 1'"),
         ('<g transform="turn(3)"/>', r"has the invalid transformation 'turn\(3\)'"),
         ('<rect width="5 apples"/>', "width of rect is '5 apples', not a length"),
         ('<path d="M0 0L1 1" data-angle="right"/>', "data-angle is 'right', not a number"),
-        ('<circle r="5"/><g id="fold"><line x1="0" y1="5" x2="0" y2="0"/></g>', "ends inside of a sheet"),
+        ('<circle r="5"/><g id="fold"><line x1="0" y1="5" x2="0" y2="0"/></g>', "ends inside a sheet"),
     ],
 )
 def test_refusals(tmp_path, body, sentence):

@@ -92,7 +92,10 @@ def test_a_metric_without_coordinates(path):
     with pytest.raises(FileError, match="a metric without vertices: embed it first"):
         read_surface(path)
     refused(
-        path, FileError, "face 0 has 4 corners, and the lengths", **document | {"faces_vertices": SQUARES}
+        path,
+        FileError,
+        "face 0 has 4 corners, and its side lengths",
+        **document | {"faces_vertices": SQUARES},
     )
     refused(path, isoembed.InvalidMetric, "edge 0 is 7, not a list", **document | {"edges_vertices": [7] * 6})
 

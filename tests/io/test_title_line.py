@@ -167,7 +167,7 @@ def test_the_space_of_a_file_that_does_not_say_it(tmp_path):
     write_metric(tmp_path / "m.npz", body(0.0).metric)
     assert read_metric(tmp_path / "m.npz").space.is_euclidean
     assert read_metric(tmp_path / "m.npz", space=Hyperbolic(2.0)).curvature == -2.0
-    sentence = "m.npz does not say the curvature of its space: give it, as in spherical=1"
+    sentence = "m.npz does not contain the curvature of its space: give it, as in spherical=1"
     with pytest.raises(FileError, match=sentence):
         read_metric(tmp_path / "m.npz", space="spherical")
 
@@ -194,7 +194,7 @@ def test_the_space_of_a_file_that_says_it(tmp_path):
         ),
         (
             {"curvature": -9.0},
-            "point 0 is 1 from the center of the poincare model, in which space ends at 0.666",
+            "point 0 is 1 from the center of the poincare model, whose boundary is at 0.666",
         ),
         ({"curvature": 1.0, "model": "ambient"}, "point 0 is 1 from the center of the sphere model"),
     ],

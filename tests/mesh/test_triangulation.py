@@ -160,7 +160,7 @@ REFUSALS = {
     "Klein bottle": (zoo.klein_bottle(), "the surface cannot be oriented (it is one-sided)"),
     "two components": (
         np.vstack([T, zoo.TETRAHEDRON + 4]),
-        "the surface has 2 components, to be embedded one at a time: vertex 4 is not connected to vertex 0",
+        "the surface has 2 components, which must be embedded separately: vertex 4 is not connected to",
     ),
     "pinched": (
         np.vstack([T, np.array([4, 5, 6, 2])[zoo.TETRAHEDRON]]),
@@ -182,7 +182,7 @@ def test_refusals_name_the_first_offender(faces, sentence):
 
 
 def test_a_face_that_runs_the_other_way_is_turned_over():
-    with pytest.warns(MeshNote, match=r"^1 of 80 faces are turned over.* the first is face 7 \["):
+    with pytest.warns(MeshNote, match=r"^1 of 80 faces are reversed.* the first is face 7 \["):
         turned = Triangulation(FLIPPED)
     whole = Triangulation(zoo.icosphere(1)[1])
     assert [set(face) for face in turned.faces.tolist()] == [set(face) for face in whole.faces.tolist()]

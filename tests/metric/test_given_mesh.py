@@ -121,7 +121,9 @@ def test_faces_that_merge_into_edges_are_left_out():
     assert "has length 0.0" in (sentence := refusal(inside, needles)) and "2 vertices coincide" in sentence
     metric, notes = messages(PolyhedralMetric.from_mesh, inside, needles, merge=0.0)
     needle = [b, a, 12]
-    sentence = f"2 faces are an edge or a point when merged, and left out; the first is face 20 {needle}"
+    sentence = (
+        f"faces are reduced to an edge or a point by merging, and left out; the first is face 20 {needle}"
+    )
     assert notes[1] == sentence
     np.testing.assert_allclose(metric.lengths, 2.0, rtol=1e-14)
     with pytest.raises(InvalidMetric, match="all have merged"):
@@ -139,7 +141,7 @@ def test_vertices_in_no_face():
 
 @pytest.mark.parametrize("merge", [-1e-9, 1.0, np.nan, np.inf, "all"])
 def test_tolerances_that_are_none(merge):
-    with pytest.raises(InvalidParameter, match="not a number of mean edge lengths from 0 to below 1"):
+    with pytest.raises(InvalidParameter, match=r"not a number of mean edge lengths in \[0, 1\)"):
         PolyhedralMetric.from_mesh(CUBE, SQUARES, merge=merge)
 
 

@@ -21,5 +21,5 @@ def test_a_flat_vertex_and_wide_triangles():
     assert found["flat_vertices"].text.startswith(
         f"flat vertices: 1; the worst: the triangles around vertex {v} lie in one plane when unfolded: "
     )
-    assert "other surfaces with the same lengths are likelier" in found["angles"].text
+    assert "make other surfaces with the same lengths more likely" in found["angles"].text
     assert "degree" in found["angles"].text and "e-16" not in found["flat_vertices"].text

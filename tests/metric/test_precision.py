@@ -108,7 +108,8 @@ def test_the_refusal_names_the_precision_and_the_repair():
     metric = PolyhedralMetric.from_mesh(vertices.astype("f4"), faces)
     sentence = (
         r"the coordinates have single precision, which puts deficits off by up to \de-06; if deficits of .* "
-        r"are noise, method=Alexandrov\(repair=(\S+)\) finds a polyhedron, with lengths changed by \de-07 of"
+        r"are noise, method=Alexandrov\(repair=(\S+)\) finds a polyhedron, with relative "
+        r"length changes of at most \de-07"
     )
     with pytest.raises(InvalidMetric, match=sentence) as caught:
         embed(metric, method="alexandrov")

@@ -249,7 +249,7 @@ def test_what_is_far_from_convex_cannot_be_repaired():
     vertices, faces = random_hull(60, 0)
     spiky = PolyhedralMetric.from_mesh(vertices * np.exp(rng.standard_normal(len(vertices)))[:, None], faces)
     worst = int(np.argmax(np.where(deficits(spiky) < 0, -deficits(spiky), 0)))
-    sentence = rf"^vertex {worst} has total angle .* too much to be repaired by a conformal change$"
+    sentence = rf"^vertex {worst} has total angle .* too large for repair by a conformal change$"
     with pytest.raises(InvalidMetric, match=sentence):
         repaired(spiky, 100.0)
 

@@ -60,7 +60,7 @@ def test_the_solid_comes_back(tmp_path):
 
 
 def test_refusals(tmp_path):
-    with pytest.raises(InvalidParameter, match="offset is 1, not a part of the perimeter"):
+    with pytest.raises(InvalidParameter, match="offset is 1, not a fraction of the perimeter"):
         write_dform(tmp_path / "d.svg", circle(), circle(), offset=1)
     with pytest.raises(InvalidParameter, match="scale is 0, not a positive finite number of mm"):
         write_dform(tmp_path / "d.svg", circle(), circle(), scale=0)

@@ -92,12 +92,12 @@ def test_the_page_of_a_net_with_a_narrow_slit(tmp_path):
 
 
 def test_a_share_that_is_no_number():
-    with pytest.raises(InvalidParameter, match="the share of the fold angles is nan, not a finite number"):
+    with pytest.raises(InvalidParameter, match="the fraction of the fold angles is nan, not a finite number"):
         partly_folded(unfold(zoo.cube()), np.nan)
 
 
 def test_a_net_of_several_sheets_has_no_page(tmp_path):
     with pytest.raises(
-        InvalidParameter, match="the net has 6 sheets: a page shows how a net of one sheet is"
+        InvalidParameter, match="the net has 6 sheets: a page shows the folding of a single sheet"
     ):
         unfold(zoo.cube(), objective="faces").save(tmp_path / "net.html")

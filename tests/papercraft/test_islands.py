@@ -168,11 +168,11 @@ def test_the_scale_that_a_refusal_names_fits():
 
 def test_a_paper_named_by_a_refusal_is_the_smallest():
     net = unfold(with_edges(*zoo.cube(), 400.0))
-    with pytest.raises(isoembed.InvalidParameter, match=r"; paper='A1' has room for it$"):
+    with pytest.raises(isoembed.InvalidParameter, match=r"; paper='A1' is large enough$"):
         laid_out(net, scale=1.0)
     laid_out(net, "A1", scale=1.0)
     with pytest.raises(
-        isoembed.InvalidParameter, match="no format has room for it: give a page of your own, paper="
+        isoembed.InvalidParameter, match="no format is large enough: give a page size, paper="
     ):
         laid_out(net, scale=4.0)
 
@@ -182,14 +182,14 @@ def test_a_paper_named_by_a_refusal_is_the_smallest():
 )
 def test_a_refusal_names_a_paper_of_the_same_series(paper, named):
     net = unfold(with_edges(*zoo.cube(), 200.0))
-    with pytest.raises(isoembed.InvalidParameter, match=rf"; paper='{named}' has room for it$"):
+    with pytest.raises(isoembed.InvalidParameter, match=rf"; paper='{named}' is large enough$"):
         laid_out(net, paper, scale=1.0)
 
 
 def test_a_size_is_that_of_a_known_solid():
     net = replace(unfold(solid(*zoo.cube())), vertices=None)
     with pytest.raises(
-        isoembed.InvalidParameter, match="a size needs the solid, which this net does not have"
+        isoembed.InvalidParameter, match="a size requires the solid, which this net does not have"
     ):
         laid_out(net, size=100.0)
 
@@ -258,7 +258,7 @@ def test_folds_that_are_kept_are_not_cut():
             for fold in folds
         )
     with pytest.raises(
-        isoembed.InvalidParameter, match=r"face \d with those that it is kept with fits on A4 up"
+        isoembed.InvalidParameter, match=r"face \d with the faces kept attached to it fits on A4 up"
     ):
         laid_out(unfold(surface, keep=keep), scale=1.5)
 

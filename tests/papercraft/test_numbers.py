@@ -59,7 +59,7 @@ def test_the_drawing_is_no_net():
 
 def test_faces_of_no_solid_have_no_numbers():
     with pytest.raises(
-        InvalidParameter, match="numbers need the faces of a solid, which this net does not have"
+        InvalidParameter, match="numbers require the faces of a solid, which this net does not have"
     ):
         drawn(replace(net_of(*zoo.cube()), vertices=None), numbers=True)
 
@@ -117,7 +117,7 @@ def test_no_face_is_seen_from_its_edge():
 
 def test_numbers_that_nobody_can_read_are_counted_and_left_out():
     net = net_of(*zoo.random_hull(40, 2))
-    with pytest.warns(MeshNote, match=r"faces without a number, of 76: (\d+) on the net, too small for one"):
+    with pytest.warns(MeshNote, match=r"faces without a number, of 76: (\d+) on the net, where they are too"):
         drawing = drawn(net, scale=12.0, numbers=True)
     sizes = [one.size for one in drawing.notes if one.text.startswith("F")]
     assert 0 < len(sizes) < 76 and min(sizes) >= 1

@@ -230,11 +230,11 @@ def test_names_of_papers_in_any_case(typed, name):
         ({"scale": float("nan")}, "scale is nan, not a positive finite number of mm"),
         (
             {"scale": 400.0},
-            "scale is 400 mm, but face 0 fits on A4 up to scale=182; paper='A1' has room for it",
+            "scale is 400 mm, but face 0 fits on A4 up to scale=182; paper='A1' is large enough",
         ),
         (
             {"size": 400.0, "paper": "A3"},
-            "size is 400 mm, but face 0 fits on A3 up to size=269; paper='A1' has room for it",
+            "size is 400 mm, but face 0 fits on A3 up to size=269; paper='A1' is large enough",
         ),
     ],
 )

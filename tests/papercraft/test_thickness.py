@@ -111,8 +111,8 @@ def test_the_drawing_has_the_folds_of_the_thick_sheet():
 def test_faces_that_vanish_are_named():
     net = net_of(*zoo.cube())
     with pytest.raises(
-        InvalidParameter, match=r"face \d is too small for so thick a sheet: it takes a larger scale"
+        InvalidParameter, match=r"face \d is too small for this thickness: use a larger scale"
     ):
         drawn(net, scale=10.0, material=Material(thickness=6.0))
-    with pytest.raises(InvalidParameter, match="the net does not know the faces and vertices of the solid"):
+    with pytest.raises(InvalidParameter, match="a thickness requires the faces and vertices of the solid"):
         thickened(replace(net, faces=()), Material(thickness=1.0), 1.0)

@@ -104,7 +104,7 @@ def test_a_series_has_headings_and_one_triangulation(by_the_paper):
     with pytest.raises(InvalidParameter, match="there are 1 surfaces, but 2 headings"):
         frames_of([last], ["a", "b"])
     other = isoembed.embed(PolyhedralMetric.from_mesh(*triangulate(Ergosphere(), 20)))
-    with pytest.raises(InvalidParameter, match="the triangles of surface 0 are not those of the last one"):
+    with pytest.raises(InvalidParameter, match="surface 0 does not have the triangles of the last surface"):
         frames_of([other, last], ["a", "b"])
 
 

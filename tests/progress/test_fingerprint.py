@@ -64,10 +64,10 @@ def test_methods_are_described_by_their_parameters():
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"metric": "0"}, "the checkpoint belongs to another metric: not all triangles and lengths are"),
-        ({"method": "Paper()"}, r"left by another method: Paper\(\), not Counting\(steps=5, "),
-        ({"tolerance": 1e-8}, "left under another tolerance: 1e-08, not 1e-10"),
-        ({"version": "0.0"}, f"left by another version: isoembed 0.0, not {isoembed.__version__}"),
+        ({"metric": "0"}, "the checkpoint belongs to another metric: its triangles or lengths"),
+        ({"method": "Paper()"}, r"written by another method: Paper\(\), not Counting\(steps=5, "),
+        ({"tolerance": 1e-8}, "written with another tolerance: 1e-08, not 1e-10"),
+        ({"version": "0.0"}, f"written by another version: isoembed 0.0, not {isoembed.__version__}"),
     ],
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
 )

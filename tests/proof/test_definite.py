@@ -88,7 +88,7 @@ def test_what_rounding_could_have_made_definite_is_not_proven():
     matrix, order = laplacian(100, 0)
     matrix = sp.csc_array(matrix + 1e-14 * sp.eye_array(100))
     with pytest.raises(
-        SingularMatrix, match=r"least eigenvalue is about \d\.\de-1\d, and rounding takes up to"
+        SingularMatrix, match=r"least eigenvalue is about \d\.\de-1\d, and rounding errors are up to"
     ):
         prove_definite(matrix, order)
 

@@ -57,7 +57,7 @@ def test_more_soft_directions_than_are_asked_for(monkeypatch):
     twice = sp.csr_array(sp.block_diag([differences(820, 3)[0]] * 2)), np.arange(1640)
     assert prove_row_rank(*twice)[1] > 0
     monkeypatch.setattr(row_rank, "VECTOR_COUNTS", (1,))
-    with pytest.raises(SingularMatrix, match=r"least eigenvalue is about .*, and rounding takes up to"):
+    with pytest.raises(SingularMatrix, match=r"least eigenvalue is about .*, and rounding errors are up to"):
         prove_row_rank(*twice)
 
 

@@ -63,7 +63,7 @@ def test_a_vertex_with_three_neighbors_is_on_the_smoother_side(seed):
     surface = found(metric, x)
     assert distance(surface.vertices, x) < 1e-11
     apart = np.linalg.norm(mirrored[v] - x[v]) / metric.mean_length
-    assert f"; vertex {v}, which has three neighbors, has the lengths on the other side" in surface.message
+    assert f"; vertex {v}, which has three neighbors, has a mirror image in their plane" in surface.message
     assert f"{apart:.1g} mean edge lengths away" in surface.message
 
 
@@ -98,7 +98,7 @@ def test_over_a_plane_curve_the_surface_is_on_the_upper_side_or_that_of_the_star
     surface = embed(metric, boundary=x[loop] + [0, 0, 1])
     assert surface.residual < 1e-13
     assert (surface.vertices[:, 2] - surface.vertices[loop[0], 2]).max() > 0.4
-    assert "the mirror image in it has the lengths, too" in surface.message
+    assert "the mirror image in its plane has the same lengths" in surface.message
     again = embed(metric, boundary=x[loop], start=x)
     np.testing.assert_allclose(again.vertices, x, atol=1e-12)
 
@@ -108,7 +108,7 @@ def test_the_mirror_image_over_a_curve_in_a_plane_that_is_not_horizontal():
     x = discs.round_cap(points, 0.5) @ np.array([[1.0, 0.0, 0.0], [0.0, 0.8, 0.6], [0.0, -0.6, 0.8]])
     metric = PolyhedralMetric.from_mesh(x, faces)
     surface = embed(metric, boundary=x[metric.triangulation.boundaries[0]])
-    assert "the mirror image in it has the lengths, too" in surface.message
+    assert "the mirror image in its plane has the same lengths" in surface.message
     np.testing.assert_allclose(surface.vertices, x, atol=1e-9)
 
 

@@ -330,6 +330,6 @@ def test_refusals():
     with pytest.raises(InvalidParameter, match=r"^the values at vertex 7 are nan, which is not finite$"):
         SmoothIntegrals(t, x, "geodesic").integral(broken[:, 1])
     with pytest.raises(
-        InvalidParameter, match=r"^the volume is known from vertices on the surface only: lengths = 'chord'$"
+        InvalidParameter, match=r"^the volume requires vertices on the surface: lengths = 'chord'$"
     ):
         SmoothIntegrals(t, x, "geodesic").volume  # noqa: B018

@@ -124,7 +124,7 @@ def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
     said = best._with_others(rest, embedding.uniqueness)
     if which not in ("convex", "smoothest"):
         said = said._with_message(
-            f"{said.message}; of those that were found it is the nearest to the given surface, "
+            f"{said.message}; of the realizations found it is the nearest to the given surface, "
             f"{target.distance(best):.1e} mean edge lengths from it"
         )
     return said
@@ -137,12 +137,12 @@ def _target(embedding: Embedding, vertices: Floats) -> Embedding:
         raise InvalidParameter("which=vertices requires a Euclidean metric")
     if vertices.shape != embedding.vertices.shape:
         raise InvalidParameter(
-            f"the surface to be near to has {len(vertices)} vertices, the metric {len(embedding.vertices)}"
+            f"the reference surface has {len(vertices)} vertices, but the metric {len(embedding.vertices)}"
         )
     a, b = metric.edges.T
     size = float(np.linalg.norm(vertices[a] - vertices[b], axis=1).mean())
     if not size > 0:
-        raise InvalidParameter("all vertices of the surface to be near to are at one point")
+        raise InvalidParameter("all vertices of the reference surface coincide")
     return _like(embedding, metric.mean_length / size * vertices)
 
 
@@ -186,8 +186,8 @@ def no_convex(embedding: Embedding) -> NotEmbedded:
         )
     count = 1 + len(embedding.others)
     return NotEmbedded(
-        f"none of the {count} realizations that were found is convex"
+        f"none of the {count} realizations found is convex"
         if count > 1
-        else "the only realization that was found is not convex",
+        else "the only realization found is not convex",
         embedding,
     )

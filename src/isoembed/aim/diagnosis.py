@@ -49,8 +49,8 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     negative = negative_deficits(metric)
     if not negative.any():
         return [
-            'No deficit is negative: method="alexandrov" is for the convex polyhedron of such lengths, which '
-            "exists by Alexandrov's theorem"
+            'No deficit is negative: method="alexandrov" finds the convex polyhedron, which exists by '
+            "Alexandrov's theorem"
         ]
     regions = len(connected_parts(metric.triangulation.adjacency, negative))
     found = _negative(metric, negative, regions)
@@ -86,12 +86,12 @@ def _negative(metric: PolyhedralMetric, negative: Mask, regions: int) -> str:
 def _errors(fit: FittedSurface | None) -> str:
     """Sentence on the errors of the lengths estimated by the best fit."""
     if fit is None:
-        return "No smooth surface near to them was found: check that each length is with its edge"
+        return "No smooth surface was found near them: check that each length belongs to its edge"
     if fit.noise > UNLIKE:
         return (
-            f"No smooth surface near to them was found: the best fit misses {fit.residual_rms:.0%} of the "
-            f"mean edge length (root mean square), most at {_worst_edge(fit)}: check that each length is "
-            "with its edge"
+            "No smooth surface was found near them: the best fit misses them by "
+            f"{fit.residual_rms:.0%} of the mean edge length (root mean square), most at "
+            f"{_worst_edge(fit)}: check that each length belongs to its edge"
         )
     squares = fit.residuals**2
     at_vertices = np.bincount(fit.metric.edges.ravel(), np.repeat(squares, 2)) / fit.triangulation.degrees
@@ -103,8 +103,9 @@ def _errors(fit: FittedSurface | None) -> str:
             "there, or take the best fit, method=Aim(best_fit=True)"
         )
     return (
-        f"A smooth surface has them but for errors of about {fit.noise:.0e} of the mean edge length (root "
-        "mean square): if yours may err as much, take the best fit, method=Aim(best_fit=True)"
+        f"A smooth surface has them up to errors of about {fit.noise:.0e} of the mean edge length "
+        "(root mean square): if yours may have such errors, take the best fit, "
+        "method=Aim(best_fit=True)"
     )
 
 
@@ -114,7 +115,7 @@ def _longer_search(metric: PolyhedralMetric, effort: float) -> list[str]:
         return []
     more = f"{20 * max(effort, 1.0):g}"  # of 18 rocks of 120 and 200 vertices it finds all; 10 finds 11 of 15
     return [
-        "If the lengths are exact, those of a coarse or rough body, a longer search may find it: "
+        "If the lengths are the exact ones of a coarse or rough body, a longer search may find it: "
         f"method=Aim(effort={more})"
     ]
 

@@ -33,7 +33,8 @@ def path_times(path: str, steps: int, alpha: float) -> Floats:
         times = np.expm1(-alpha * (steps - j)) * np.exp(-alpha * j) / np.expm1(-alpha * steps)
         if not (np.diff(times) < 0).all():
             raise InvalidParameter(
-                f"alpha is {alpha}: the {steps} steps of the exponential path get too short to be told apart"
+                f"alpha is {alpha}: the {steps} steps of the exponential path become too short to be "
+                "distinguished"
             )
         return times
     raise InvalidParameter(f"there is no path {path!r}; there are linear, exponential and flow")

@@ -75,23 +75,23 @@ class Realizations:
             said = f"no realization of these lengths was found {region}"
         else:
             said = (
-                f"{found} realization{'s' if found > 1 else ''} of these lengths found {region}, {searched} "
-                "of them searched from, breadth first and smoothest first"
+                f"{found} realization{'s' if found > 1 else ''} of these lengths found {region}, with "
+                f"searches from {searched} of them, breadth first and smoothest first"
             )
-        said += f"; {self.evidence.basis}. Not searched: what is farther"
+        said += f"; {self.evidence.basis}. Not searched: farther surfaces"
         if found > searched:
-            said += f", about {found - searched} of those that were found"
+            said += f", the surroundings of {found - searched} of those found"
         if self.unsolved:
-            said += f", and {self.unsolved} times a surface that flexes or equations that were not solved"
-        return f"{said}; others may be near that are not predicted so"
+            said += f", and {self.unsolved} cases of a flexible surface or unsolved equations"
+        return f"{said}; there may be others nearby that are not predicted"
 
     @property
     def evidence(self) -> Evidence:
         """Extent of the search, the evidence that there are no others."""
         return Evidence(
             "searched",
-            f"sought along the motions to where another is predicted, up to {self.motions} together, all "
-            "roots of their quadratic equations",
+            f"search along combinations of up to {self.motions} motions to predicted realizations, at "
+            "all roots of their quadratic equations",
         )
 
     @property

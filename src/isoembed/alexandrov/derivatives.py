@@ -136,7 +136,8 @@ class GivenLengthDerivatives:
             k = int(np.argmax(bent))
             raise InvalidParameter(
                 f"the changes give vertex {self.flat[k]}, which is flat, a deficit at the rate "
-                f"{rates[k]:.3g}: polyhedra follow that on one side only, by its root"
+                f"{rates[k]:.3g}: the polyhedron is differentiable only in the square root of such a "
+                "change, and on one side only"
             )
         right = np.zeros(self._motion.shape[0])
         right[: len(dl)] = dl

@@ -97,7 +97,7 @@ class Alexandrov(Method):
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.repair) and self.repair >= 0):
-            raise InvalidParameter(f"repair is {self.repair}, not a number of radians from 0 on")
+            raise InvalidParameter(f"repair is {self.repair}, not a nonnegative number of radians")
 
     def run(self, metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log) -> Embedding:
         """Find the polyhedron, a `ConvexPolyhedron`; if it misses the tolerance, the message says so.
@@ -140,8 +140,8 @@ def repair_that_succeeds(
     if change > ANOTHER:
         return ""
     return (
-        f"method=Alexandrov(repair={level:.1e}) finds a polyhedron, with lengths changed by {change:.1g} of "
-        "their size at most"
+        f"method=Alexandrov(repair={level:.1e}) finds a polyhedron, with relative length changes of at "
+        f"most {change:.1g}"
     )
 
 
@@ -184,7 +184,7 @@ def _searched(
             break
         if (~flat).sum() < 3:
             raise InvalidMetric(
-                f"only {(~flat).sum()} vertices have a deficit that rounding does not hide, and a convex "
+                f"only {(~flat).sum()} vertices have deficits above the rounding error, and a convex "
                 f"polyhedron has at least 3: face {int(np.argmin(given.triangles.areas))} is too thin"
             )
         search = _Search(metric, flat, repair if repair.vertices.size else None, tolerance, log)
@@ -358,8 +358,8 @@ def _diagnosis(nearest: Polytope | None, curved: Indices) -> str:
         return "no generalized polytope over this metric was found: its triangles are too thin for floats"
     v = int(np.argmax(np.abs(nearest.curvatures)))
     return (
-        f"no polytope without curvature was found: the nearest has {nearest.curvatures[v]:.2g} radians "
-        f"at vertex {curved[v]}"
+        f"no polytope with zero curvature was found: the nearest has {nearest.curvatures[v]:.2g} "
+        f"radians at vertex {curved[v]}"
     )
 
 

@@ -162,8 +162,9 @@ class ConvexPolyhedron(Polyhedron):
             return ConvexCertificate(False, f"not certified, because {error}")
         return replace(
             certificate,
-            reason=f"{certificate.reason}; that metric is of its own triangles without the flat vertices, "
-            f"and agrees with the given edges to {self.path_residuals.max():.1e} of the mean edge length",
+            reason=f"{certificate.reason}; the certified metric is that of its own triangles, without the "
+            f"flat vertices, and agrees with the given edges to {self.path_residuals.max():.1e} of the "
+            "mean edge length",
         )
 
     def _given_derivatives(self) -> GivenLengthDerivatives:

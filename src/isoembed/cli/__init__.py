@@ -124,8 +124,8 @@ def build_parser(arguments: Sequence[str]) -> Parser:
     """Create the parser; options of a subcommand are loaded only if its name is among the arguments."""
     parser = Parser(
         prog="isoembed",
-        description="From the triangles and edge lengths of a surface to the surface in Euclidean, "
-        "hyperbolic or spherical 3-space.",
+        description="Find the surface in Euclidean, hyperbolic or spherical 3-space from its triangles and "
+        "edge lengths.",
         allow_abbrev=False,
     )
     parser.examples = [line.strip() for line in FIRST_STEPS.splitlines()[1:3]]
@@ -135,7 +135,7 @@ def build_parser(arguments: Sequence[str]) -> Parser:
         action=_Completion,
         choices=completion.SHELLS,
         metavar="SHELL",
-        help=f"print what a shell reads to complete command lines: {', '.join(completion.SHELLS)}",
+        help=f"print the completion script for a shell: {', '.join(completion.SHELLS)}",
     )
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name, purpose in COMMANDS.items():

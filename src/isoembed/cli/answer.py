@@ -30,12 +30,10 @@ CERTIFIED = 10_000  # vertices: above, a certificate takes as long as the embedd
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
     """Add the output options."""
-    add_output_option(parser, f"where to write the surface, by its ending: {' '.join(SURFACE_ENDINGS)}")
-    parser.add_argument("--report", type=Path, metavar="FILE.json", help="where to write the report")
+    add_output_option(parser, f"surface file, in the format of its extension: {' '.join(SURFACE_ENDINGS)}")
+    parser.add_argument("--report", type=Path, metavar="FILE.json", help="report file")
     add_picture_options(parser)
-    parser.add_argument(
-        "--keep", action="store_true", help="write the best attempt even if it is not an answer"
-    )
+    parser.add_argument("--keep", action="store_true", help="write the best attempt even if it fails")
     add_json_option(parser, "print the report, as one JSON object, instead of text")
     add_verbose_option(parser)
     add_quiet_option(parser)
@@ -57,12 +55,14 @@ def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs
     """
     for name, endings in PICTURES.items():
         if options.output and ending(options.output) in endings:
-            net = ", and a paper net is of 'isoembed unfold'" * (ending(options.output) in (".svg", ".pdf"))
+            net = ", and paper nets are written by 'isoembed unfold'" * (
+                ending(options.output) in (".svg", ".pdf")
+            )
             raise UsageError(f"--output is for surfaces{net}: did you mean --{name} {options.output}?")
     outputs = Outputs.of(options, output=SURFACE_ENDINGS, report=REPORT_ENDINGS, **PICTURES, **beside)
     check_pictures(options)
     if options.keep and not outputs.keys() - {"report", *beside}:
-        raise UsageError("--keep needs an --output to write the best attempt to")
+        raise UsageError("--keep needs an --output for the best attempt")
     outputs.keep_apart()
     return outputs
 
@@ -161,7 +161,7 @@ def _proof(embedding: isoembed.Embedding, report: Callable[[], Mapping[str, Any]
     if report is not None:
         return str(report()["certificate"]["reason"])
     if embedding.triangulation.n_vertices > CERTIFIED:
-        return f"no certificate was sought, for more than {CERTIFIED:,} vertices: 'isoembed certify' does it"
+        return f"certificate not computed for more than {CERTIFIED:,} vertices: use 'isoembed certify'"
     from isoembed.embedding.certify import certify
 
     return certify(embedding).reason

@@ -37,7 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--boundary",
         metavar="plane|FILE",
-        help="of a disc, what its boundary was to be: plane, of one height z, or a .npy file of heights (B,)",
+        help="boundary condition of a disc: plane, of constant height z, or a .npy file of heights (B,)",
     )
     add_merge_option(parser)
     add_json_option(parser)

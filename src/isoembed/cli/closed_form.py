@@ -26,16 +26,16 @@ def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
         choices=("kerr", "schwarzschild"),
         help="a closed-form spacetime, charged with --charge",
     )
-    parser.add_argument("--mass", type=float, metavar="M", help="its mass (default 1)")
+    parser.add_argument("--mass", type=float, metavar="M", help="mass (default 1)")
     parser.add_argument(
-        "--spin", type=float, nargs="+", metavar="A", help="its spin a = J/M, a length (default 0)"
+        "--spin", type=float, nargs="+", metavar="A", help="spin a = J/M, a length (default 0)"
     )
-    parser.add_argument("--charge", type=float, metavar="Q", help="its charge, a length (default 0)")
+    parser.add_argument("--charge", type=float, metavar="Q", help="charge, a length (default 0)")
     parser.add_argument(
         "--cosmological-constant",
         type=float,
         metavar="LAMBDA",
-        help="that of its spacetime, in 1/length^2, negative for anti-de Sitter (default 0)",
+        help="cosmological constant of the spacetime, in 1/length^2; negative for anti-de Sitter (default 0)",
     )
     parser.add_argument(
         "--surface",
@@ -46,7 +46,7 @@ def add_spacetime_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--slice",
         choices=slices,
-        help=f"the slice of spacetime that the surface lies in, for k and p (default {slices[0]})",
+        help=f"slice of spacetime that contains the surface, for k and p (default {slices[0]})",
     )
 
 

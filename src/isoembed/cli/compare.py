@@ -29,7 +29,7 @@ from isoembed.sheets.surface import SheetEmbedding
 from isoembed.surface.changes import root_mean_square
 
 NEEDED = "surfaces are compared on"
-HEADING = "differences of OTHER from SURFACE, in the unit of the lengths; of numbers, OTHER - SURFACE"
+HEADING = "differences between OTHER and SURFACE, in the unit of the lengths; signed values: OTHER - SURFACE"
 SHOWN = {
     "vertices": "vertices",
     "normals": "normals",
@@ -50,18 +50,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options of ``isoembed compare``."""
     endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
     parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
-    parser.add_argument("other", type=Path, metavar="OTHER", help="another one, of the same triangles")
+    parser.add_argument("other", type=Path, metavar="OTHER", help="second surface, on the same triangles")
     parser.add_argument(
         "metric",
         type=Path,
         nargs="?",
         metavar="METRIC",
-        help="the lengths that both have (default: those of SURFACE)",
+        help="prescribed lengths of both surfaces (default: those of SURFACE)",
     )
     add_output_option(
         parser,
-        f"{' '.join(SURFACE_ENDINGS)}: SURFACE with what differs at its vertices; "
-        f"{' '.join(PICTURE_ENDINGS)}: a picture of the difference of mean curvature",
+        f"{' '.join(SURFACE_ENDINGS)}: SURFACE with the differences at its vertices; "
+        f"{' '.join(PICTURE_ENDINGS)}: a picture of the mean curvature difference",
     )
     add_merge_option(parser)
     add_json_option(parser)
@@ -135,5 +135,5 @@ def _summary(first: Embedding, found: Comparison) -> str:
     rough = " and ".join(f"{each:.4g}" for each in found.fine_roughness)
     lines.append(f"{'roughness':12}{rough} (fine_roughness)")
     if found.certified:
-        lines.append("what follows +- is proven, for the exact surfaces")
+        lines.append("errors after +- are proven bounds for the exact surfaces")
     return "\n".join(lines)

@@ -42,19 +42,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--bound",
         action="store_true",
-        help="E is the largest error of each length: print what is proven, and not an estimate",
+        help="treat E as the maximum error of each length, and print proven bounds instead of estimates",
     )
     parser.add_argument(
         "--boundary",
         metavar="CONDITION",
-        help="of a surface with boundary, what holds it there: free, plane, or the .npy file with heights "
-        "(B,) or positions (B, 3) that 'isoembed embed --boundary' took; these have no errors. The lengths "
-        "are taken as exact: 'isoembed embed --length-error' reports deviations of fits to measured ones",
+        help="boundary condition of a surface with boundary: free, plane, or the .npy file of heights (B,) "
+        "or positions (B, 3) given to 'isoembed embed --boundary', which are taken as exact. The "
+        "lengths of the surface are taken as exact; for fits to measured lengths, 'isoembed embed "
+        "--length-error' reports deviations",
     )
     add_output_option(
         parser,
         f"{' '.join(SURFACE_ENDINGS)}: the surface with the deviations at its vertices; "
-        f"{' '.join(PICTURE_ENDINGS)}: a picture of how far they move",
+        f"{' '.join(PICTURE_ENDINGS)}: a picture of the deviations",
     )
     add_merge_option(parser)
     add_json_option(parser)
@@ -93,7 +94,7 @@ def _held(options: argparse.Namespace, surface: Embedding) -> Embedding:
         raise UsageError(
             f"--boundary is for surfaces with boundary, and {options.surface} is closed"
             if t.is_closed
-            else f"{options.surface} has a boundary: --boundary says what holds it there, free, plane or a "
+            else f"{options.surface} has a boundary: give its condition by --boundary, as free, plane or a "
             "file"
         )
     if condition is None:
@@ -122,12 +123,16 @@ def _writer(path: Path, surface: Embedding, found: Changes) -> Writer:
 
 def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
     if isinstance(found, Deviation):
-        known = f", the last four known to {percent(found.relative_error)}" if found.probes else ""
+        known = (
+            f"; the last four are estimates accurate to {percent(found.relative_error)}"
+            if found.probes
+            else ""
+        )
         meaning, more = f"one standard deviation, to first order{known}", 1.0
     else:
         # Rounding to two digits may lower a number by 5 %, and the printed bound must be proven, too.
         meaning, more = (
-            "proven: whatever the lengths within E are, a surface has them that is this near",
+            "proven: for any lengths within E, a surface with these lengths is within the bounds",
             1.06,
         )
     lines = [
@@ -154,5 +159,5 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
         )
     closed = surface.triangulation.is_sphere
     if closed and isinstance(found, Deviation) and not found.volume_nonlinearity <= NONLINEAR:
-        lines.append(f"first order is not valid here: {NEARLY_FLEXES}")
+        lines.append(f"the first-order estimate is not valid here: {NEARLY_FLEXES}")
     return "\n".join([*lines, meaning])

@@ -56,30 +56,30 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         metavar="INPUT",
         help=f"a metric (.npz or .json with faces, edges, lengths), or a mesh ({' '.join(MESH_ENDINGS)}) "
-        "whose lengths are taken and whose coordinates are thrown away, or a strut table (.csv); - reads "
-        "JSON from standard input; of several, the --output is a folder",
+        "used for its edge lengths only, or a strut table (.csv); - reads JSON from standard "
+        "input; with several inputs, --output is a folder",
     )
     parser.add_argument(
         "--method",
         choices=method_names(),
         help="aim: the adaptive method (default); paper: AIM as printed; alexandrov: the exact convex "
-        "polyhedron; sheet: surfaces with boundary, or of higher genus (default with --boundary); others are "
-        "those of installed packages",
+        "polyhedron; sheet: surfaces with boundary, or of higher genus (default with --boundary); "
+        "other methods are from installed packages",
     )
     parser.add_argument(
         "--boundary",
         metavar="CONDITION",
-        help="for surfaces with boundary, or of higher genus: free, a surface of least bending; plane, the "
-        "convex cap; a mesh of the same triangles, for the positions of its boundary; or a .npy file with "
-        "heights (B,) or positions (B, 3) of the boundary's vertices, in the order of "
-        "Triangulation.boundaries",
+        help="for surfaces with boundary, or of higher genus: free for a surface of least bending; plane "
+        "for the convex cap; a mesh of the same triangles, whose boundary positions are prescribed; "
+        "or a .npy file with heights (B,) or positions (B, 3) of the boundary's vertices, in the "
+        "order of Triangulation.boundaries",
     )
     parser.add_argument(
         "--start",
         type=Path,
         metavar="FILE",
-        help="with --boundary: a surface to start from: a mesh of the same triangles, or a .npy file with "
-        "its vertices (V, 3)",
+        help="with --boundary: initial surface, as a mesh of the same triangles or a .npy file of vertices "
+        "(V, 3)",
     )
     parser.add_argument(
         "--tolerance",
@@ -91,9 +91,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_merge_option(parser)
     add_space_option(
         parser,
-        "the space to embed in, of the curvature K, which the triangles have, too; without K what the file "
-        "says, or the least curved hyperbolic space that makes the metric convex (default: what the file "
-        "says, or R^3)",
+        "the space to embed in, of curvature K, which is also the curvature of the triangles; without "
+        "K, the curvature in the file, or the least curved hyperbolic space that makes the metric "
+        "convex (default: the space in the file, or R^3)",
     )
     add_output_options(parser)
     add_checkpoint_options(parser)
@@ -101,35 +101,35 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--repair",
         metavar="NOISE",
-        help="with --method alexandrov: deficits of at most this many radians are noise, and are made zero "
-        "by the smallest conformal change of the lengths",
+        help="with --method alexandrov: treat deficits of at most this many radians as noise, and make "
+        "them zero by the smallest conformal change of the lengths",
     )
     parser.add_argument(
         "--best-fit",
         action="store_true",
-        help="where no surface with the lengths is found, write the smooth one that comes nearest to them "
-        'and succeed, with the status "best fit"; only with --method aim',
+        help="if no surface with the lengths is found, write the smooth surface that fits them best and "
+        'succeed, with the status "best fit"; only with --method aim',
     )
     add_length_error_option(
         parser,
-        ": with --method aim the surface is a smooth one whose lengths agree with them within these errors "
-        "(chi-square), 0 for all edges takes them as exact, whatever their digits; the report gets standard "
-        "deviations of area, volume and int H dA; not with --best-fit",
+        "; with --method aim the surface is a smooth one that agrees with the lengths within these "
+        "errors (chi-square), and 0 for all edges takes the lengths as exact, whatever their digits; "
+        "the report includes standard deviations of area, volume and int H dA; not with --best-fit",
     )
     parser.add_argument(
         "--effort",
         type=float,
         metavar="TIMES",
-        help="what a failure may cost: where the lengths are not found at once, a search and the best fit "
-        "take 1 + TIMES the cost of the first attempt, 11 times at most, counted in factorizations; above 1, "
-        "vertices on the wrong side are sought then, for TIMES that cost (default 1; 0: no search); only "
+        help="cost limit after a failed first attempt: a search and the best fit take up to 1 + TIMES the "
+        "cost of that attempt (at most 11 times), counted in factorizations; above 1, a search for "
+        "vertices on the wrong side follows, up to TIMES that cost (default 1; 0: no search); only "
         "with --method aim",
     )
     parser.add_argument(
         "--which",
         metavar="convex|smoothest|FILE",
-        help="which of the surfaces that are found to have the lengths: the convex one, the smoothest, or "
-        "the nearest to the surface in FILE, on the same triangles, of any size; only with --method aim",
+        help="choice among the realizations found: the convex one, the smoothest, or the one nearest to "
+        "the surface in FILE, which has the same triangles and any size; only with --method aim",
     )
     parser.add_argument(
         "--parameter",
@@ -163,7 +163,7 @@ def run(options: argparse.Namespace) -> int:
     if options.which is not None and options.which not in WHICH:
         near = Path(options.which)
         own = read_surface(near, merge=options.merge).metric
-        check_same_triangles(metric, own, source, near, "a surface is near to one on")
+        check_same_triangles(metric, own, source, near, "'nearest' is defined for a surface on")
     if _is_surface(options.boundary) or _is_surface(options.start):
         method = _from_meshes(options, method, metric, source)
     if metric.length_errors is not None and not method.takes_length_errors:
@@ -220,7 +220,7 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
         if "boundary" not in known:
             raise UsageError(f"--boundary and --start need the method 'sheet', not {name!r}")
         if options.parameter:
-            raise UsageError("the method 'sheet' has no --parameter beside --boundary and --start")
+            raise UsageError("the method 'sheet' takes no --parameter, only --boundary and --start")
         errors = length_errors(options)
         if errors is not None and errors.any() and options.boundary != "plane":
             raise UsageError(

@@ -39,7 +39,7 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
     """Embed all files into a folder; return the exit status."""
     for name in OF_ONE:
         if getattr(options, name, None):
-            raise UsageError(f"--{name} is for one file and its --output: in a folder there are all reports")
+            raise UsageError(f"--{name} is for a single input; an output folder contains all reports")
     if options.output is None:
         last = options.inputs[-1]
         meant = f"; did you mean -o {last}?" if last != "-" and not Path(last).exists() else ""
@@ -47,10 +47,10 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
             f"{len(options.inputs)} files need an --output: the folder for their surfaces{meant}"
         )
     if "-" in options.inputs:
-        raise UsageError("standard input, -, is one file: it does not go with others")
+        raise UsageError("standard input, -, cannot be combined with other inputs")
     errors = length_errors(options)
     if errors is not None and errors.ndim:
-        raise UsageError("--length-error of several files is a number")
+        raise UsageError("--length-error must be a number for several files")
     error = None if errors is None else float(errors)
     tasks = [
         EmbeddingTask(stem, Path(name), method, options.tolerance, options.merge, options.space, error)

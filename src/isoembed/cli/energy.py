@@ -92,20 +92,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "input",
         nargs="?",
         metavar="METRIC",
-        help="a surface of your own: a metric on triangles (.npz or .json with faces, edges, lengths, or a "
-        "mesh), or on a grid (.npz .h5 .hdf5, or a table .csv .txt .dat, with theta, phi, q_tt, q_tp, q_pp, "
-        "and maybe k, p, j_t, j_p); "
-        "with --sphere the slice, as a --geometry",
+        help="surface file: a metric on triangles (.npz or .json with faces, edges, lengths, or a mesh), "
+        "or on a grid (.npz .h5 .hdf5, or a table .csv .txt .dat, with theta, phi, q_tt, q_tp, q_pp, "
+        "and maybe k, p, j_t, j_p); with --sphere the slice, as a --geometry",
     )
     add_merge_option(parser)
     parser.add_argument(
         "--mean-curvature",
         type=Path,
         metavar="K.npy",
-        help="its k = k1 + k2 in the slice of spacetime, at the vertices or the nodes of the grid",
+        help="k = k1 + k2 in the slice of spacetime, at the vertices or the grid nodes",
     )
     parser.add_argument(
-        "--momentum", type=Path, metavar="P.npy", help="its p = K_ij (gamma^ij - n^i n^j) there (default 0)"
+        "--momentum",
+        type=Path,
+        metavar="P.npy",
+        help="p = K_ij (gamma^ij - n^i n^j) at the same points (default 0)",
     )
     parser.add_argument(
         "--normal-momentum",
@@ -117,12 +119,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--lengths",
         choices=("geodesic", "chord"),
-        help="what the lengths of triangles are: those of geodesics, as isoembed triangulate makes them, or "
-        "distances of points in Euclidean space, as in meshes and from isoembed surface (by default, but for "
-        "meshes, they are taken for geodesics' with errors wide enough for both)",
+        help="kind of the edge lengths: geodesic, as computed by isoembed triangulate, or Euclidean "
+        "distances, as in meshes and from isoembed surface (default: chord for meshes, otherwise "
+        "geodesic with errors wide enough for both)",
     )
     add_length_error_option(
-        parser, ": of a METRIC of triangles; then every energy has a standard deviation by them"
+        parser, "; only for a METRIC of triangles, whose energies then have standard deviations"
     )
     add_marginal_options(parser, "of a surface on a grid or in a slice", "by default it is not one")
     add_spacetime_options(parser)
@@ -140,27 +142,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_json_option(parser)
     add_quiet_option(parser)
     add_output_option(
-        parser, f"where to write the embedded surface, by its ending: {' '.join(SURFACE_ENDINGS)}"
+        parser, f"file for the embedded surface, in the format of its extension: {' '.join(SURFACE_ENDINGS)}"
     )
     add_picture_options(parser, films=False)
     parser.add_argument(
         "--wang-yau",
         action="store_true",
-        help="add the Wang-Yau energy of a smooth surface, the least that is found from tau = 0 over time "
-        "functions; --output then writes the projection of its surface in Minkowski space, with tau at the "
+        help="add the Wang-Yau energy of a smooth surface, minimized over time functions from tau = 0; "
+        "--output then writes the projection of its surface in Minkowski space, with tau at the "
         "vertices; with a --space, that of tau = 0 with (anti-)de Sitter space for reference",
     )
     parser.add_argument(
         "--best-fit",
         action="store_true",
-        help="if no embedding of a smooth surface is found, take the one that comes nearest to it",
+        help="if no embedding of a smooth surface is found, take the nearest approximation",
     )
     parser.add_argument(
         "--band",
         type=Path,
         metavar="FILE",
-        help="if no embedding of an axisymmetric surface is found, write the largest band of it that embeds, "
-        "as a mesh",
+        help="if no embedding of an axisymmetric surface is found, write its largest embeddable band as a "
+        "mesh",
     )
 
 

@@ -43,15 +43,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--tolerance",
         type=float,
         metavar="LENGTH",
-        help="glue sides whose lengths differ by no more, in the unit of the sheets, and correct the sheets "
-        "by the smallest change (default: what the digits of the corners explain)",
+        help="largest length difference of glued sides, in the unit of the sheets, which are corrected by "
+        "the smallest change (default: the rounding error of the corners)",
     )
     parser.add_argument(
         "--metric",
         type=Path,
         metavar="FILE",
-        help="where to write the glued metric, on a simplicial complex, by its ending: "
-        f"{' '.join(METRIC_ENDINGS)}; where nothing else is asked for, nothing is solved",
+        help="file for the glued metric, on a simplicial complex, in the format of its extension: "
+        f"{' '.join(METRIC_ENDINGS)}; without other outputs, nothing is solved",
     )
 
 

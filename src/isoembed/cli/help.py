@@ -44,14 +44,14 @@ GROUPS = {
 COMMAND_GROUPS: Mapping[str, Mapping[str, str]] = {
     "surfaces": {
         "embed": "find the surface that has the given edge lengths",
-        "inspect": "say what kind of metric a file holds, and what that means for its embedding",
+        "inspect": "describe the metric in a file and the consequences for its embedding",
         "surface": "write the metric of a closed-form surface (ellipsoid, drum, Kerr horizon, ...)",
-        "view": "look at a surface, in the browser or as a picture, or at several as a film",
+        "view": "show a surface in the browser or as a picture, or several as a film",
     },
     "proofs and errors": {
-        "certify": "prove that an exact surface is near the one in a file, and that no other one is",
-        "compare": "say how far two surfaces with the same lengths are apart, with proven errors",
-        "deviation": "say how far a surface may be off because its lengths have errors",
+        "certify": "prove that exactly one exact surface is near the one in a file",
+        "compare": "compare two surfaces with the same lengths, with proven errors",
+        "deviation": "estimate the deviations of a surface due to errors of its lengths",
         "realizations": "search for surfaces with the same lengths near the one in a file",
     },
     "paper": {

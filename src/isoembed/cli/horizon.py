@@ -68,21 +68,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="FILE",
         help="horizons: h.t*.ah*.gp of AHFinderDirect or BHaHAHA, SpECTRE's *.vol or *_Ylm.dat, GRChombo's "
-        "coords_AH*.dat, other HDF5, .npz, VTK, or a metric on a grid (.csv, too); several are taken as a "
-        "sequence, and each is embedded from the one before",
+        "coords_AH*.dat, other HDF5, .npz, VTK, or a metric on a grid (.csv, too); several files form "
+        "a sequence, each embedded from the previous one",
     )
     parser.add_argument(
         "--find",
         action="store_true",
-        help="instead of files: find a horizon of the --geometry that no other encloses, as far as is proved "
-        "or searched, or the one near the --guess",
+        help="instead of files: find an outermost horizon of the --geometry, as far as proved or searched, "
+        "or the one near the --guess",
     )
     parser.add_argument(
         "--guess",
         type=float,
         nargs=4,
         metavar=("X", "Y", "Z", "R"),
-        help="center and radius of the sphere that --find starts from",
+        help="center and radius of the initial sphere of --find",
     )
     parser.add_argument(
         "--stability",
@@ -90,7 +90,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="with --find: report the first N eigenvalues of the stability operator, complex in general",
     )
-    add_geometry_option(parser, "the 3-metric of the slice, which most horizon files lack")
+    add_geometry_option(parser, "3-metric of the slice, missing from most horizon files")
     add_hole_options(parser)
     add_slice_options(parser)
     add_report_options(parser)
@@ -166,7 +166,7 @@ def run(options: argparse.Namespace) -> int:
 def _given(options: argparse.Namespace) -> dict[str, Moment | Result]:
     """Horizons in files, by output name; some, but not all, may be refused."""
     if not options.files:
-        raise UsageError("which horizon? Give a FILE, or --find and a --geometry")
+        raise UsageError("no horizon: give a FILE, or --find and a --geometry")
     refuse_given(options, ("guess", "stability"), "needs --find")
     geometry = None
     if options.geometry is None:
@@ -192,7 +192,7 @@ def _sought(options: argparse.Namespace) -> tuple[dict[str, Moment | Result], di
     """Horizon found in a slice, by output name, and its stability spectrum if requested."""
     if options.files:
         raise UsageError(f"--find takes no FILE, and {options.files[0]} is given")
-    refuse_given(options, OF_FILES, "is for files, not for what --find finds")
+    refuse_given(options, OF_FILES, "is for files, not for --find")
     if options.geometry is None:
         raise UsageError("--find needs a --geometry to find a horizon in")
     if options.geometry == "boyer-lindquist":
@@ -287,7 +287,7 @@ def _horizon(
     if isinstance(found, SurfaceData) and geometry is not None:
         raise UsageError(f"{name} holds a metric of its own: it needs no --geometry")
     if isinstance(found, SurfaceData) and options.axis is not None:
-        raise UsageError(f"{name} holds no coordinates that an --axis could be given in")
+        raise UsageError(f"{name} has no coordinates for an --axis")
     if isinstance(found, CoordinateShape) and geometry is None:
         raise UsageError(f"{found.contents}: name it with --geometry")
     return found

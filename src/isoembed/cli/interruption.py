@@ -27,14 +27,14 @@ def add_checkpoint_options(parser: argparse.ArgumentParser) -> None:
         "--checkpoint",
         type=Path,
         metavar="FILE.npz",
-        help="where what was reached is left, every two minutes and by an interruption (default: the name of "
-        f"the output and {ENDING}; without an output, the file of --resume, if any)",
+        help="checkpoint file, written every two minutes and on interruption (default: the name of the "
+        f"output with {ENDING}; without an output, the file of --resume, if any)",
     )
     parser.add_argument(
         "--resume",
         type=Path,
         metavar="FILE.npz",
-        help="go on from the checkpoint of an interrupted run with the same input, method and tolerance",
+        help="resume from the checkpoint of an interrupted run with the same input, method and tolerance",
     )
 
 
@@ -103,7 +103,7 @@ class Checkpoints:
             why = f"there is no checkpoint, as the method {method!r} kept nothing to go on from"
             return f"{interrupted}; {why}"
         if self._path is None:
-            return f"{interrupted}; there is no checkpoint, as neither --output nor --checkpoint says where"
+            return f"{interrupted}; there is no checkpoint: neither --output nor --checkpoint names its file"
         with handled(signal.SIG_IGN):  # takes a moment; the interruption is already known
             complaint, written = self._write(checkpoint)
         where = _place(self._path if written else None)
@@ -148,5 +148,5 @@ def _place(path: Path | None) -> str:
     """Clause on the location of a checkpoint and how to resume from it."""
     if path is None:
         return "there is no checkpoint"
-    again = f"the same command with --resume {shlex.quote(str(path))} goes on from it"
+    again = f"resume with the same command and --resume {shlex.quote(str(path))}"
     return f"the checkpoint is in {path}: {again}"

@@ -20,8 +20,8 @@ def add_length_error_option(
         "--length-error",
         required=required,
         metavar="E",
-        help="standard deviation of the lengths, whose errors are independent, in their unit: a number, or a "
-        f".npy file with one for each edge, in the file's order{purpose}",
+        help="standard deviation of the independent length errors, in the unit of the lengths: a number, "
+        f"or a .npy file with one number per edge, in the order of the file{purpose}",
     )
 
 
@@ -48,6 +48,6 @@ def length_errors(options: argparse.Namespace) -> Floats | None:
 def not_rigid(path: Path | str) -> UsageError:
     """Error for a surface whose deviation is undefined."""
     return UsageError(
-        f"{path} is not infinitesimally rigid, as where a vertex is flat: to first order, errors of the "
-        "lengths move it without bound"
+        f"{path} is not infinitesimally rigid, for example at a flat vertex: to first order, its "
+        "response to length errors is unbounded"
     )

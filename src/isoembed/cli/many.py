@@ -117,10 +117,10 @@ def carried_out(
                 except FileError as error:  # a full disk: other tasks continue
                     tally.complaints.append(str(error))
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"interrupted: {tally}; the same command goes on with what is left") from None
+        raise KeyboardInterrupt(f"interrupted: {tally}; the same command continues with the rest") from None
     print_failures(tally)
     for complaint in tally.complaints[:1]:
-        more = f" ({len(tally.complaints):,} results could not be kept)" if len(tally.complaints) > 1 else ""
+        more = f" ({len(tally.complaints):,} results could not be saved)" if len(tally.complaints) > 1 else ""
         print_error(f"{complaint}{more}")
     return tally
 
@@ -130,7 +130,7 @@ def print_failures(tally: Tally) -> None:
     for failure in tally.failures[:TOLD]:
         print_error(failure)
     if len(tally.failures) > TOLD:
-        print_error(f"{len(tally.failures) - TOLD:,} more have no answer: the table says why")
+        print_error(f"{len(tally.failures) - TOLD:,} more failed: see the table for the reasons")
 
 
 @contextmanager

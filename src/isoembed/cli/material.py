@@ -16,7 +16,7 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--joints",
         choices=get_args(Joints),
-        help="how sides are joined: tabs to glue (default), holes for stitches, none",
+        help="joints of the sides: tabs to glue (default), holes for stitches, or none",
     )
     parser.add_argument(
         "--bends", choices=get_args(Bends), help="folds as whole lines (default) or dashes to cut"
@@ -25,26 +25,27 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
         "--surface",
         dest="sheet_surface",
         choices=get_args(Surface),
-        help="with --thickness: which surface of the sheet has the faces of the solid (default outside)",
+        help="with --thickness: surface of the sheet that coincides with the faces of the solid (default "
+        "outside)",
     )
     parser.add_argument(
         "--k-factor",
         type=float,
         metavar="K",
-        help="with --thickness: where a bend keeps its length, from 0, inside, to 1 (default 0.5)",
+        help="with --thickness: position of the neutral axis of a bend, from 0 (inside) to 1 (default 0.5)",
     )
     for name, said in (
         (
             "thickness",
-            "of board, foam or metal: faces leave room where they meet, folds have their bend allowance",
+            "thickness of board, foam or metal: adds clearance between faces and bend allowance at folds",
         ),
-        ("radius", "with --thickness: of a bend, inside (default 0)"),
-        ("allowance", "seam allowance: how far outside of the net the cut runs, without tabs"),
-        ("kerf", "width of the beam or blade: outlines are offset outward by half of it"),
-        ("spacing", "of the holes for stitches (default 4)"),
+        ("radius", "with --thickness: inside radius of a bend (default 0)"),
+        ("allowance", "seam allowance, the distance of the cut outside the net, without tabs"),
+        ("kerf", "width of the beam or blade; outlines are offset outward by half of it"),
+        ("spacing", "spacing of the holes for stitches (default 4)"),
         ("hole", "diameter of the holes for stitches (default 1)"),
-        ("dash", "what is cut of a fold in dashes (default 3)"),
-        ("gap", "what is left between two dashes, at least (default 1)"),
+        ("dash", "length of the cuts of a perforated fold (default 3)"),
+        ("gap", "minimum distance between the cuts of a perforated fold (default 1)"),
     ):
         parser.add_argument(f"--{name}", type=on_paper, metavar="MM", help=said)
 
@@ -61,7 +62,7 @@ def on_paper(text: str) -> float:
         return millimeters(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is not a length, as 15, 15mm, 1.5cm and 0.6in are"
+            f"{text!r} is not a length such as 15, 15mm, 1.5cm or 0.6in"
         ) from None
 
 

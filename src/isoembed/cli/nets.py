@@ -26,12 +26,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         type=_name,
         choices=tuple(CLASSICS),
-        help=f"which to solve: {', '.join(CLASSICS)}; without it they are listed",
+        help=f"net to solve: {', '.join(CLASSICS)}; without NAME, list them",
     )
     add_output_option(
         parser,
-        "where to write the solids, by the ending "
-        f"({' '.join(SURFACE_ENDINGS)}): -o solid.obj writes solid-1.obj, solid-2.obj, ...",
+        f"files for the solids, in the format of the extension ({' '.join(SURFACE_ENDINGS)}): -o "
+        "solid.obj writes solid-1.obj, solid-2.obj, ...",
     )
     add_json_option(parser, "print one JSON object, with a list of the solids, instead of text")
     add_quiet_option(parser)

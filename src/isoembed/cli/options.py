@@ -53,9 +53,9 @@ def add_merge_option(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         const=MERGING.usual,
         metavar="TOLERANCE",
-        help="make vertices of a mesh one that are as near, in mean edge lengths, and split sides at "
-        "vertices that are as near to them (T-junctions); 0 for vertices that are equal "
-        f"(default {MERGING.usual:g}, the rounding of single precision)",
+        help="merge vertices of a mesh within this distance, in mean edge lengths, and split sides at "
+        f"vertices within it (T-junctions); 0 merges equal vertices only (default {MERGING.usual:g}, "
+        "the rounding of single precision)",
     )
 
 
@@ -64,10 +64,10 @@ def _merge(text: str) -> float:
         value = number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is not a number (write a file before --merge, not behind it)"
+            f"{text!r} is not a number (put files before --merge, not after it)"
         ) from None
     if not 0 <= value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a number of mean edge lengths from 0 to below 1")
+        raise argparse.ArgumentTypeError(f"{text} is not a number of mean edge lengths in [0, 1)")
     return value
 
 
@@ -107,7 +107,7 @@ def add_quiet_option(parser: argparse.ArgumentParser) -> None:
 
 def add_verbose_option(parser: argparse.ArgumentParser) -> None:
     """Add the option for detailed output."""
-    parser.add_argument("--verbose", action="store_true", help="print measures and stages, too")
+    parser.add_argument("--verbose", action="store_true", help="also print measures and stages")
 
 
 def add_vertices_option(parser: argparse.ArgumentParser) -> None:
@@ -116,7 +116,8 @@ def add_vertices_option(parser: argparse.ArgumentParser) -> None:
         "--vertices",
         type=int,
         metavar="N",
-        help=f"of the mesh that finds a smooth surface, and of the one that is written (default {DEFAULT})",
+        help="number of vertices of the initial mesh of a smooth surface, and of the output mesh (default "
+        f"{DEFAULT})",
     )
 
 
@@ -145,13 +146,13 @@ def add_report_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--wang-yau",
         action="store_true",
-        help="add the Wang-Yau energy, the least that is found from tau = 0 over time functions",
+        help="add the Wang-Yau energy, minimized over time functions from tau = 0",
     )
     parser.add_argument(
         "--multipoles",
         type=int,
         metavar="L",
-        help="add the multipoles (l, m) of horizons up to l = L, for which no symmetry is needed",
+        help="add the multipoles (l, m) of horizons up to l = L, without assuming symmetry",
     )
     add_reference_option(parser)
 
@@ -160,8 +161,8 @@ def add_reference_option(parser: argparse.ArgumentParser) -> None:
     """Add the option for the reference space of energies."""
     add_space_option(
         parser,
-        "the space to embed in, the reference of energies (default: R^3); without K, hyperbolic space of the "
-        "least curvature that is known to take a smooth metric",
+        "the space to embed in, the reference of energies (default: R^3); without K, the least curved "
+        "hyperbolic space known to embed a smooth metric",
     )
 
 
@@ -200,28 +201,28 @@ def vertices(options: argparse.Namespace) -> int:
 def add_run_options(parser: argparse.ArgumentParser) -> None:
     """Add the options for parallel execution and reruns of tasks."""
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--jobs", type=_count, metavar="N", help="how many processes (default: one a core)")
+    where.add_argument("--jobs", type=_count, metavar="N", help="number of processes (default: one per core)")
     where.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="instead of processes here: the workers of a Dask cluster that runs, tcp://HOST:PORT",
+        help="use the workers of a running Dask cluster, tcp://HOST:PORT, instead of local processes",
     )
     parser.add_argument(
         "--shard",
         type=_shard,
         metavar="I/N",
-        help="do the I-th of N parts, in an array job of a batch system; all may have the same folder",
+        help="do the I-th of N parts, for array jobs of a batch system; all parts may share one folder",
     )
     parser.add_argument(
         "--chunk",
         type=_count,
         metavar="N",
-        help="how many consecutive ones are done by one process, each from the one before (default: an "
-        "8th of all, at most 8)",
+        help="number of consecutive items per process, each started from the previous one (default: an "
+        "eighth of all, at most 8)",
     )
     again = parser.add_mutually_exclusive_group()
-    again.add_argument("--retry", action="store_true", help="try those again that had no answer")
-    again.add_argument("--force", action="store_true", help="do all again, whether they are there or not")
+    again.add_argument("--retry", action="store_true", help="retry the items that failed")
+    again.add_argument("--force", action="store_true", help="redo all items, including those with results")
 
 
 def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) -> None:
@@ -252,5 +253,5 @@ def _count(text: str) -> int:
 def _shard(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d+)/(\d+)", text)
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
-        raise argparse.ArgumentTypeError(f"{text!r} is not I/N with I from 1 to N, as 3/10 is")
+        raise argparse.ArgumentTypeError(f"{text!r} is not I/N with I from 1 to N, such as 3/10")
     return int(found[1]), int(found[2])

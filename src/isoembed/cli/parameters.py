@@ -88,9 +88,7 @@ def parsed(text: str, type_: Any) -> Any:
     if type_ is str:
         return text
     if type_ not in (int, float):
-        raise ValueError(
-            f"a parameter of the type {getattr(type_, '__name__', type_)} can be set in Python only"
-        )
+        raise ValueError(f"a parameter of type {getattr(type_, '__name__', type_)} can only be set in Python")
     try:
         return type_(text)
     except ValueError:

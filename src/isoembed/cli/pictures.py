@@ -36,8 +36,8 @@ def add_picture_options(parser: argparse.ArgumentParser, *, films: bool = True) 
         "--html",
         type=Path,
         metavar="FILE.html",
-        help="one page for the browser, with the surface to turn and color, "
-        f"{'the surfaces on the way along a slider, ' if films else ''}and the report",
+        help="one page for the browser, with an interactive surface, "
+        f"{'the intermediate surfaces along a slider, ' if films else ''}and the report",
     )
     if not films:
         parser.set_defaults(animate=None)
@@ -46,7 +46,7 @@ def add_picture_options(parser: argparse.ArgumentParser, *, films: bool = True) 
         "--animate",
         type=Path,
         metavar="FILE",
-        help=f"the way to the surface as a film: {' '.join(ANIMATION_ENDINGS)}",
+        help=f"film of the intermediate surfaces: {' '.join(ANIMATION_ENDINGS)}",
     )
 
 
@@ -57,8 +57,8 @@ def add_color_option(parser: argparse.ArgumentParser) -> None:
         type=spelled,
         choices=tuple(COLORS),
         metavar="QUANTITY",
-        help=f"what the colors of the picture show: {', '.join(COLORS)} "
-        f"(default {spelled(MEAN_CURVATURE)}, of polyhedra {spelled(SIDES)})",
+        help=f"quantity shown by the colors of the picture: {', '.join(COLORS)} (default "
+        f"{spelled(MEAN_CURVATURE)}, of polyhedra {spelled(SIDES)})",
     )
 
 

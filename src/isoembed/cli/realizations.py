@@ -42,14 +42,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=0.12,
         metavar="D",
-        help="how far a vertex may be from SURFACE, in mean edge lengths (default %(default)s)",
+        help="largest distance of a vertex from SURFACE, in mean edge lengths (default %(default)s)",
     )
     parser.add_argument(
         "--motions",
         type=int,
         default=5,
         metavar="K",
-        help=f"how many motions are taken together, {FEWEST} to {MOST} (default %(default)s)",
+        help=f"largest number of motions combined, {FEWEST} to {MOST} (default %(default)s)",
     )
     parser.add_argument(
         "--surfaces",
@@ -57,10 +57,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=8,
         metavar="N",
         help="number of realizations to search from, alternating between breadth-first and smoothest-first "
-        "order; the time is in proportion (default %(default)s)",
+        "order; time is proportional to it (default %(default)s)",
     )
     add_output_option(
-        parser, "for the surfaces: realization-1.ply, the smoothest, and so on", metavar="FOLDER"
+        parser,
+        "folder for the surfaces: realization-1.ply (the smoothest), realization-2.ply, ...",
+        metavar="FOLDER",
     )
     add_merge_option(parser)
     add_json_option(parser)

@@ -82,15 +82,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "horizons",
         nargs="*",
         metavar="HORIZONS",
-        help="files of horizons, of any time and number: h.t*.ah*.gp of AHFinderDirect or BHaHAHA, SpECTRE's "
-        "*.vol or *_Ylm.dat, GRChombo's coords_AH*.dat, other HDF5 with one or many times, .npz, VTK, "
-        "tables of metrics (.csv .txt .dat); or folders, or a simulation of the Einstein Toolkit; "
-        "without, table and pictures are made again of what is in the --output",
+        help="files of horizons, of any time and number: h.t*.ah*.gp of AHFinderDirect or BHaHAHA, "
+        "SpECTRE's *.vol or *_Ylm.dat, GRChombo's coords_AH*.dat, other HDF5 with one or many times, "
+        ".npz, VTK, tables of metrics (.csv .txt .dat); or folders, or a simulation of the Einstein "
+        "Toolkit; without files, the table and pictures are remade from the results in --output",
     )
     add_geometry_option(
         parser,
-        "the slices that the horizons are in, unless they have metrics of their own: a pattern of files, "
-        "'slices/{iteration}.h5' or with {time}; a folder; a file with many times; or one for all",
+        "slices that contain the horizons, unless these have metrics of their own: a pattern of "
+        "files, 'slices/{iteration}.h5' or with {time}; a folder; a file with many times; or one for "
+        "all",
     )
     add_hole_options(parser)
     add_slice_options(parser)
@@ -100,13 +101,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_vertices_option(parser)
     add_output_option(
         parser,
-        "where the results are kept, and table.csv, table.h5, plots and files for ParaView are made of them",
+        "folder for the results, table.csv, table.h5, plots and files for ParaView",
         metavar="FOLDER",
         required=True,
     )
     add_run_options(parser)
     parser.add_argument(
-        "--film", action="store_true", help="make a film, too, and a page for the browser with a slider"
+        "--film", action="store_true", help="also make a film, and a page for the browser with a slider"
     )
     add_json_option(parser)
     add_quiet_option(parser)

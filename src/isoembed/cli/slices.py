@@ -89,7 +89,9 @@ def add_geometry_option(parser: argparse.ArgumentParser, purpose: str) -> None:
 
 def add_hole_options(parser: argparse.ArgumentParser) -> None:
     """Add mass and spin of a closed form with one hole."""
-    parser.add_argument("--mass", type=float, metavar="M", help="of the closed-form geometry (default 1)")
+    parser.add_argument(
+        "--mass", type=float, metavar="M", help="mass of the closed-form geometry (default 1)"
+    )
     parser.add_argument(
         "--spin",
         type=_number,
@@ -104,31 +106,35 @@ def add_slice_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of closed forms besides mass and spin."""
     coordinates = ("X", "Y", "Z")
     parser.add_argument(
-        "--center", type=float, nargs=3, metavar=coordinates, help="where the one hole is (default 0 0 0)"
+        "--center", type=float, nargs=3, metavar=coordinates, help="center of the single hole (default 0 0 0)"
     )
     parser.add_argument(
         "--velocity",
         type=float,
         nargs=3,
         metavar=("VX", "VY", "VZ"),
-        help="of a boosted hole, over that of light",
+        help="velocity of a boosted hole, in units of the speed of light",
     )
     parser.add_argument(
         "--masses",
         type=_number,
         nargs="+",
         metavar="M",
-        help="of brill-lindquist or superposed holes, as many as there are",
+        help="masses of brill-lindquist or superposed holes, one per hole",
     )
     parser.add_argument(
-        "--positions", type=_number, nargs="+", metavar="X Y Z", help="theirs, three numbers for each"
+        "--positions",
+        type=_number,
+        nargs="+",
+        metavar="X Y Z",
+        help="positions of these holes, three numbers each",
     )
     parser.add_argument(
         "--velocities",
         type=_number,
         nargs="+",
         metavar="VX VY VZ",
-        help="those of superposed holes, three numbers for each",
+        help="velocities of superposed holes, three numbers each",
     )
 
 

@@ -37,26 +37,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--tolerance",
         type=_length,
         metavar="LENGTH",
-        help="by which lengths of one type may differ, in the unit of the file (default: a millionth of the "
-        "mean length, or what rounded coordinates explain)",
+        help="largest length difference within a type, in the unit of the file (default: a millionth of "
+        "the mean length, or the rounding error of the coordinates)",
     )
     parser.add_argument(
         "--hub-radius",
         type=_length,
         default=0.0,
         metavar="LENGTH",
-        help="by which struts are shorter at each end",
+        help="radius of the hubs, by which struts are shortened at each end",
     )
     parser.add_argument(
         "--stock",
         type=_length,
         metavar="LENGTH",
-        help="length of the bars from which struts are cut: add a list of cuts",
+        help="length of the stock bars; adds a cut list",
     )
     add_merge_option(parser)
     add_output_option(
         parser,
-        f"where to write the table: {' '.join(STRUT_ENDINGS)} (default: print the types); 'isoembed embed' "
+        f"file for the table: {' '.join(STRUT_ENDINGS)} (default: print the types); 'isoembed embed' "
         "reads a .csv",
     )
     parser.add_argument(
@@ -85,8 +85,8 @@ def run(options: argparse.Namespace) -> int:
     )
     if len(table.struts) > MANY_TYPES and 2 * len(table.struts) > len(table.edges) and not options.quiet:
         print_error(
-            f"{len(table.struts)} types of {len(table.edges)} struts: --tolerance LENGTH makes one type of "
-            "lengths that differ by no more",
+            f"{len(table.struts)} types of {len(table.edges)} struts: --tolerance LENGTH groups "
+            "lengths that differ by at most LENGTH",
             "note",
         )
     writers = {"output": lambda path: struts_writer(path, table)}

@@ -44,7 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             "--irregular",
             type=int,
             metavar="SEED",
-            help="irregular triangles on random points that keep apart (default: nearly equilateral ones)",
+            help="irregular triangles on well-spaced random points (default: nearly equilateral ones)",
         )
         add_output_option(
             options,

@@ -49,14 +49,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         nargs=2,
         metavar=("K", "R"),
-        help="instead of these a geodesic disc of curvature K and radius R",
+        help="instead: a geodesic disc of curvature K and radius R",
     )
     parser.add_argument(
         "--zone",
         type=float,
         nargs=2,
         metavar=("START", "STOP"),
-        help="the part between two angles theta, in radians: a disc about a pole, or a band",
+        help="part of the surface between two angles theta, in radians: a disc about a pole, or a band",
     )
     number = parser.add_mutually_exclusive_group(required=True)
     number.add_argument("--vertices", type=int, metavar="N", help="number of vertices, at least 12")
@@ -66,8 +66,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=0.0,
         metavar="G",
-        help="vertices that follow the curvature, against one that follows the area: 0.1 suits sharp tips "
-        "(default 0: all triangles alike)",
+        help="ratio of vertices distributed by curvature to those distributed by area; 0.1 suits sharp "
+        "tips (default 0: uniform triangles)",
     )
     add_output_option(
         parser,

@@ -51,35 +51,37 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_output_option(
         parser,
-        f"{' '.join(SHEET_ENDINGS)}: the net on pages, with tabs and with a number on both sides that are "
-        f"glued, of .html beside a film of its folding; {' '.join(NET_ENDINGS)}: the net for 'isoembed glue'",
+        f"{' '.join(SHEET_ENDINGS)}: the net on pages, with tabs and a number on both sides of each "
+        f"glued pair, and in .html with a film of its folding; {' '.join(NET_ENDINGS)}: the net for "
+        "'isoembed glue'",
         required=True,
     )
     parser.add_argument(
         "--paper",
         metavar="NAME|WIDTHxHEIGHT|roll:WIDTH",
-        help=f"{', '.join(FORMATS)}, or mm, or as 8.5x11in; of a roll as long as needed (default A4)",
+        help=f"{', '.join(FORMATS)}, a size in mm or such as 8.5x11in, or a roll, used as long as needed "
+        "(default A4)",
     )
     parser.add_argument(
         "--scale",
         type=_scale,
         metavar="MM",
-        help="millimeters a unit of the solid, as 0.25 or 1:4 (default: the largest with which each sheet "
-        "fits on a page); sheets larger than a page are cut into several",
+        help="millimeters per unit of the solid, such as 0.25 or 1:4 (default: the largest scale at which "
+        "each sheet fits on a page); larger sheets are cut into several",
     )
     parser.add_argument(
         "--size",
         dest="solid_size",
         type=_size,
         metavar="MM|z=MM",
-        help="instead of --scale: millimeters of the longest extent of the solid in x, y or z; z=200, or "
-        "z=20cm, of that in z",
+        help="instead of --scale: the largest extent of the solid in x, y or z, in millimeters; z=200 or "
+        "z=20cm sets the extent in z",
     )
     parser.add_argument(
         "--numbers",
         action="store_true",
         default=None,
-        help="number the faces, on a picture of the solid, too",
+        help="number the faces, also on a picture of the solid",
     )
     parser.add_argument(
         "--objective",
@@ -94,7 +96,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             nargs="+",
             default=[],
             metavar="A-B",
-            help=f"{purpose}, by the numbers of their vertices in the file, from 0 on",
+            help=f"{purpose}, given by their vertex numbers in the file, from 0",
         )
     add_material_options(parser)
     add_merge_option(parser)
@@ -130,7 +132,7 @@ def run(options: argparse.Namespace) -> int:
     folds = sum(map(len, unfolding.folds))
     if folds > MANY_FOLDS and not options.quiet:
         print_error(
-            f"{folds:,} folds: simplify the mesh first, to as many faces as you are ready to fold", "note"
+            f"{folds:,} folds: simplify the mesh first, to the number of faces that you want to fold", "note"
         )
     boundaries = surface.triangulation.boundaries
     rims = f"{len(boundaries)} boundar{'y' if len(boundaries) == 1 else 'ies'}"
@@ -166,14 +168,14 @@ def run(options: argparse.Namespace) -> int:
 def _edge(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d+)-(\d+)", text)
     if found is None:
-        raise argparse.ArgumentTypeError(f"{text!r} is not two numbers of vertices, as 3-17 is")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a pair of vertex numbers such as 3-17")
     return int(found[1]), int(found[2])
 
 
 def _size(text: str) -> tuple[str, float]:
     axis, _, length = text.rpartition("=")
     if axis not in ("", "x", "y", "z"):
-        raise argparse.ArgumentTypeError(f"{text!r} is not of x, y or z, as z=200 is")
+        raise argparse.ArgumentTypeError(f"{text!r} is not an extent in x, y or z such as z=200")
     return axis, on_paper(length)
 
 
@@ -182,4 +184,4 @@ def _scale(text: str) -> float:
     try:
         return number(found[1]) / number(found[2]) if found else millimeters(text)
     except (ValueError, ZeroDivisionError):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a scale, as 0.25 and 1:4 are") from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not a scale such as 0.25 or 1:4") from None

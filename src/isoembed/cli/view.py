@@ -36,10 +36,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         type=Path,
         metavar="FILE",
-        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}); if it holds lengths, "
-        "too, length errors are against those, and if it holds mean_curvature or gaussian_curvature at the "
-        "vertices, colors are by these; several, on the same triangles, are a series: a page has a "
-        "slider, and a film goes from each to the next",
+        help=f"a surface with vertices ({' '.join((*METRIC_ENDINGS, *MESH_ENDINGS))}); length errors refer "
+        "to the lengths in the file, if any, and colors show its mean_curvature or gaussian_curvature "
+        "at the vertices, if present; several surfaces on the same triangles are a series: a page has "
+        "a slider, and a film moves from each to the next",
     )
     add_output_option(
         parser,
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
             "mean curvature"
         )
     if is_picture and len(files) > 1:
-        raise UsageError("a picture shows a single surface: of several there are pages and films")
+        raise UsageError("a picture shows a single surface: for several, make a page or a film")
     read = [read_with_curvatures(path, merge=options.merge) for path in files]
     surfaces, given = [surface for surface, _ in read], from_file(read[-1][1]) if len(read) == 1 else EMPTY
     for path, each in zip(files, surfaces, strict=True):

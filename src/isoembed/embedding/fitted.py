@@ -35,10 +35,10 @@ class FittedSurface(Embedding):
     def _sentence(self) -> str:
         e = int(np.argmax(self.residuals))
         return (
-            f"a least-squares surface that misses the lengths, by {self.residual_rms:.1e} of the mean edge "
-            f"length (root mean square) and at most {self.residual:.1e}, at edge {e} "
-            f"{self.metric.edges[e].tolist()}: as smooth as it is, lengths with errors of about "
-            f"{self.noise:.1e} would lead to it"
+            f"a least-squares surface that misses the lengths, by {self.residual_rms:.1e} of the mean "
+            f"edge length (root mean square) and at most {self.residual:.1e}, at edge {e} "
+            f"{self.metric.edges[e].tolist()}: its smoothness corresponds to length errors of about "
+            f"{self.noise:.1e}"
         )
 
     def with_length_errors(self, errors: ArrayLike) -> Self:

@@ -177,7 +177,7 @@ class Sensitivity:
         """Derivatives of a surface with given heights or positions; raises InvalidParameter for others."""
         if not np.prod(getattr(self._derivatives, "shape", (0,))):
             raise InvalidParameter(
-                "nothing is given at the boundary: boundary derivatives are by heights or positions"
+                "derivatives with respect to boundary data require heights or positions on the boundary"
             )
         return self._derivatives
 

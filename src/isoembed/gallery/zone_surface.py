@@ -133,7 +133,7 @@ class Cone(ZoneOfRevolution):
     name: ClassVar[str] = "cone"
     slope: float = option(0.8, "sine of the angle between the cone and its axis, at most 1", positive)
     inner: float = option(0.3, "distance of the inner boundary from the tip", positive)
-    outer: float = option(1.0, "distance of the outer one", positive)
+    outer: float = option(1.0, "distance of the outer boundary from the tip", positive)
 
     def _check(self) -> None:
         if self.slope > 1.0:
@@ -205,7 +205,7 @@ class Enneper(ZoneSurface):
 
     name: ClassVar[str] = "enneper"
     radius: float = option(
-        0.8, "radius of the disc of u and v, at most 1.7: from 3^(1/2) on it crosses itself", positive
+        0.8, "radius of the disc of u and v, at most 1.7: the surface crosses itself from 3^(1/2)", positive
     )
 
     def _check(self) -> None:
@@ -240,7 +240,7 @@ class Torus(ZoneOfRevolution):
 
     name: ClassVar[str] = "torus"
     is_ring: ClassVar[bool] = True
-    ring: float = option(2.0, "radius R of the circle that is the middle of the tube", positive)
+    ring: float = option(2.0, "radius R of the center circle of the tube", positive)
     tube: float = option(0.8, "radius r of the tube, at most 0.999 R", positive)
 
     def _check(self) -> None:

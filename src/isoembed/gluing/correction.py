@@ -55,7 +55,7 @@ class Correction:
     largest_deficit: float
 
     def __str__(self) -> str:
-        flat = f"; {self.flattened} vertices are made flat, with deficits of up to {self.largest_deficit:.2g}"
+        flat = f"; {self.flattened} vertices are flattened, with deficits of up to {self.largest_deficit:.2g}"
         return (
             f"glued sides differ by up to {self.difference:.2g} (tolerance {self.source}): the sheets are "
             f"corrected, corner {self.corner} of polygon {self.polygon} most, by {self.largest:.2g}, "
@@ -282,8 +282,8 @@ def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
         points = start + step.reshape(-1, 2)
     if least > 1e-13:  # rounding, relative to the size of the largest sheet
         raise InvalidMetric(
-            "no small change of the polygons makes all sides that are glued equal: a difference of "
-            f"{least:.2g} of the size of the largest remains"
+            f"no small change of the polygons makes all glued sides equal: a difference of {least:.2g} "
+            "of the size of the largest remains"
         )
     return best
 

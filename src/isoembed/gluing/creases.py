@@ -17,7 +17,9 @@ class CreaseThresholds:
     """Thresholds of folded crease patterns."""
 
     meets: float = threshold(
-        1e-4, "size of the sheet", "Corners as near in space are one, and sides that differ by as much equal."
+        1e-4,
+        "size of the sheet",
+        "Largest distance of coincident corners, and length difference of equal sides.",
     )
 
 

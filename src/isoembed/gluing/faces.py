@@ -69,7 +69,7 @@ def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.
     thin = ~(face_areas(t.faces, vertices) > 0)
     if thin.any():
         f = int(np.argmax(thin))
-        raise InvalidMetric(f"face {f} {t.faces[f].tolist()} is so thin that it lies in no plane")
+        raise InvalidMetric(f"face {f} {t.faces[f].tolist()} is too thin to define a plane")
     faces = coplanar_faces(t, vertices, error=error)
     creased = (np.repeat(faces, 3) != faces[across // 3]) | (t.sides_across < 0)
     bend = np.where(creased, dihedral_angles(t, vertices)[t.face_edges.ravel()], 0.0)

@@ -99,7 +99,7 @@ def dform(first: Outline, second: Outline, offset: float = 0.0, n: int = 100) ->
 def _polygon(outline: Outline, name: str, part: float, n: int) -> tuple[Floats, float]:
     """Outline as a polygon, and the position at the given fraction of the perimeter."""
     if not is_number(part) or not 0 <= part < 1:
-        raise InvalidParameter(f"{name} is {part!r}, not a part of the perimeter from 0 to below 1")
+        raise InvalidParameter(f"{name} is {part!r}, not a fraction of the perimeter in [0, 1)")
     if isinstance(outline, Ellipse | Stadium):
         check_count("n", n)
         return inscribed(outline, int(n), float(part)), 0.0

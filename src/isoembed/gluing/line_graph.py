@@ -188,7 +188,7 @@ def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:
                 loose.append(u)
     for edge in removed:
         if edges[edge].purpose == FOLD and any(around[v] for v in edge):
-            raise InvalidMetric(f"the fold {_said(points[[*edge]])} ends inside of a sheet")
+            raise InvalidMetric(f"the fold {_said(points[[*edge]])} ends inside a sheet")
     return {edge: line for edge, line in edges.items() if edge in around[edge[0]]}
 
 
@@ -203,7 +203,7 @@ def _check_apart(points: Floats, faces: list[list[int]], outer: list[list[int]])
             v = firsts[k]
             if own.isdisjoint(outer[k]) and is_inside(v, corners):
                 raise InvalidMetric(
-                    f"there is an outline inside of another, at {_at(v)}: sheets with holes cannot be glued, "
+                    f"an outline lies inside another, at {_at(v)}: sheets with holes cannot be glued, "
                     "and frames must be removed"
                 )
 

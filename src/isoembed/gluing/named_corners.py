@@ -33,7 +33,7 @@ def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
         for k, name in enumerate(names):
             if isinstance(name, bool) or not isinstance(name, str | int | np.integer):
                 raise InvalidParameter(
-                    f"corner {k} of polygon {p} is called {name!r}, not text or a whole number"
+                    f"corner {k} of polygon {p} is called {name!r}, neither text nor a whole number"
                 )
     return [list(names) for names in given]
 
@@ -54,8 +54,8 @@ def sides_of(
             other = names[(k + 1) % len(names)]
             if name == other:
                 raise InvalidMetric(
-                    f"side {k} of polygon {p} has corner {name!r} at both ends: their names do not tell "
-                    "how it is glued, but sides do"
+                    f"side {k} of polygon {p} has corner {name!r} at both ends: corner names do not "
+                    "determine its gluing: use sides"
                 )
             found.setdefault(frozenset((name, other)), []).append((p, k))
     wrong, difference = "", 0.0
@@ -70,8 +70,8 @@ def sides_of(
         if len(some) > 2:
             named = ", ".join(f"{m} of polygon {q}" for q, m in some)
             raise InvalidMetric(
-                f"{len(some)} sides join corners {a!r} and {b!r}: side {named}; their names do not tell "
-                "which are glued, but sides do"
+                f"{len(some)} sides join corners {a!r} and {b!r}: side {named}; corner names do not "
+                "determine the gluing: use sides"
             )
         q, m = some[1]
         ours, theirs = _length(sheets[p], k), _length(sheets[q], m)
@@ -117,8 +117,8 @@ def faced_alike(
                         waiting.append(q)
                     elif over[q] != wanted:
                         raise InvalidMetric(
-                            f"the polygons make a surface with one side, not a sphere: from polygon {begin} "
-                            f"one gets to polygon {q} face up and face down"
+                            "the polygons make a surface with one side, not a sphere: a path from "
+                            f"polygon {begin} to polygon {q} arrives face up, and another face down"
                         )
     return [sheet.turned_over() if flip else sheet for sheet, flip in zip(sheets, over, strict=True)]
 
@@ -135,9 +135,7 @@ def check_together(corners: Names, vertices: Sequence[Indices]) -> None:
         for name, vertex in zip(names, own.tolist(), strict=True):
             q, same = first.setdefault(name, (p, vertex))
             if vertex != same:
-                raise InvalidMetric(
-                    f"the corners {name!r} of polygons {q} and {p} do not come together in one vertex"
-                )
+                raise InvalidMetric(f"the corners {name!r} of polygons {q} and {p} do not meet at one vertex")
 
 
 def _ends(corners: Names, side: Side) -> tuple[Hashable, Hashable]:

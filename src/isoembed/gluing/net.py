@@ -211,7 +211,7 @@ def glue(
         raise InvalidMetric("there are no polygons")
     sheets = [Polygon.of(polygon, p, space, model) for p, polygon in enumerate(polygons)]
     if (sides is None) == (corners is None):
-        raise InvalidParameter("give either the sides that are glued or the names of the corners")
+        raise InvalidParameter("give either the glued sides or the names of the corners")
     try:
         return _glued(sheets, sides, corners, Tolerance.of(sheets, tolerance), any_surface)
     except UnequalLengths as error:
@@ -292,7 +292,7 @@ def _triangles(polygons: Sequence[Floats], first: Indices, space: Space) -> tupl
     for p, polygon in enumerate(polygons):
         inside = triangulated(shape_of(polygon, space))
         if inside is None:
-            raise InvalidMetric(f"polygon {p} is so thin that its triangles are lost in rounding")
+            raise InvalidMetric(f"polygon {p} is too thin to be triangulated in floating point")
         triangles.append(first[p] + inside)
     return np.concatenate(triangles), np.repeat(np.arange(len(polygons)), [len(some) for some in triangles])
 

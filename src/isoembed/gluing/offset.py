@@ -74,7 +74,9 @@ def moved_sides(
     if not kept.all():
         k = int(np.argmin(kept))
         notch = f", as in a notch; it {REMEDY}" if moved[k] > 0 else ""
-        raise InvalidParameter(f"side {k} of {name} vanishes: an offset of {moved[k]:.4g} is too much{notch}")
+        raise InvalidParameter(
+            f"side {k} of {name} vanishes: an offset of {moved[k]:.4g} is too large{notch}"
+        )
     size = float(np.ptp(result, axis=0).max())
     i, j = meeting_sides((result - result.min(axis=0)) / size)
     if i >= 0:

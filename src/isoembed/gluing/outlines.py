@@ -177,8 +177,8 @@ def from_sides(sides: ArrayLike, angles: ArrayLike, *, curvature: float = 0.0) -
         raise InvalidParameter("the sides and the angles are not lists of numbers") from None
     if steps.ndim != 1 or steps.size < 2 or turns.shape != (steps.size - 1,):
         raise InvalidParameter(
-            f"there are sides of shape {steps.shape} and angles of shape {turns.shape}: of a polygon of n "
-            "sides n - 1 are given, and n - 2 angles between them"
+            f"there are sides of shape {steps.shape} and angles of shape {turns.shape}: a polygon with "
+            "n sides takes n - 1 sides and the n - 2 angles between them"
         )
     space = Space(curvature)
     for k, side in enumerate(steps.tolist()):
@@ -215,7 +215,9 @@ def _about_the_origin(points: Floats, space: Space) -> Floats:
     heights = points[:, 2] * w + k * (points[:, 0] * x + points[:, 1] * y)
     if not (heights > 0).all():
         k = int(np.argmin(heights > 0))
-        raise InvalidParameter(f"corner {k} of the polygon is not in one half of the sphere with the others")
+        raise InvalidParameter(
+            f"corner {k} of the polygon does not lie in a common hemisphere with the others"
+        )
     # Translation along the geodesic through both.
     share = (points[:, 2] + heights) / (1 + w)
     return np.asarray(points[:, :2] - share[:, None] * [x, y])

@@ -141,7 +141,7 @@ def _read(entry: Any, i: int, polygons: Sequence[Polygon]) -> Run:
     for value in entry:
         if not is_number(value) or not abs(value) <= sys.float_info.max:
             raise InvalidParameter(
-                f"sides[{i}] glues {_shown(entry)}, in which {value!r} is not a finite number"
+                f"sides[{i}] glues {_shown(entry)}, where {value!r} is not a finite number"
             )
     p = entry[0]
     if p != int(p) or not 0 <= p < len(polygons):

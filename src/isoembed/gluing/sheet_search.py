@@ -23,11 +23,15 @@ Sheets = tuple[Floats, Indices, Indices]
 class UnfoldingThresholds:
     """Thresholds of the search for nets without overlaps."""
 
-    directions: int = threshold(50, "count", "Directions that are tried to unfold a surface into one sheet.")
-    exchanges: int = threshold(450, "count", "Attempts afterwards to get a better net from the best one.")
-    sharp: float = threshold(1e-3, "radians", "Edges that bend less are not cut where others can be.")
-    digits: int = threshold(3, "digits", "Coordinates with fewer are exact: their faces bend as they say.")
-    seed: int = threshold(0, "seed", "Of the directions and of the attempts.")
+    directions: int = threshold(50, "count", "Directions tried to unfold a surface into one sheet.")
+    exchanges: int = threshold(450, "count", "Attempts to improve the best net.")
+    sharp: float = threshold(
+        1e-3, "radians", "Edges with smaller fold angles are cut only if no others can be."
+    )
+    digits: int = threshold(
+        3, "digits", "Coordinates with fewer digits are exact, and so are their fold angles."
+    )
+    seed: int = threshold(0, "seed", "Seed of the random directions and attempts.")
 
 
 UNFOLDING = UnfoldingThresholds()
@@ -67,8 +71,8 @@ def found_sheets(
     if objective == "faces":
         return joined(faces, kept, *anything)
     limits = 2 if objective == "strips" else len(steps), room
-    _check_kept(faces, kept, (limits[0], anything[1]), "join are not a strip")
-    _check_kept(faces, kept, limits, "join are larger than the rectangle")
+    _check_kept(faces, kept, (limits[0], anything[1]), "join do not form a strip")
+    _check_kept(faces, kept, limits, "join do not fit in the rectangle")
     lengths = np.linalg.norm(steps, axis=1)
     directions = steps / lengths[:, None]
     rng = np.random.default_rng(UNFOLDING.seed)
@@ -124,7 +128,7 @@ def _check_kept(faces: Faces, kept: Indices, limits: tuple[int, Floats], why: st
         s = kept[np.argmax(apart)]
         a, b = faces.corners[s], faces.ends[s]
         raise InvalidParameter(
-            f"the edge ({a}, {b}) cannot be kept: faces that it and others before it {why}"
+            f"the edge ({a}, {b}) cannot be kept: faces that it and the previous edges {why}"
         )
 
 

@@ -67,10 +67,10 @@ def embed_net(
         if found is not None:
             return found
         raise InvalidMetric(
-            f"more than a full turn of paper, {360 - np.degrees(net.deficits[v]):.6g} degrees, meets at "
-            f"{_places(net, v)} (vertex {v}): are the right sides glued? If so, the solid is not convex, "
-            'and the net does not say how it is folded: what is missing is "folds" (.json), for each polygon '
-            "a list of [corner, corner, degrees], edges_foldAngle (.fold) or data-angle (.svg), as 'isoembed "
+            f"more than a full turn of paper, {360 - np.degrees(net.deficits[v]):.6g} degrees, meets "
+            f"at {_places(net, v)} (vertex {v}): are the right sides glued? If so, the solid is not "
+            'convex, and the net lacks its fold angles: "folds" (.json), for each polygon a list of '
+            "[corner, corner, degrees], edges_foldAngle (.fold) or data-angle (.svg), as 'isoembed "
             "unfold' writes them"
         )
     return folded or solve(
@@ -107,13 +107,13 @@ def unknown_folding(net: Net) -> str:
     """Reason why a net with boundary or handles lacks folding data; empty if it has them."""
     if net.folded is None:
         return (
-            "the net has a boundary or handles and does not say how it is folded, and lengths alone do not "
-            "determine the surface"
+            "the net has a boundary or handles and no fold angles, and lengths alone do not determine "
+            "the surface"
         )
     if len(net.folded) != net.simplicial().triangulation.n_vertices:
         return (
-            "faces of the net have several sides in common, and where the vertices are that tell these apart "
-            "is not known"
+            "faces of the net have several sides in common, and the positions of the vertices that "
+            "distinguish them are unknown"
         )
     return ""
 

@@ -10,19 +10,21 @@ class GluingThresholds:
     """Thresholds of gluing, and of the enumeration of gluings."""
 
     same_length: float = threshold(
-        1e-9, "relative", "Difference of one length in coordinates whose digits tell no other."
+        1e-9,
+        "relative",
+        "Difference of equal lengths, unless the digits of the coordinates imply another.",
     )
     rounding: float = threshold(
-        1e-15, "perimeters", "Difference that floats leave of one length on two outlines, however short."
+        1e-15, "perimeters", "Rounding error of a length on two outlines, however short."
     )
-    full_angle: float = threshold(
-        1e-9, "radians", "Rounding of the sum of angles at a vertex that is still convex."
-    )
+    full_angle: float = threshold(1e-9, "radians", "Rounding error of the angle sum at a convex vertex.")
     equal_sides: float = threshold(
-        1e-14, "perimeters", "Sides of an inscribed polygon this close to equal are, up to rounding."
+        1e-14, "perimeters", "Rounding error of equal sides of an inscribed polygon."
     )
     spacings: int = threshold(
-        1000, "count", "Rounds of spacing the corners of an inscribed polygon; each gains a digit or more."
+        1000,
+        "count",
+        "Iterations that space the corners of an inscribed polygon, each gaining a digit or more.",
     )
 
 

@@ -109,7 +109,7 @@ class Tolerance:
         if self.given is not None:
             return "as given"
         if self.digits:
-            return f"as the corners have {self.digits}"
+            return f"from the corners, with {self.digits}"
         return f"{GLUING.same_length:g} of the length, by default"
 
 

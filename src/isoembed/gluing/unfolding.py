@@ -220,7 +220,7 @@ def unfold(
     apart = np.abs(points[after[outer]] - points[outer]).max(axis=1) > 0
     if not apart.all():
         v = faces.corners[outer[np.argmin(apart)]]
-        raise InvalidMetric(f"vertex {v} is so near to another that paper does not tell them apart")
+        raise InvalidMetric(f"vertex {v} is too near to another to be distinguished on paper")
     return replace(
         _cut_out(faces, points * size * unit, after, sheets),
         precision=None if precision is None else precision.in_means(mean_length),

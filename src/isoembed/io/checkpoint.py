@@ -42,7 +42,7 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     with InputFile(path) as file:
         tables = npz.read(file)
     if "stage" in tables and "key" not in tables:
-        raise FileError(f"{file} is a checkpoint of an earlier isoembed, from which this one cannot go on")
+        raise FileError(f"{file} is a checkpoint of an earlier isoembed, which this version cannot resume")
     texts = {name: _scalar(tables, name, "U", file) for name in TEXTS}
     tolerance = _scalar(tables, TOLERANCE, "f", file)
     fingerprint = Fingerprint(texts["metric"], texts["method"], tolerance, texts["version"])

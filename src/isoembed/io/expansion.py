@@ -10,9 +10,11 @@ from isoembed.thresholds import threshold
 class ExpansionThresholds:
     """Thresholds of compressed files."""
 
-    spare: int = threshold(2**28, "bytes", "Size up to which any expansion is taken.")
+    spare: int = threshold(2**28, "bytes", "Size below which any expansion ratio is accepted.")
     ratio: int = threshold(
-        100, "bytes a byte", "Largest expansion beyond; coordinates and indices expand 2 to 10 times."
+        100,
+        "bytes a byte",
+        "Largest expansion ratio above that size; coordinates and indices expand 2 to 10 times.",
     )
 
 
@@ -39,4 +41,4 @@ def check_expansion(what: str, size: int, stored: int) -> None:
     FileError
     """
     if size > (most := largest_expansion(stored)):
-        raise FileError(f"{what} expands from {stored} to more than {most} bytes, as no surface does")
+        raise FileError(f"{what} expands from {stored} to more than {most} bytes, too many for a surface")

@@ -118,7 +118,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
     except OSError as error:
         raise FileError(f"cannot write {path}: {error.strerror}") from None
     if target.exists() and not _may_replace(target):
-        raise FileError(f"cannot write {path}: it belongs to somebody else")
+        raise FileError(f"cannot write {path}: it belongs to another user")
 
 
 def _may_replace(target: Path) -> bool:

@@ -83,8 +83,8 @@ def _tables(document: Frame, name: str) -> Frame:
     if "lengths" in tables and max(sizes, default=0) > 3:
         k = next(k for k, size in enumerate(sizes) if size > 3)
         raise FileError(
-            f"{name}: face {k} has {sizes[k]} corners, and the lengths of its sides do not tell its shape; "
-            "cut it into triangles"
+            f"{name}: face {k} has {sizes[k]} corners, and its side lengths do not determine its "
+            "shape: cut it into triangles"
         )
     return tables
 

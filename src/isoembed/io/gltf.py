@@ -67,7 +67,7 @@ class _Document:
             raise ValueError(f"its version is {version[:20]}, not 2.0")
         for name in UNKNOWN:
             if name in _list(self.root, "extensionsRequired"):
-                raise FileError(f"{file} needs the extension {name}, which is not known: export it without")
+                raise FileError(f"{file} needs the unknown extension {name}: export it without")
         self._buffers: dict[int, bytes] = {}
 
     def entry(self, kind: str, index: Any) -> Object:
@@ -133,7 +133,7 @@ class _Document:
             where, what = (_object(sparse.get(key), f"{key} of {name}") for key in ("indices", "values"))
             rows = self.view(where, _dtype(where, name), few, 1, name).astype(np.int64).ravel()
             if few and rows.max() >= count:
-                raise ValueError(f"{name} has {count} numbers, and others in place of number {rows.max()}")
+                raise ValueError(f"{name} has {count} numbers, and a substitute for number {rows.max()}")
             values = values.copy()
             values[rows] = self.view(what, dtype, few, columns, name)
         if accessor.get("normalized") and dtype.kind != "f":

@@ -106,7 +106,7 @@ def in_space(
     if space == "hyperbolic":
         space = least_convex_space(metric)
     if isinstance(space, str):
-        raise FileError(f"{source} does not say the curvature of its space: give it, as in {space}=1")
+        raise FileError(f"{source} does not contain the curvature of its space: give it, as in {space}=1")
     return metric.in_space(space)
 
 
@@ -125,7 +125,7 @@ def read_tables(
         raise FileError(f"{source} is a net: glue it first, with 'isoembed glue {source} -o surface.ply'")
     if (program := CONVERTERS.get(input_ending(source))) and input_ending(source) not in FORMATS:
         raise FileError(
-            f"{source} is of a format that is not read: open it with {program}, and export it as .stl or .obj"
+            f"{source} has an unsupported format: open it with {program}, and export it as .stl or .obj"
         )
     if input_ending(source) not in FORMATS:
         check_ending(source, wanted)

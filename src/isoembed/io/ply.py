@@ -119,7 +119,7 @@ def read(file: InputFile) -> Tables:
     try:
         order, elements = _header(data[: end.start()].decode("utf-8", errors="replace"))
     except ValueError as error:
-        raise FileError(f"{file}: the header says {str(error)!r}, which cannot be understood") from None
+        raise FileError(f"{file}: the header says {str(error)!r}, which is not valid") from None
     body = Body(data, end.end(), order)
     tables: dict[str, list[Any]] = {"vertex": [], "face": [], "tristrips": []}
     for element in elements:

@@ -91,7 +91,7 @@ def surface_of(tables: Tables, name: str) -> Embedding:
     own = metric
     if given:  # checks the vertices
         own = PolyhedralMetric.from_mesh(vertices, metric.faces, curvature=metric.curvature)
-    message = "" if given else "the lengths are those between the vertices of the file"
+    message = "" if given else "the lengths are computed from the vertices in the file"
     if not metric.triangulation.is_sphere:
         return SheetEmbedding(
             metric, vertices, method="given", tolerance=TOLERANCE, message=message, condition="given"

@@ -79,7 +79,7 @@ class Source:
         if form == "ascii":
             values = numbers(np.frombuffer(text, dtype=np.uint8))
             if values is None:
-                raise ValueError(f"among the numbers of {path} is something else")
+                raise ValueError(f"{path} contains something other than numbers")
             return values
         if form == "appended":
             begin = int(element.get("offset", ""))

@@ -171,8 +171,8 @@ def checked_tables(faces: Indices) -> tuple[Indices, Indices, Indices]:
     if over.any():
         f = int(np.argmax(over))
         warn_of_mesh(
-            f"{over.sum()} of {len(faces)} faces are turned over, so that all are oriented as face 0 is: "
-            f"the first is face {f} {faces[f].tolist()}"
+            f"{over.sum()} of {len(faces)} faces are reversed to match the orientation of face 0: the "
+            f"first is face {f} {faces[f].tolist()}"
         )
         faces[over] = faces[over, ::-1]
         return checked_tables(faces)
@@ -258,8 +258,8 @@ def _check_manifold(faces: Indices, edges: Indices, edge_sides: Indices) -> None
     if parts > 1:
         v = int(np.argmax(label != label[0]))
         raise InvalidMetric(
-            f"the surface has {parts} components, to be embedded one at a time: vertex {v} is not connected "
-            "to vertex 0"
+            f"the surface has {parts} components, which must be embedded separately: vertex {v} is not "
+            "connected to vertex 0"
         )
     # Around a vertex: corner c of face f is followed by the corner across the half-edge that enters it.
     twin = np.full(faces.size, -1)

@@ -28,7 +28,9 @@ class MergingThresholds:
     usual: float = threshold(
         1e-5, "mean edge lengths", "Distance within which vertices coincide: rounding in single precision."
     )
-    near: float = threshold(1e-2, "mean edge lengths", "Vertices on boundaries that may be meant to be one.")
+    near: float = threshold(
+        1e-2, "mean edge lengths", "Distance of boundary vertices that may be duplicates."
+    )
 
 
 MERGING = MergingThresholds()
@@ -94,7 +96,7 @@ def triangle_mesh(
         return points, corners.reshape(-1, 3)
     if merge is not None:
         if not isinstance(merge, numbers.Real) or not 0 <= merge < 1:
-            raise InvalidParameter(f"merge is {merge!r}, not a number of mean edge lengths from 0 to below 1")
+            raise InvalidParameter(f"merge is {merge!r}, not a number of mean edge lengths in [0, 1)")
         corners, sizes = _merged(_scaled(points), corners, sizes, merge, repeated)
     straight = _scaled(to_model(space, points, "projective"))
     if merge:
@@ -218,8 +220,9 @@ def _merged(
     if not left.all():
         f = int(np.argmin(left))
         warn_of_mesh(
-            f"{_count((~left).sum(), 'face is', 'faces are')} an edge or a point when merged, and left out; "
-            f"the first is face {f} {corners[ends[f] - sizes[f] : ends[f]].tolist()}"
+            f"{_count((~left).sum(), 'face is', 'faces are')} reduced to an edge or a point by "
+            f"merging, and left out; the first is face {f} "
+            f"{corners[ends[f] - sizes[f] : ends[f]].tolist()}"
         )
     if not left.any():
         raise InvalidMetric("there are no faces: all have merged into edges and points")
@@ -254,8 +257,9 @@ def _split(points: Floats, corners: Indices, sizes: Indices, distance: float) ->
 def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> Indices:
     if points.shape[1] != 3:
         raise InvalidMetric(
-            f"face {np.argmax(sizes != 3)} has {sizes[np.argmax(sizes != 3)]} corners, and the vertices have "
-            f"{points.shape[1]} coordinates: polygons are cut in space"
+            f"face {np.argmax(sizes != 3)} has {sizes[np.argmax(sizes != 3)]} corners, and the "
+            f"vertices have {points.shape[1]} coordinates: only polygons with coordinates in R^3 are "
+            "triangulated"
         )
     polygons = PolygonFaces(points, corners, sizes)
     try:

@@ -211,7 +211,7 @@ def _warnings(
             *("negative_deficits", (epsilon < -ANGLE_ROUNDING) & inside, -epsilon, "negative deficits"),
             lambda v: (
                 f"vertex {v} has {epsilon[v]:.4g} rad: the metric is not convex there, Alexandrov's "
-                "theorem does not apply, and an embedding, if there is one, need not be the only one"
+                "theorem does not apply, and an embedding, if it exists, need not be unique"
             ),
         ),
         (
@@ -233,8 +233,8 @@ def _warnings(
         (
             *("degree_three", (t.degrees == 3) & inside & (gaps <= 0), epsilon, "vertices of degree 3"),
             lambda v: (
-                f"vertex {v} has only 3 edges: it can be mirrored in the plane of its neighbors without "
-                "changing a length, so every realization has a second one beside it"
+                f"vertex {v} has only 3 edges: it can be mirrored in the plane of its neighbors "
+                "without changing a length, so realizations occur in pairs"
             ),
         ),
         (
@@ -247,16 +247,17 @@ def _warnings(
         (
             *("needles", needle, -least, f"triangles with an angle below {NEEDLE:g} degrees"),
             lambda f: (
-                f"face {f} {t.faces[f].tolist()} has an angle of {np.degrees(least[f]):.2g} degrees: needles "
-                "are badly conditioned and may keep the residual from falling to rounding"
+                f"face {f} {t.faces[f].tolist()} has an angle of {np.degrees(least[f]):.2g} degrees: "
+                "needle triangles are ill-conditioned and may keep the residual above the rounding "
+                "error"
             ),
         ),
         (
             *("angles", beyond & ~needle, largest - least),
             f"triangles with angles outside {NARROW:g} to {WIDE:g} degrees",
             lambda f: (
-                f"face {f} has angles of {np.degrees(least[f]):.3g} to {np.degrees(largest[f]):.3g} degrees: "
-                "with such triangles other surfaces with the same lengths are likelier"
+                f"face {f} has angles of {np.degrees(least[f]):.3g} to {np.degrees(largest[f]):.3g} "
+                "degrees: such triangles make other surfaces with the same lengths more likely"
             ),
         ),
         (
@@ -276,6 +277,6 @@ def _warnings(
         yield Caution(
             "length_ratio",
             1,
-            f"the longest edge is {ratio:.3g} times the shortest: the residual is measured in mean edge "
-            "lengths, so short edges are held less exactly relative to themselves",
+            f"the longest edge is {ratio:.3g} times the shortest: the residual is measured in mean "
+            "edge lengths, so the relative errors of short edges are larger",
         )

@@ -16,12 +16,18 @@ from isoembed.thresholds import threshold
 class PrecisionThresholds:
     """Thresholds for the detection of rounded coordinates."""
 
-    fewest: int = threshold(5, "digits", "Coordinates with fewer are more likely exact than rounded.")
-    bits: int = threshold(12, "bits", "Coordinates with fewer, like small whole numbers, are exact.")
-    most: int = threshold(9, "digits", "Coordinates with more are as good as doubles.")
-    written: int = threshold(11, "digits", "Single precision with eight decimals has no more.")
-    sample: int = threshold(64, "coordinates", "Looked at first: doubles show there that they are such.")
-    error: float = threshold(1e-3, "units of the last digit", "Rounding when digits are counted in doubles.")
+    fewest: int = threshold(5, "digits", "Coordinates with fewer digits are more likely exact than rounded.")
+    bits: int = threshold(12, "bits", "Coordinates with fewer bits, such as small integers, are exact.")
+    most: int = threshold(9, "digits", "Coordinates with more digits are as good as doubles.")
+    written: int = threshold(
+        11, "digits", "Largest number of digits of single precision with eight decimals."
+    )
+    sample: int = threshold(
+        64, "coordinates", "Initial sample of coordinates, sufficient to recognize doubles."
+    )
+    error: float = threshold(
+        1e-3, "units of the last digit", "Rounding error allowed when digits of doubles are counted."
+    )
 
 
 PRECISION = PrecisionThresholds()

@@ -155,8 +155,8 @@ def repaired(
             break
     v = int(np.argmax(np.where(changed, np.abs(before), 0.0)))
     raise InvalidMetric(
-        f"vertex {v} has total angle {2 * np.pi - before[v]:.10g} (deficit {before[v]:.3g}): "
-        "that is too much to be repaired by a conformal change"
+        f"vertex {v} has total angle {2 * np.pi - before[v]:.10g} (deficit {before[v]:.3g}): it is too "
+        "large for repair by a conformal change"
     )
 
 

@@ -37,5 +37,5 @@ def without_link(metric: PolyhedralMetric, v: int) -> str:
     elif len(angles) == 3:
         why = f"three angles sum to {angles.sum():.6g} degrees, more than 360"
     else:
-        why = "the angles are the sides of no spherical polygon"
+        why = "no spherical polygon has these angles as sides"
     return f"no surface has these lengths on these triangles: at vertex {v}, {why}"

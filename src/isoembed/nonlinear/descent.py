@@ -22,10 +22,10 @@ class Reason(Enum):
     """Reason for the end of an iteration."""
 
     CONVERGED = "the stopping rule holds"
-    STALLED = "rounding errors are left, or the value grows without bound"
+    STALLED = "only rounding errors remain, or the value diverges"
     REJECTED = "no point of the step's curve is acceptable"
     SINGULAR = "the matrix of the step is singular"
-    EXHAUSTED = "the iterations, or what may be spent, are used up"
+    EXHAUSTED = "the limit of iterations or cost is reached"
 
 
 @dataclass(frozen=True, eq=False)

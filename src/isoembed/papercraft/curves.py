@@ -51,7 +51,7 @@ def write_dform(
     """
     check_output(path, (".svg",))
     if not is_number(offset) or not 0 <= offset < 1:
-        raise InvalidParameter(f"offset is {offset!r}, not a part of the perimeter from 0 to below 1")
+        raise InvalidParameter(f"offset is {offset!r}, not a fraction of the perimeter in [0, 1)")
     if not is_number(scale) or not 0 < scale < math.inf:
         raise InvalidParameter(f"scale is {scale!r}, not a positive finite number of mm")
     u = np.arange(DENSE) / DENSE

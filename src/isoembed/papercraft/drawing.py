@@ -172,7 +172,7 @@ def drawn(
     """
     vertices = unfolding.vertices
     if numbers and vertices is None:
-        raise InvalidParameter("numbers need the faces of a solid, which this net does not have")
+        raise InvalidParameter("numbers require the faces of a solid, which this net does not have")
     if not isinstance(material := material or Material(), Material):
         raise InvalidParameter(f"material is {material!r}, not an isoembed.papercraft.Material")
     beyond = _beyond(material)
@@ -259,8 +259,8 @@ def drawn(
 
 def _say_which_have_none(faces: int, small: int, unseen: int) -> None:
     """Warn of faces without a number."""
-    where = [f"{small} on the net, too small for one"] * bool(small)
-    where += [f"{unseen} in the drawing of the solid, hidden or too small there"] * bool(unseen)
+    where = [f"{small} on the net, where they are too small"] * bool(small)
+    where += [f"{unseen} in the drawing of the solid, where they are hidden or too small"] * bool(unseen)
     if where:
         warn_of_mesh(f"faces without a number, of {faces}: {'; '.join(where)}")
 

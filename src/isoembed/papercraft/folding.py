@@ -51,7 +51,7 @@ def partly_folded(unfolding: Unfolding, share: float) -> tuple[Floats, list[Indi
     (14, 6)
     """
     if not np.isfinite(share):
-        raise InvalidParameter(f"the share of the fold angles is {share!r}, not a finite number")
+        raise InvalidParameter(f"the fraction of the fold angles is {share!r}, not a finite number")
     vertices, every, first = [], [], 0
     for sheet, around, ends, bent in zip(
         unfolding.sheets, unfolding.faces, unfolding.fold_corners, unfolding.angles, strict=True

@@ -90,7 +90,7 @@ def folding_page_writer(
     """
     if len(unfolding.sheets) > 1:
         raise InvalidParameter(
-            f"the net has {len(unfolding.sheets)} sheets: a page shows how a net of one sheet is folded"
+            f"the net has {len(unfolding.sheets)} sheets: a page shows the folding of a single sheet"
         )
     flat, faces = partly_folded(unfolding, 0.0)
     points, triangles = triangle_mesh(flat, faces)

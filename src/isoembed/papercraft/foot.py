@@ -52,8 +52,8 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
         lines += _marks(layout.width, layout.height, low)
         of = f", page {k + 1} of {layout.pages}" if layout.pages > 1 else ""
         said = (
-            f"outside of the solid{of}; {layout.scale:.4g} mm a unit; print at 100 %: "
-            f"the ruler is {RULER} mm long"
+            f"outside of the solid{of}; {layout.scale:.4g} mm a unit; print at 100 %: the ruler is "
+            f"{RULER} mm long"
         )
         notes.append(_line_of_words(said, layout.width, low))
         y, end = low + 3.2 * NOTE, MARGIN + RULER

@@ -188,7 +188,7 @@ def parts(unfolding: Unfolding, p: int) -> list[tuple[str, Indices]]:
     }
     return [
         (
-            f"face {numbers[first]}{' with those that it is kept with' if others else ''}",
+            f"face {numbers[first]}{' with the faces kept attached to it' if others else ''}",
             np.array(_outline([faces[f] for f in (first, *others)])),
         )
         for first, *others in _components(faces, loose)

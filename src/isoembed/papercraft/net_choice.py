@@ -49,7 +49,7 @@ def fewest_pages(
         Scale and size are missing; or see `isoembed.gluing.unfold` and `isoembed.papercraft.write_sheets`.
     """
     if scale is None and size is None:
-        raise InvalidParameter("the fewest pages depend on how large the solid is: give a scale or a size")
+        raise InvalidParameter("the number of pages depends on the size of the solid: give a scale or a size")
     page = Paper.of(paper)
     short = unfold(surface, cut=cut, keep=keep, objective="length")
     layouts = {short: laid_out(short, paper, scale=scale, size=size)}

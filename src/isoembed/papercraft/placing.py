@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from isoembed.gluing.unfolding import Unfolding
 
 GAP = 14.0  # mm, between sheets, for the tabs of both
-NO_FORMAT = "no format has room for it: give a page of your own, paper='WIDTHxHEIGHT' in mm"
+NO_FORMAT = "no format is large enough: give a page size, paper='WIDTHxHEIGHT' in mm"
 SLACK = 1e-9  # relative tolerance for an exact fit
 RIGHT_ANGLE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
@@ -127,7 +127,7 @@ def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
 
 def _extent(unfolding: Unfolding) -> float:
     if unfolding.vertices is None:
-        raise InvalidParameter("a size needs the solid, which this net does not have: give a scale")
+        raise InvalidParameter("a size requires the solid, which this net does not have: give a scale")
     return float(np.ptp(unfolding.vertices, axis=0).max())
 
 
@@ -162,7 +162,7 @@ def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, val
     by_area = sorted(FORMATS, key=lambda other: (other not in series, np.prod(FORMATS[other])))
     papers = [replace(Paper.of(other), beyond=page.beyond) for other in by_area]
     enough = (
-        f"paper='{paper.name}' has room for it"
+        f"paper='{paper.name}' is large enough"
         for paper in papers
         if max(_largest(unfolding, one)[0] for one in (paper, paper.turned)) >= wanted
     )

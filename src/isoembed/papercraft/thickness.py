@@ -81,7 +81,7 @@ def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfoldi
     """
     if unfolding.vertices is None or not unfolding.faces:
         raise InvalidParameter(
-            "the net does not know the faces and vertices of the solid: it cannot be thick"
+            "a thickness requires the faces and vertices of the solid, which this net does not have"
         )
     places: dict[Corner, Corner] = {}
     normals = _normals(unfolding)
@@ -111,8 +111,9 @@ def thickened(unfolding: Unfolding, material: Material, scale: float) -> Unfoldi
         i, _ = meeting_sides((outline - outline.min(axis=0)) / float(np.ptp(outline, axis=0).max()))
         if i >= 0:
             raise InvalidParameter(
-                f"sheet {p} would overlap itself, as faces of a sheet of {material.thickness:g} mm are moved "
-                "together at folds: it takes more sheets, a larger scale or a thinner sheet"
+                f"sheet {p} would overlap itself, because the faces of a sheet of "
+                f"{material.thickness:g} mm move together at folds: use more sheets, a larger scale or "
+                "a thinner sheet"
             )
         number = len(sheets)
         places |= {(p, a): (number, k) for a, k in begins.items()}
@@ -158,7 +159,7 @@ class _Sheet:
                 made.append(moved_sides(face, [distances[f, k] for k in range(len(face))], "it"))
             except InvalidParameter:
                 raise InvalidParameter(
-                    f"face {numbers[f]} is too small for so thick a sheet: it takes a larger scale"
+                    f"face {numbers[f]} is too small for this thickness: use a larger scale"
                 ) from None
         shifts = self._shifts(distances)
         rings = [points + shift for (points, _, _), shift in zip(made, shifts, strict=True)]
@@ -209,7 +210,7 @@ class _Sheet:
                         low, high = (max(low, reached), high) if sign > 0 else (low, min(high, reached))
                 if low >= high:
                     f, g = (numbers[some[0]] for some in (one, other))
-                    raise InvalidParameter(f"faces {f} and {g} are too thick to have a fold in common")
+                    raise InvalidParameter(f"faces {f} and {g} are too thick for a common fold")
                 creases.append((one, line[0] + np.array([[low], [high]]) * along))
         return np.array(outline), begins, creases
 

@@ -71,7 +71,7 @@ def frames_of(surfaces: Sequence[Embedding], headings: Sequence[str]) -> tuple[F
     for k in reversed(range(len(surfaces))):
         surface, vertices = surfaces[k], surfaces[k].vertices
         if not np.array_equal(surface.faces, surfaces[-1].faces):
-            raise InvalidParameter(f"the triangles of surface {k} are not those of the last one")
+            raise InvalidParameter(f"surface {k} does not have the triangles of the last surface")
         if frames:
             is_closed = surface.triangulation.is_closed
             vertices = (aligned if is_closed else aligned_image)(vertices, frames[-1].vertices)

@@ -50,8 +50,7 @@ MAX_BYTES = 6_000_000  # of all frames of a page but the last, before base64 enc
 
 
 LEAPT = (
-    "This method reached the surface in one step, so there are no intermediate surfaces; "
-    "the method 'paper' has them."
+    "This method reached the surface in one step, without intermediate surfaces; the method 'paper' has them."
 )
 ALONE = "This method has no intermediate surfaces."
 LARGER = 1.25  # half diameters of the final surface that fit into the picture

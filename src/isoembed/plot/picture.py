@@ -369,7 +369,7 @@ def draw(
 
 def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
-    seams = "red: where the paper was glued" if len(embedding.surface.seams.ends) else ""
+    seams = "red: glued sides of the paper" if len(embedding.surface.seams.ends) else ""
     below = "     ".join(filter(None, (seams, said(embedding.space))))
     above = [
         f"{t.n_vertices:,} vertices, {faces_counted(embedding)}",

@@ -58,13 +58,12 @@ class Fingerprint:
             raise InvalidParameter("the checkpoint does not say which computation it belongs to")
         here, there = self, found
         differences = {
-            "metric": "the checkpoint belongs to another metric: "
-            "not all triangles and lengths are those given here",
-            "method": f"the checkpoint was left by another method: {there.method}, not {here.method}",
-            "tolerance": "the checkpoint was left under another tolerance: "
-            f"{there.tolerance:g}, not {here.tolerance:g}",
-            "version": f"the checkpoint was left by another version: isoembed {there.version}, "
-            f"not {here.version}",
+            "metric": "the checkpoint belongs to another metric: its triangles or lengths differ",
+            "method": f"the checkpoint was written by another method: {there.method}, not {here.method}",
+            "tolerance": f"the checkpoint was written with another tolerance: {there.tolerance:g}, not "
+            f"{here.tolerance:g}",
+            "version": f"the checkpoint was written by another version: isoembed {there.version}, not "
+            f"{here.version}",
         }
         for name, sentence in differences.items():
             if getattr(there, name) != getattr(here, name):

@@ -78,7 +78,7 @@ class Certificate:
 HIDDEN = 1e-10
 """Residual, in mean edge lengths, within the effect of rounding."""
 
-NOT_ASKED = Certificate(False, "not certified, because a report asks for no certificate of so many vertices")
+NOT_ASKED = Certificate(False, "not certified, because reports omit certificates for so many vertices")
 
 
 def overdetermined(more: int, residual: float) -> Certificate:

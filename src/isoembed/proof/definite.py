@@ -84,8 +84,8 @@ def lost_to_rounding(matrix: sp.csc_array, shift: float) -> float:
 def hidden(estimate: float, lost: float) -> SingularMatrix:
     """Exception for a matrix whose smallest eigenvalue is within the error bound."""
     return SingularMatrix(
-        "the matrix cannot be proven positive definite: its least eigenvalue is about "
-        f"{estimate:.1e}, and rounding takes up to {lost:.1e}"
+        f"the matrix cannot be proven positive definite: its least eigenvalue is about {estimate:.1e}, "
+        f"and rounding errors are up to {lost:.1e}"
     )
 
 

@@ -15,7 +15,7 @@ from isoembed.runs.result import FAILED, REFUSED, Result
 from isoembed.runs.store import Store
 from isoembed.runs.task import Task, key_of
 
-MEMORY = "there was not enough memory for it"
+MEMORY = "not enough memory"
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,7 @@ def _finished(
     for future in wait(under_way, timeout, FIRST_COMPLETED).done:
         attempt = under_way.pop(future)
         if future.cancelled():
-            raise InvalidParameter("the executor has canceled what was under way; what is done is kept")
+            raise InvalidParameter("the executor canceled the running tasks; finished results are kept")
         error = future.exception()
         if error is None:
             yield from future.result()
@@ -127,14 +127,14 @@ def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
     why = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, BrokenExecutor):
         why = (
-            "the system ended its process, and that of a second attempt: most likely memory ran out, or what "
-            "was sent to it is of a module that it cannot import"
+            "the system ended its process, and that of a second attempt: most likely memory ran out, "
+            "or the task is defined in a module that it cannot import"
         )
     sent = not (isinstance(error, pickle.PicklingError) or "pickle" in why)
     if not sent:
         why = (
-            "it cannot be sent to another process, for which functions must be defined at the top of a "
-            f"module: {why}; without an executor they may be anywhere"
+            "it cannot be sent to another process, which requires functions defined at the top level "
+            f"of a module: {why}; without an executor, any function works"
         )
     result = Result.without_answer(task.label, FAILED, why, **task.facts)
     if store is None or not sent:  # a task that cannot be sent may still be computed in this process

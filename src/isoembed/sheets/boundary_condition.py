@@ -44,8 +44,8 @@ def with_boundary_condition(
         if off.max() > FAR * surface.metric.mean_length:
             k = int(np.argmax(off))
             raise InvalidParameter(
-                f"the boundary is not at the heights of {condition!r}: its vertex {loop[k]} is off by "
-                f"{off[k]:.2g}"
+                f"the boundary does not have the heights of {condition!r}: its vertex {loop[k]} is off "
+                f"by {off[k]:.2g}"
             )
     surface = replace(surface, condition=condition, heights=heights)
     if condition != "free":

@@ -29,7 +29,7 @@ from isoembed.surface.rigidity import edge_rows
 from isoembed.surface.vertex_system import HeldVertices, VertexSystem
 
 STEPS = 60  # maximum number of Newton steps
-ANY_CURVATURE = "positions (B, 3) of the boundary suit any curvature, boundary='free' takes none"
+ANY_CURVATURE = "positions (B, 3) of the boundary allow any curvature, boundary='free' prescribes none"
 EXACT = 1e-14  # tolerance of the residual, in mean edge lengths
 
 
@@ -57,8 +57,8 @@ def check_cap(metric: PolyhedralMetric) -> None:
     if found[least] < -ANGLE_ROUNDING:
         what = "exterior angle of the boundary" if t.boundary_vertices[least] else "deficit"
         raise InvalidMetric(
-            f"the {what} at vertex {least} is {found[least]:.4g} radians: of a convex cap none is negative; "
-            f"{ANY_CURVATURE}"
+            f"the {what} at vertex {least} is {found[least]:.4g} radians, but is nonnegative on a "
+            f"convex cap; {ANY_CURVATURE}"
         )
 
 

@@ -80,13 +80,13 @@ class SheetDerivatives:
             return cls.of_least_squares(lengths, x)
         if sheet.tensions is None or sheet.imbalance is None:
             raise InvalidMetric(
-                "the surface has a boundary, and it is not known what holds it: derivatives are those of "
-                "surfaces that embed(metric, boundary=...) returns"
+                "the surface has an unknown boundary condition: derivatives require a surface "
+                "returned by embed(metric, boundary=...)"
             )
         if not sheet.imbalance <= BALANCED:
             raise InvalidParameter(
-                f"the forces of bending are balanced to {sheet.imbalance:.0e} only: derivatives are those of "
-                "a minimum"
+                f"the bending forces are balanced only to {sheet.imbalance:.0e}: derivatives require a "
+                "minimum"
             )
         return cls._least_bending(metric, lengths, x, unit * sheet.tensions)
 

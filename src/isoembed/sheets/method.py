@@ -176,8 +176,8 @@ def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: 
     if not concave:
         return found
     return found._with_message(
-        f"{concave} edge{'s are' if concave > 1 else ' is'} concave: on these triangles it is not the convex "
-        "cap, and other surfaces may have the lengths and a boundary in a plane"
+        f"{concave} edge{'s are' if concave > 1 else ' is'} concave: on these triangles it is not the "
+        "convex cap, and other surfaces with a planar boundary may have the same lengths"
     )
 
 
@@ -186,7 +186,9 @@ def _over_heights(
 ) -> SheetEmbedding:
     """Surface with given heights of the boundary, by continuation from the convex cap."""
     if start is not None:
-        raise InvalidParameter("heights of the boundary are followed from the convex cap: they take no start")
+        raise InvalidParameter(
+            "solutions for boundary heights are continued from the convex cap: they take no start"
+        )
     inside = ~metric.triangulation.boundary_vertices
     curved = deficits(metric)
     if (curved[inside] <= ANGLE_ROUNDING).any():
@@ -233,7 +235,7 @@ def _through(
     missing = t.boundary_edges & (x[a] == x[b]).all(axis=1)
     if missing.any():
         e = int(np.argmax(missing))
-        raise InvalidParameter(f"the ends of edge {e} {t.edges[e].tolist()} are one point of the boundary")
+        raise InvalidParameter(f"the ends of edge {e} {t.edges[e].tolist()} coincide in the boundary")
     with log.stage("given boundary") as recorder:
         x = through_curve(BendingEnergy(metric), LengthConstraints(metric), x, start, recorder)
     found = _embedding(metric, x, tolerance, log, "curve")
@@ -245,8 +247,7 @@ def _through(
     why = (
         "are they in the order of Triangulation.boundaries?"
         if given[e] > NOISE
-        else f"of positions that were measured, the surface of least squares takes "
-        f"tolerance={1.5 * found.residual:.0e}"
+        else f"for measured positions, a least-squares surface needs tolerance={1.5 * found.residual:.0e}"
     )
     return found._with_message(
         f"the boundary does not fit the lengths: the distance of its vertices {a[e]} and {b[e]} differs from "

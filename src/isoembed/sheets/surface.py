@@ -174,7 +174,7 @@ class SheetEmbedding(Embedding):
         free, heights = ~t.boundary_vertices, np.abs(_heights(x, t.boundary_vertices)) / unit
         is_flat = heights.max() ** 2 <= 2 * self.tolerance  # effect of a height on a length
         if heights[~free].max() <= COPLANAR and not is_flat and (t.degrees[free] > 3).any():
-            return "; the boundary is in a plane: the mirror image in it has the lengths, too"
+            return "; the boundary is planar: the mirror image in its plane has the same lengths"
         chosen = np.flatnonzero(free & (t.degrees == 3))
         if not len(chosen):
             return ""
@@ -183,8 +183,9 @@ class SheetEmbedding(Embedding):
         apart = np.linalg.norm(reflections(t, x)[chosen], axis=1) / unit
         least = int(np.argmin(apart))
         return (
-            f"; vertex {chosen[least]}, which has three neighbors, has the lengths on the other side of "
-            f"these, too, {apart[least]:.1g} mean edge lengths away: the smoother side was taken"
+            f"; vertex {chosen[least]}, which has three neighbors, has a mirror image in their plane "
+            f"with the same lengths, {apart[least]:.1g} mean edge lengths away: the smoother side was "
+            "taken"
         )
 
     def _trust(self) -> str:
@@ -194,14 +195,14 @@ class SheetEmbedding(Embedding):
         said = []
         if self.imbalance > BALANCED:
             said.append(
-                "bending is not at a minimum, and the shape may be wrong: its forces are balanced to "
-                f"{self.imbalance:.0e} only"
+                "the bending energy is not at a minimum, and the shape may be wrong: the forces are "
+                f"balanced only to {self.imbalance:.0e}"
             )
         if self.second_form_energy < TOO_LITTLE * 2 * self.total_absolute_curvature:
             said.append(
-                "the mesh is too coarse to tell the bending energy: int k1^2 + k2^2 dA is computed as "
-                f"{self.second_form_energy:.3g}, and no smooth surface has less than 2 int |K| dA, which is "
-                f"estimated as {2 * self.total_absolute_curvature:.3g}"
+                "the mesh is too coarse to determine the bending energy: int k1^2 + k2^2 dA is "
+                f"computed as {self.second_form_energy:.3g}, and no smooth surface has less than 2 int "
+                f"|K| dA, which is estimated as {2 * self.total_absolute_curvature:.3g}"
             )
         inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
         if rough.sum() > ROUGH * inside.sum():

@@ -57,8 +57,8 @@ def from_model(space: Space, p: Floats, model: Model) -> Floats:
         if not np.isfinite(np.ravel(sizes)[i]):
             raise InvalidParameter(f"point {i} is {p.reshape(-1, 3)[i].tolist()}, which is not finite")
         raise InvalidParameter(
-            f"point {i} is {np.ravel(sizes)[i]:.9g} from the center of the {NAMES[space.name][model]} model, "
-            f"in which space ends at {limit:.9g}"
+            f"point {i} is {np.ravel(sizes)[i]:.9g} from the center of the {NAMES[space.name][model]} "
+            f"model, whose boundary is at {limit:.9g}"
         )
     if model == "ambient":
         return p

@@ -92,7 +92,7 @@ class CutList:
         if len(falling) and sizes[0] > 1 + ROUNDING:
             name, length, _ = falling[0]
             raise InvalidParameter(
-                f"a strut of type {name} is {length:.6g} long: none is cut from a bar of {stock:.6g}"
+                f"a strut of type {name} is {length:.6g} long, more than a bar of {stock:.6g}"
             )
         packed = _first_fit(sizes, counts)
         if len(falling) <= TYPES and len(packed) > np.ceil(sizes @ counts - ROUNDING):

@@ -201,7 +201,7 @@ def strut_table(
     """
     surface = surface.surface if isinstance(surface, Embedding) else surface
     if not surface.space.is_euclidean:
-        raise InvalidMetric(f"the surface is in {surface.space.name} space: struts are straight in R^3")
+        raise InvalidMetric(f"the surface is in {surface.space.name} space: strut tables require R^3")
     for name, value in (("tolerance", tolerance), ("hub_radius", hub_radius), ("stock", stock)):
         if value is not None and not (isinstance(value, numbers.Real) and 0 <= value < math.inf):
             raise InvalidParameter(f"{name} is {value!r}, not a non-negative length")

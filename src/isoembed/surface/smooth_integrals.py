@@ -166,7 +166,7 @@ class SmoothIntegrals:
             distance from it.
         """
         if self.lengths != "chord":
-            raise InvalidParameter("the volume is known from vertices on the surface only: lengths = 'chord'")
+            raise InvalidParameter("the volume requires vertices on the surface: lengths = 'chord'")
         heights = self._quartic.heights
         raw = measures.volume(self.triangulation.faces, self._points, self._scaled_space)
         estimate = self._estimate(raw, heights, self._cubic.heights, np.abs(heights))

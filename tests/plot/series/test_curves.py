@@ -97,7 +97,7 @@ def test_figures_of_a_run_are_those_with_something_to_see(results):
 
 def test_what_there_is_not_is_one_sentence(results):
     table = SeriesTable.of(results)
-    with pytest.raises(InvalidParameter, match="there is no 'mass' to show; there are area, "):
+    with pytest.raises(InvalidParameter, match="there is no quantity 'mass'; there are area, "):
         series_figure(table, ["mass"])
     with pytest.raises(InvalidParameter, match="no horizon has a value of wang_yau"):
         series_figure(table, ["wang_yau"])

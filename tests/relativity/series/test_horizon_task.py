@@ -197,7 +197,7 @@ def test_refusals(part, sentence, monkeypatch):
 def test_a_lack_of_memory_is_a_result():
     task = HorizonTask(replace(kerr(0.5), shape=Failing(MemoryError())), FEW)
     [found] = [outcome.result for outcome in run([task])]
-    assert (found.status, found.message) == ("failed", "there was not enough memory for it")
+    assert (found.status, found.message) == ("failed", "not enough memory")
     assert found.report["moment"]["series"] == "ah1"
 
 

@@ -72,7 +72,7 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
     """
     for name in names:
         if name not in SYMBOLS:
-            raise InvalidParameter(f"there is no {name!r} to show; there are {', '.join(SYMBOLS)}")
+            raise InvalidParameter(f"there is no quantity {name!r}; there are {', '.join(SYMBOLS)}")
     shown = [name for name in names if _known(table, name)]
     if not shown:
         raise InvalidParameter(f"no horizon has a value of {', '.join(names)}")

@@ -69,7 +69,7 @@ def write_series_film(path: str | os.PathLike[str], results: Iterable[Result]) -
     placed = PlacedHorizons.of(results, [SHOWN])
     shown = evenly(scenes(placed), 240)  # limit of images
     if not shown:
-        raise InvalidParameter("no horizon of the run is embedded: there is nothing to film")
+        raise InvalidParameter("no horizon of the run is embedded: there is nothing to show in a film")
     each = min(STEP, 16.0 / len(shown))  # limits the film to 16 seconds
     seconds = [each] * (len(shown) - 1) + [REST]
     write_atomically({Path(path): pixels_writer(path, _drawn(placed, shown), seconds)})
