@@ -1,14 +1,13 @@
 """Best fit: smooth surface fitted to noisy lengths in least squares, with estimated noise and weight.
 
-Surfaces that have such lengths have dimples; where the errors are large, often none is found.
-The best fit minimizes
+Exact surfaces of noisy lengths have dimples, and for large errors often none is found.  The best fit
+minimizes
 
     ``|r|^2 + mu |R x|^2``,
 
-r the errors of the lengths and R the roughness, as in `isoembed.aim.regularized_energy`.  Were it
-not for errors, mu could vanish; if it does, the surface follows them.  What they are the lengths themselves
-tell: of all mu, the one is taken that best predicts each length from the others, by generalized
-cross-validation.
+with the errors r of the lengths and the roughness R of `isoembed.aim.regularized_energy`.  Without errors, mu
+could vanish; with errors, the surface would follow them.  mu is determined from the lengths themselves, as
+the one that best predicts each length from the others, by generalized cross-validation.
 
 References
 ----------
@@ -32,40 +31,40 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.smoothness import misfits, robust_mean
 
-WEIGHT = 10.0  # mean edge lengths^2: the first mu, so large that no dimple catches it
-MAX_STEPS = 8  # of the Gauss-Newton method, for each mu
-REDUNDANT = 0.1  # share of a wrong length that its residual shows: if less, no other length contradicts it
-DOUBT = 2.0  # errors: a fit that misses the other lengths by more is not a witness against one
-TELLING = 0.1  # degrees of freedom, over the edges, of a fit whose noise is that of the lengths
-FREE = 20.0  # degrees of freedom that tell half the noise from all of it
-CANDIDATES = 4  # lengths with the largest residuals, of which one may stand out
-PERSISTENT = 0.85  # share of what a length is missed by that a third of mu leaves of an error
-COARSE = 1000  # vertices of the largest surface that may be rough as well as noisy
-ROUGH = 0.5  # share of the deficits that neighbors do not expect, of lengths that look noisy
-PROBES = 4  # random vectors that estimate degrees of freedom, to a percent
+WEIGHT = 10.0  # mean edge lengths^2; initial mu, too large for dimples
+MAX_STEPS = 8  # Gauss-Newton steps for each mu
+REDUNDANT = 0.1  # least redundancy number of a length that others can contradict
+DOUBT = 2.0  # in errors; fits with larger residuals of the other lengths do not test one
+TELLING = 0.1  # least degrees of freedom, over the edges, for a noise estimate
+FREE = 20.0  # degrees of freedom that distinguish half the noise from all of it
+CANDIDATES = 4  # number of largest residuals tested as outliers
+PERSISTENT = 0.85  # share of the residual of a wrong length that remains at a third of mu
+COARSE = 1000  # largest number of vertices of a surface that may be rough as well as noisy
+ROUGH = 0.5  # share of the deficits not predicted by neighbors, for noisy lengths
+PROBES = 4  # random vectors for degrees of freedom, accurate to a percent
 
 
 @dataclass(frozen=True)
 class BestFit:
-    """A surface that comes near to given lengths.
+    """A smooth surface fitted to given lengths.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-        In the unit of the lengths.
+        Vertices, in the unit of the lengths.
     weight : float
         mu, over the square of the mean edge length.
     noise : float
-        Root mean square of the errors of the lengths, over the mean edge length, by this surface's account:
-        of what it misses, corrected for what it followed.
+        Estimated root mean square of the errors of the lengths, over the mean edge length: that of the
+        residuals, corrected for the degrees of freedom of the fit.
     score : float
-        By cross-validation: the less, the better it predicts lengths.
+        Cross-validation score; smaller for better predictions of lengths.
     scatter : float
-        `noise` of the fit with the least score so far, of those with degrees of freedom enough to tell; 0 if
+        `noise` of the fit with the smallest score so far, among those with enough degrees of freedom; 0 if
         there is none, or if few are left and a smaller mu might have a smaller score.
     predicted : ndarray, shape (E,), or None
-        Lengths of the edges that are suspected to be wrong, on fits without them, over the mean edge length;
-        NaN for the others.
+        Lengths of the edges suspected to be wrong, on fits without them, over the mean edge length; NaN for
+        the others.
     """
 
     vertices: Floats
@@ -77,7 +76,7 @@ class BestFit:
 
     @property
     def degrees_of_freedom(self) -> float:
-        """Degrees of freedom of the residuals, at least 1: the edges less those that the fit uses up."""
+        """Degrees of freedom of the residuals, at least 1: the edges minus those of the fit."""
         return (self.noise / self.score) ** 2 if self.score < np.inf else 1.0
 
 
@@ -93,20 +92,20 @@ def best_fit(
     Parameters
     ----------
     metric : PolyhedralMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     energy : RegularizedEnergy
-        Of this metric, about the start.
+        Energy of this metric about the start.
     start : ndarray, shape (V, 3)
-        A smooth surface of about this shape and size, such as the polyhedron of a convex metric nearby.
+        A smooth surface of similar shape and size, such as the polyhedron of a nearby convex metric.
     recorder : StageRecorder
-        Counts Gauss-Newton steps.
+        Recorder of the Gauss-Newton steps.
     most : float
-        Factorizations: no mu but the first is tried where that might take more.
+        Budget in factorizations; the first mu is always tried.
 
     Returns
     -------
     BestFit or None
-        None if nothing as smooth comes near to the lengths.
+        None if no smooth surface is near to the lengths.
     """
     fits = Fits(metric, energy, recorder, Budget(recorder.work, most))
     best = first = fits.fit(start, WEIGHT)
@@ -115,33 +114,33 @@ def best_fit(
         for level in range(1, 8 + 1):  # values of mu, down or up
             if fits.exhausted:
                 break
-            # From one mu to the next: the score has a broad minimum.
+            # Powers of ten suffice: the score has a broad minimum.
             last = fits.fit(last.vertices, WEIGHT * 10.0 ** (direction * level))
-            if not last.score < 0.995 * best.score:  # a smaller gain is not worth another mu
+            if not last.score < 0.995 * best.score:  # stop at smaller gains
                 break
             best = last
         if best is not first:
             break
     a, b = metric.edges.T
     missed = metric.space.distances(best.vertices[a], best.vertices[b]) - metric.lengths
-    # Mean edge lengths: the mean miss of a surface that has lost its shape.
+    # Mean edge lengths; a surface with larger residuals has lost its shape.
     near = np.sqrt(np.mean(missed**2)) < 0.3 * metric.mean_length
     return best if best.score < np.inf and near else None
 
 
 class Outlier(NamedTuple):
-    """A length that stands out of a fit, and how much longer its edge is on a fit to the others."""
+    """An outlier among the lengths, with the excess of its edge on a fit to the others."""
 
     edge: int
     missed: float
 
 
 def looks_noisy(metric: PolyhedralMetric, vertices: Floats) -> bool:
-    """Whether lengths of many edges are like those of a smooth surface with errors: none has them exactly.
+    """Whether the lengths are like those of a smooth surface with errors.
 
-    By the deficits, in the charts of a surface nearby, (V, 3): on a smooth surface they are those that their
-    neighbors expect.  Of meshes with 2,000 to 20,000 vertices they miss that by at most 4 %, with errors of a
-    thousandth of an edge by 60 to 140 %.
+    The test uses the deficits in the charts of a nearby surface, (V, 3): on a smooth surface they are
+    predicted by their neighbors.  For meshes with 2,000 to 20,000 vertices the deviation is at most 4 %; with
+    errors of a thousandth of an edge it is 60 to 140 %.
     """
     if metric.triangulation.n_vertices <= COARSE:
         return False
@@ -164,11 +163,11 @@ class Fits:
         self._budget = budget
         self._telling: list[BestFit] = []
         signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(PROBES, len(metric.lengths)))
-        self._probes = signs[:, np.argsort(np.argsort(metric.lengths))]  # whatever the numbers of the edges
+        self._probes = signs[:, np.argsort(np.argsort(metric.lengths))]  # independent of edge numbers
 
     @property
     def exhausted(self) -> bool:
-        """Whether another fit might take more than is left."""
+        """Whether another fit might exceed the budget."""
         return self._budget.spent + MAX_STEPS + 1 > self._budget.limit
 
     def fit(self, vertices: Floats, weight: float) -> BestFit:
@@ -183,36 +182,36 @@ class Fits:
             return BestFit(x, weight, np.inf, np.inf)
         noise = float(np.sqrt(r @ r / free)) / unit
         found = BestFit(x, weight, noise, noise / np.sqrt(free))
-        if free > TELLING * len(r):  # with fewer, the score is not known to a percent
+        if free > TELLING * len(r):  # otherwise the score is not accurate to a percent
             self._telling.append(found)
         if not self._telling:
             return found
         best = min(self._telling, key=lambda one: one.score)
-        # Else smaller mu may be better still.
+        # Otherwise a smaller mu may be better.
         is_least = free > FREE or best is not self._telling[-1]
         return replace(found, scatter=best.noise if is_least else 0.0)
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
-        """Trace of ``I - H``, which takes errors of the lengths to what the fit leaves of them.
+        """Trace of ``I - H``, the map from errors of the lengths to residuals of the fit.
 
         ``H = J (J^T J + mu R^T R)^-1 J^T``.  Its trace is estimated by random vectors (Girard): the mean of
         ``z^T (I - H) z``, with z of random signs.
         """
         self._solve = self._energy.solver(x, self._metric.lengths, mu, 0.0)
         left = sum(float(z @ self._left(x, z)) for z in self._probes)
-        return max(left / PROBES, 1.0)  # the estimate is not good enough to tell less from none
+        return max(left / PROBES, 1.0)  # the estimate does not resolve smaller values
 
     def _left(self, x: Floats, errors: Floats) -> Floats:
-        """``(I - H) e``, H being that of the last fit; raises SingularMatrix."""
+        """``(I - H) e`` with H of the last fit; raises SingularMatrix."""
         energy, lengths = self._energy, self._metric.lengths
         return errors - energy.rates(x, lengths, self._solve(energy.forces(x, lengths, errors)))
 
     def outlier(self, fit: BestFit, error: float, most: float) -> Outlier | None:
-        """The length that a fit to the others misses by the most deviations, if these are more than `most`.
+        """The length with the largest studentized residual in a fit to the others, if that exceeds `most`.
 
-        The fit is the last one.  The residual of that to the others is ``r_e / (1 - H_ee)``, of deviation
-        ``s / sqrt(1 - H_ee)``; s is estimated from its other residuals, but no less than the error.  Only the
-        `CANDIDATES` with the largest residuals are looked at.
+        The fit is the last one.  The residual in a fit to the others is ``r_e / (1 - H_ee)``, with standard
+        deviation ``s / sqrt(1 - H_ee)``; s is estimated from its other residuals, but at least the error.
+        Only the `CANDIDATES` with the largest residuals are tested.
         """
         if not fit.score < np.inf or np.isinf(most):
             return None
@@ -233,15 +232,16 @@ class Fits:
         return found
 
     def missed(self, fit: BestFit, edge: int) -> float:
-        """Excess of an edge on a fit to the other lengths; 0 if these do not tell.  The fit is the last."""
+        """Excess of an edge on a fit to the other lengths; 0 if not determined.  The fit is the last."""
         column = self._column(fit, edge)
         r = self._energy.residuals(fit.vertices, self._metric.lengths)
         return 0.0 if column is None else float(r[edge] / column[edge])
 
     def persists(self, fit: BestFit, outlier: Outlier) -> bool:
-        """Whether the last fit, of a smaller mu, misses a length by as much as the one before.
+        """Whether the last fit, with a smaller mu, has as large a residual of a length as the previous one.
 
-        What a fit has smoothed away shrinks, to two thirds with a third of mu; an error of a length does not.
+        A residual due to smoothing decreases, to two thirds for a third of mu; that of a wrong length does
+        not.
         """
         return abs(self.missed(fit, outlier.edge)) > PERSISTENT * abs(outlier.missed)
 

@@ -1,7 +1,8 @@
 """Regularized energy on a coarse level: few degrees of freedom, interpolated, measured on fine edges.
 
-Where there are many vertices, the way from the convex surface to the given lengths is found for a few of
-them.  There is no metric on these: the errors r are those of *given* edges, whose ends quintics interpolate.
+For many vertices, the path from the convex surface to the given lengths is followed for a few of them.
+These have no metric of their own: the errors r are those of *given* edges, with end points interpolated by
+quintics.
 """
 
 from __future__ import annotations
@@ -104,7 +105,7 @@ class InterpolatedEnergy(RegularizedEnergy):
         recorder: StageRecorder,
         stiffness: float = 1.0,
     ) -> tuple[Floats, bool]:
-        """Newton step; if the factors of another surface lead uphill, it is repeated with new ones."""
+        """Newton step, repeated with new factors if reused ones lead uphill."""
         before = self.factor
         trial, downhill = super().step(vertices, lengths, mu, w, recorder, stiffness)
         if downhill or before is None or self.factor is not before or self._factored is vertices:
@@ -113,7 +114,7 @@ class InterpolatedEnergy(RegularizedEnergy):
         return super().step(vertices, lengths, mu, w, recorder, stiffness)
 
     def solved(self, vertices: Floats, lengths: Floats, gradient: Floats, mu: float, w: float) -> Floats:
-        """Solve for a step by conjugate gradients, with factors of another surface as long as they serve."""
+        """Solve for a step by conjugate gradients, with reused factors as long as they are good enough."""
         rows = self._rows(vertices, lengths)
 
         def product(d: Floats) -> Floats:
@@ -129,13 +130,13 @@ class InterpolatedEnergy(RegularizedEnergy):
             return conjugate_gradients(product, precondition, gradient, tolerance, most, patience=patience)
 
         if self.factor is not None:
-            worth = int(1.1e-4 * len(vertices) ** 1.5)  # new factors are worth as many iterations
+            worth = int(1.1e-4 * len(vertices) ** 1.5)  # iterations worth a new factorization
             most = min(worth, MAX_ITERATIONS)
-            # Iterations before it is judged whether so many will do.
+            # Three iterations before extrapolating their number.
             found = attempt(self.factor, SOLVED, most, 3)
             if found.residual <= SOLVED:
                 return found.x
-        self.factor = None  # its memory is free for the next
+        self.factor = None  # free its memory for the next
         penalty = csr_array(mu * (self._RR + w * self._KK))
         self.factor, self._factored = self.edges.factor(self._differences, rows, penalty), vertices
-        return attempt(self.factor, 1e-4, MAX_ITERATIONS).x  # factors of its own cost little more
+        return attempt(self.factor, 1e-4, MAX_ITERATIONS).x  # cheap with its own factors

@@ -1,8 +1,9 @@
 """Multilevel pull-back for large meshes with negative curvature.
 
-The guided path is followed for a few thousand well spread vertices; then come levels with more of them, and
-then Newton's method on all lengths, its steps split into smooth and rough ones.  How many the last level has
-grows more slowly than the number of all: what quintics miss shrinks faster than edges do.
+The guided path is followed for a few thousand evenly spread vertices, then refined on levels with more of
+them, followed by Newton's method on all lengths, with steps split into smooth and rough components.  The size
+of the last level grows more slowly than the number of all vertices, because the error of quintics decreases
+faster than the edge length.
 """
 
 from collections.abc import Mapping
@@ -29,20 +30,20 @@ from isoembed.surface.length_newton import length_newton
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
 
-LEAST_VERTICES = 16_000  # fewer are pulled back at once: that is as fast
-GUIDED = 1_500  # vertices that are chosen for the guided path
-FINEST = 4.5  # vertices of the last level, by all to the 5/8
-GROWTH = 3.1  # of levels: more is too far for a step
-SPLIT = (1e-2, 1e-4)  # mu of split steps, in turn
-NEWTON_CLOSE = 4e-3  # mean edge lengths over vertices: Newton's method does not get lost from here
-HELD = 4e-15  # damping of last steps where J J^T is singular to rounding
-LANDED = 1e-4  # mean edge lengths: a surface with a larger residual after the last step is lost
-# mu of the steps that quintics hold: where it falls faster, vertices stay on a wrong side
+LEAST_VERTICES = 16_000  # below, a single level is as fast
+GUIDED = 1_500  # vertices of the guided path
+FINEST = 4.5  # vertices of the last level, over the number of all to the power 5/8
+GROWTH = 3.1  # ratio of successive levels; larger ones are too far for a step
+SPLIT = (1e-2, 1e-4)  # successive mu of split steps
+NEWTON_CLOSE = 4e-3  # mean edge lengths over vertices; residual from which Newton's method converges reliably
+HELD = 4e-15  # damping of the last steps if J J^T is singular to rounding
+LANDED = 1e-4  # mean edge lengths; largest residual after the last step of a successful path
+# mu of the steps with quintics; if it decreases faster, vertices stay on a wrong side
 QUINTIC = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 
 
 def goes_by_levels(metric: PolyhedralMetric, kept: Mapping[str, NDArray[Any]] | None) -> bool:
-    """Whether vertices are many, space is Euclidean, and an interrupted run had not given this way up."""
+    """Whether to use levels: for many vertices in Euclidean space, unless a resumed run abandoned them."""
     given_up = kept is not None and "split" not in kept
     many = metric.triangulation.n_vertices >= LEAST_VERTICES
     return metric.space.is_euclidean and many and not given_up
@@ -55,29 +56,28 @@ def pulled_back_by_levels(
     recorder: StageRecorder,
     kept: Mapping[str, NDArray[Any]] | None = None,
 ) -> Floats | None:
-    """Bring a convex surface near the lengths of a metric, smooth enough for Newton's method to end there.
+    """Pull a convex surface back to the vicinity of the lengths of a metric, for Newton's method.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     system : LengthSystem
-        Of its triangulation.
     start : ndarray, shape (V, 3)
-        A convex surface, of a metric near it.
+        A convex surface of a nearby metric.
     recorder : StageRecorder
     kept : mapping of str to ndarray, optional
-        What an interrupted pull-back kept, to go on from.
+        Checkpoint of an interrupted pull-back.
 
     Returns
     -------
     ndarray, shape (V, 3), or None
-        None where the start is not convex, or Newton's method would not end there.
+        None if the start is not convex, or Newton's method would not converge.
 
     Raises
     ------
     SingularMatrix
-        A step cannot be solved for.
+        The equations of a step are singular.
     """
     n = metric.triangulation.n_vertices
     convex = start - start.mean(axis=0)
@@ -93,7 +93,7 @@ def pulled_back_by_levels(
         if stencils is None:
             return None
         energy = InterpolatedEnergy(metric, stencils, convex, x, recorder.work)
-        settling = 1e-6 * energy.unit**2  # mean edge lengths^2: mu of the coarse steps of the levels
+        settling = 1e-6 * energy.unit**2  # mean edge lengths^2; mu of the coarse steps
         z = energy.relaxed(x[stencils.cells.vertices], energy.lengths, settling, 0.0, recorder)
         split = _split(system, metric.lengths, energy)
         x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
@@ -116,9 +116,9 @@ def pulled_back_by_levels(
 
 
 def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageRecorder) -> Floats:
-    """Newton's steps to the lengths; held a little, from where J J^T is singular to rounding.
+    """Newton steps to the lengths, with slight damping once J J^T is singular to rounding.
 
-    Where that is not enough, the polish may do better.
+    If they do not converge, the later polish may.
     """
     exact, left = below(1e-12 * lengths.mean()), 8  # mean edge lengths, and steps
     for damping in (0.0, HELD):
@@ -133,7 +133,7 @@ def _ended(system: LengthSystem, lengths: Floats, x: Floats, recorder: StageReco
 
 
 def _counts(n: int) -> list[int]:
-    """Numbers of vertices, of n, that are chosen for the levels after the guided path, in order."""
+    """Numbers of vertices on the levels after the guided path, in order, for n vertices in all."""
     first = _first(n)
     growth = FINEST * n ** (5 / 8) / first
     steps = max(ceil(log(growth) / log(GROWTH)), 1)
@@ -141,7 +141,7 @@ def _counts(n: int) -> list[int]:
 
 
 def _first(n: int) -> int:
-    """Number of vertices, of n, that are chosen for the guided path."""
+    """Number of vertices of the guided path, for n vertices in all."""
     return GUIDED if n < 100_000 else 1_700
 
 
@@ -153,10 +153,10 @@ def _error(metric: PolyhedralMetric, x: Floats) -> float:
 def _guided(
     metric: PolyhedralMetric, system: LengthSystem, convex: Floats, recorder: StageRecorder
 ) -> Floats | None:
-    """The surface at the end of the guided path, and of steps for all lengths that renew the charts.
+    """The surface at the end of the guided path, after steps for all lengths with renewed charts.
 
-    The convex surface's charts are noisy: as mu falls, soft motions would follow their errors, on
-    ergospheres whose necks are narrow past the point from where they come back.
+    The charts of the convex surface are inaccurate: as mu decreases, soft motions would follow their errors,
+    on ergospheres with narrow necks beyond recovery.
     """
     followed = _followed(metric, convex, recorder)
     if followed is None:
@@ -164,7 +164,7 @@ def _guided(
     energy, z, mu = followed
     split = _split(system, metric.lengths, energy)
     x, z = split.step(split.P @ z, z, SPLIT[0], recorder)
-    for _ in range(2):  # steps in the charts of the last surface, while mu falls
+    for _ in range(2):  # steps in the charts of the last surface, with decreasing mu
         energy.in_charts_of(x)
         z = energy.relaxed(z, energy.lengths, mu, 0.0, recorder)
         split = _split(system, metric.lengths, energy)
@@ -174,14 +174,14 @@ def _guided(
 
 
 def smooth_start(metric: PolyhedralMetric, start: Floats, recorder: StageRecorder) -> Floats:
-    """The end of the guided path, interpolated: smooth, and near the lengths, however noisy they are.
+    """The interpolated end of the guided path, smooth and near to the lengths even if they are noisy.
 
-    Of fewer vertices, or where the path cannot be followed, the convex surface that is the start, (V, 3).
+    For fewer vertices, or if the path fails, the convex start, (V, 3).
     """
     if not goes_by_levels(metric, None):
         return start
     convex = start - start.mean(axis=0)
-    with suppress(SingularMatrix, InvalidMetric):  # of the chosen vertices, on needles
+    with suppress(SingularMatrix, InvalidMetric):  # coarse vertices on needle-shaped triangles
         followed = _followed(metric, convex, recorder)
         if followed is not None:
             energy, z, mu = followed
@@ -193,7 +193,7 @@ def smooth_start(metric: PolyhedralMetric, start: Floats, recorder: StageRecorde
 def _followed(
     metric: PolyhedralMetric, convex: Floats, recorder: StageRecorder
 ) -> tuple[InterpolatedEnergy, Floats, float] | None:
-    """The energy of chosen vertices, these at the end of the guided path, (C, 3), and the last mu."""
+    """The energy of the coarse vertices, their positions at the end of the path, (C, 3), and the last mu."""
     stencils = _stencils(metric, convex, _first(len(convex)))
     if stencils is None:
         return None
@@ -208,14 +208,14 @@ def _followed(
 
 
 def _split(system: LengthSystem, lengths: Floats, energy: InterpolatedEnergy) -> SplitNewton:
-    """Newton's method whose smooth motions are interpolated as those of the energy."""
+    """Split Newton's method with the interpolation of the energy for smooth motions."""
     if energy.factor is None:
         raise SingularMatrix("no step of the coarse surface has factors")
     return SplitNewton(system, lengths, energy.P, energy.factor)
 
 
 def _stencils(metric: PolyhedralMetric, convex: Floats, count: int) -> Stencils | None:
-    """Well spread vertices and their triangles; None where the surface is not convex."""
+    """Evenly spread vertices and their triangulation; None if the surface is not convex."""
     cells = VertexCells.of(metric.triangulation, metric.lengths, convex, count)
     triangulation = cells.triangulation(convex)
     return None if triangulation is None else Stencils(cells, triangulation)

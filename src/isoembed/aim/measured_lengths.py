@@ -1,21 +1,20 @@
 """Regularized least-squares fit to edge lengths with known standard deviations: the discrepancy principle.
 
-Where lengths have errors, a surface that has them exactly is often crumpled, or does not exist.  This fit
-minimizes ``sum (r / s)^2 + mu |R x|^2``, s the standard deviations and R the roughness
-(`isoembed.aim.regularized_energy`).  Fits follow one another from large mu to small, so that the surface
-stays smooth, until ``sum (r / s)^2`` is no more than its expected value, E - trace H, H being the matrix from
-given to fitted lengths: the discrepancy principle, corrected for the degrees of freedom that the fit uses up.
-Where no mu comes so far, the smoothest fit is taken whose sum chi-square does not reject, or the nearest to
-it.
+The exact surface of lengths with errors is often crumpled, or does not exist.  This fit minimizes
+``sum (r / s)^2 + mu |R x|^2`` with the standard deviations s and the roughness R
+(`isoembed.aim.regularized_energy`).  mu decreases from a large value, so that the surface stays smooth, until
+``sum (r / s)^2`` is at most its expected value, E - trace H, where H is the matrix from given to fitted
+lengths: the discrepancy principle, corrected for the degrees of freedom of the fit.  If no mu reaches it, the
+smoothest fit is taken that the chi-square test does not reject, or the nearest to that.
 
-A blunder, one length that is wrong by many deviations, is followed by fits of small mu.  It stands out of
-those of large mu, each length compared with what the fit makes of the others: its residual over
-``s sqrt(1 - H_ee)``, s estimated from the other residuals but no less than the errors.  Where one is too
-large, the fits begin again without that length.  Of 320 rocks, ellipsoids, domes, boxes and Johnson solids
-with right lengths none had one above seven (the largest of so many normal errors is 4.6 at most); of 46 with
-one length off by 35 deviations 35 had, and it was the wrong one.
+A blunder, one length that is wrong by many deviations, is followed by fits with small mu.  In those with
+large mu it is an outlier of the studentized residuals, r over ``s sqrt(1 - H_ee)`` with s estimated from the
+other residuals but at least the errors.  If one is too large, the fits are repeated without that length.  Of
+320 rocks, ellipsoids, domes, boxes and Johnson solids with right lengths none had one above seven (the
+largest of as many normal errors is at most 4.6); of 46 with one length wrong by 35 deviations 35 had one, and
+it was the wrong length.
 
-On rough ellipsoids of 80 vertices this came nearer to the true vertices than generalized cross-validation,
+On rough ellipsoids of 80 vertices this was closer to the true vertices than generalized cross-validation,
 marginal likelihood and a fixed mu.
 
 References
@@ -52,26 +51,25 @@ from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.rigidity import length_residuals
 
 LEAST_WEIGHT = 1e-14
-"""mu at the end of the search, in squared mean edge lengths: lengths are met to rounding."""
+"""Least mu, in squared mean edge lengths, at which lengths are met to rounding."""
 
 RISES = 5
-"""Fits in turn none of which is better than one before, after which no smaller mu helps: a factor of 300."""
+"""Successive fits without improvement that end the search, a factor of 300 in mu."""
 
 START = 0.01
-"""Share of the sum of the squared lengths that the roughness of the start may cost at the first mu."""
+"""Roughness of the start at the first mu, as a share of the sum of squared lengths."""
 
 BELOW_NOISE = 0.1
-"""Root mean square of the residuals, over that of the errors, below which less mu changes nothing that the
-lengths could tell."""
+"""Root mean square of the residuals, over that of the errors, below which lengths do not determine mu."""
 
 SMALL = 1e-5
-"""Errors, over the mean edge length, so small that the surface with exactly these lengths is sought as well.
-Both are near to the truth where they are on its branch; they may differ in vertices reflected through their
-neighbors, and the smoother one is right more often."""
+"""Errors, over the mean edge length, below which the exact surface is sought as well.
+Both are near to the truth if on its branch; they may differ in vertices reflected through their neighbors,
+and the smoother one is right more often."""
 
 
 def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, tolerance: float) -> MeasuredSurface:
-    """The surface of a fit to the lengths of a metric with errors, by the method of this name."""
+    """Surface of a fit to the lengths of a metric with errors, with the name of the method."""
     return MeasuredSurface(
         metric,
         fit.vertices,
@@ -85,7 +83,7 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
 
 
 def with_errors_of_digits(metric: PolyhedralMetric) -> PolyhedralMetric:
-    """The metric of rounded lengths, which has a `rounding`, with the errors of their last digit."""
+    """Metric of rounded lengths, which has a `rounding`, with the errors of their last digit."""
     assert metric.rounding is not None
     return metric.with_length_errors(metric.rounding * metric.mean_length)
 
@@ -93,7 +91,7 @@ def with_errors_of_digits(metric: PolyhedralMetric) -> PolyhedralMetric:
 def fit_within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
     """A smooth surface fitted to rounded lengths, or the exact one: see `within_digits`.
 
-    It is fitted from a convex surface nearby, (V, 3).
+    The fit starts from a nearby convex surface, (V, 3).
     """
     metric = with_errors_of_digits(exact.metric)
     with log.stage("fit within errors") as recorder:
@@ -102,19 +100,19 @@ def fit_within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
 
 
 def within_digits(exact: Embedding, found: MeasuredSurface) -> Embedding:
-    """The smooth surface that agrees with rounded lengths, in the place of a rough one, or of none.
+    """Smooth surface that agrees with rounded lengths, in place of a rough one or of a failure.
 
     Parameters
     ----------
     exact : Embedding
-        The surface that has these lengths, or the nearest attempt; of a normalized metric with a `rounding`.
+        Exact surface or nearest attempt, of a normalized metric with a `rounding`.
     found : MeasuredSurface
-        The smooth one.
+        Smooth surface.
 
     Returns
     -------
     Embedding
-        A `MeasuredSurface`, with the exact one among its `others`; or the exact one, where no smooth surface
+        A `MeasuredSurface`, with the exact one among its `others`; or the exact one, if no smooth surface
         agrees with the lengths within their digits, or none that is smoother.
     """
     if exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness:
@@ -139,11 +137,11 @@ def fit_within_errors(
     Parameters
     ----------
     metric : PolyhedralMetric
-        Of mean edge length 1 or so.
+        Scaled to a mean edge length of about 1.
     errors : ndarray, shape (E,)
-        Standard deviations of its lengths.
+        Standard deviations of the lengths.
     start : ndarray, shape (V, 3)
-        A smooth surface of about this shape and size.
+        A smooth surface of similar shape and size.
     recorder : StageRecorder
 
     Returns
@@ -180,17 +178,17 @@ def _lengths(metric: PolyhedralMetric, fit: BestFit) -> Floats:
 def _start_without(
     metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder
 ) -> Floats:
-    """A start for fits without lengths that have large errors: the given one bulges where these are wrong."""
+    """Start for fits without the lengths with large errors; the given start bulges at wrong lengths."""
     return _fit_of_smooth_start(metric, errors, start, recorder, most=np.inf)[0].vertices
 
 
 def _followed(
     metric: PolyhedralMetric, errors: Floats, fit: BestFit, start: Floats, recorder: StageRecorder
 ) -> list[int]:
-    """The length that makes most of the scatter of a fit: a blunder, which it has followed if it agrees.
+    """The length that causes most of the scatter of a fit, a blunder that the fit has followed.
 
-    It stands out of fits to errors as large as the scatter, and without it the scatter is half as large or
-    less.  On a doubled cap it is the length of two edges.
+    It is an outlier of fits to errors as large as the scatter, and without it the scatter is at most half as
+    large.  On a doubled cap it is the length of two edges.
     """
     scatter, wrong = fit.scatter * metric.mean_length, list[int]()
     if scatter <= SCATTERED * root_mean_square(errors):
@@ -214,28 +212,28 @@ def _followed(
 
 
 def _halves(without: BestFit, fit: BestFit) -> bool:
-    """Whether a fit without a length has half the scatter of a fit with it, or less, and can tell."""
+    """Whether a fit without a length has at most half the scatter, with enough degrees of freedom."""
     return without.degrees_of_freedom > FREE and 0 < without.scatter <= fit.scatter / SCATTERED
 
 
 def root_mean_square(errors: Floats) -> float:
-    """Root mean square of errors, by their weights: lengths with large ones have no part in it."""
+    """Root mean square of errors, weighted so that large ones have no influence."""
     return float(1 / np.sqrt(np.mean(errors**-2.0)))
 
 
 def _fit_of_smooth_start(
     metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder, most: float = OUTLIER
 ) -> tuple[BestFit, int | None]:
-    """The fit, and the first length whose studentized residual is more than the most: it ends the search."""
+    """The fit, and the first length whose studentized residual exceeds the limit, which ends the search."""
     rms = root_mean_square(errors)
     energy = SmoothingEnergy(metric, start, recorder.work).weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
-    # The energy does not grow, so the sum of the squared residuals does by at most this share of that of the
-    # lengths: no body collapses, however sharp its corners.
+    # The energy does not increase, so that the sum of squared residuals grows by at most this share of the
+    # sum of squared lengths: no body collapses, however sharp its corners.
     penalty = float(np.sum(start * energy.roughness(start, 0.0)))
     bound = START * float(metric.lengths @ metric.lengths) / metric.mean_length**2
     weight = min(WEIGHT, bound / penalty) if penalty > 0 else WEIGHT
-    known = rms / metric.mean_length  # as the noise that a fit sees, over the mean edge length
+    known = rms / metric.mean_length  # comparable to the noise of a fit, over the mean edge length
     limit = outlier_limit(len(errors)) * rms
     found: list[BestFit] = []
     vertices, suspect, worst = start, None, None

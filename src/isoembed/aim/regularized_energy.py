@@ -1,13 +1,14 @@
 """Regularized energy: squared length errors plus mu times squared distance from a smooth surface.
 
-Where the curvature is negative, surfaces flex: many have nearly the same lengths, and plain Newton steps
-wander among them.  Those are sought that minimize
+For negative curvature, many surfaces have nearly the same lengths, and plain Newton steps wander among them.
+The energy
 
-    ``|r|^2 + mu (|R x|^2 + w |K x|^2)``,
+    ``|r|^2 + mu (|R x|^2 + w |K x|^2)``
 
-r the errors of the lengths.  R takes every vertex to its difference from a cubic fitted to its neighbors: it
-knows smooth surfaces of any shape, to fourth order in the edge length.  K, the cotangent Laplacian, takes x
-to its mean curvature; it is stiffer at middle wavelengths but would flatten the surface.
+is minimized instead, with the errors r of the lengths.  R takes each vertex to its difference from a cubic
+fitted to its neighbors, which vanishes for smooth surfaces of any shape to fourth order in the edge length.
+K, the cotangent Laplacian, takes x to its mean curvature; it is stiffer at intermediate wavelengths but would
+flatten the surface.
 """
 
 from __future__ import annotations
@@ -34,25 +35,25 @@ from isoembed.surface.rigidity import edge_rows, length_residuals
 from isoembed.surface.smoothness import fit_residuals
 from isoembed.surface.vertex_system import HeldTriangle, VertexSystem
 
-LEAST_COTANGENT = 0.01  # smaller weights would reward bending, or fold a harmonic surface
-MAX_ITERATIONS = 100  # of conjugate gradients
+LEAST_COTANGENT = 0.01  # smaller weights would favor bending, or fold a harmonic surface
+MAX_ITERATIONS = 100  # conjugate gradient iterations
 
 
 class RegularizedEnergy:
     """The energy ``|r|^2 + mu (|R x|^2 + w |K x|^2)`` of surfaces with the triangles of a metric.
 
-    In hyperbolic and spherical space x are the points on hyperboloid or sphere: those of a surface about the
-    origin have its shape.  Steps are solved for as the z of `isoembed.surface.projected`, without isometries,
-    which change the penalties only.
+    In hyperbolic and spherical space x are points on the hyperboloid or sphere, of a surface centered on the
+    origin.  The unknowns of steps are the z of `isoembed.surface.projected`, without isometries, which change
+    the penalties only.
 
     Parameters
     ----------
     metric : PolyhedralMetric
-        Gives K.
+        Metric, which determines K.
     vertices : ndarray, shape (V, 3)
-        Of a surface near enough for its charts to be smooth on those sought; gives R.
+        A surface close enough for its charts to be valid, which determines R.
     work : Work, optional
-        Counts the factorizations.
+        Counter of factorizations.
 
     Attributes
     ----------
@@ -68,12 +69,12 @@ class RegularizedEnergy:
     def _set_penalties(
         self, metric: PolyhedralMetric, vertices: Floats, units: Floats, mean_length: float
     ) -> None:
-        """Set R and K where edges have these lengths about each vertex, (V,), and on the mean."""
+        """Set R and K for edge lengths around each vertex, (V,), and the mean edge length."""
         self.triangulation, self.unit, self._units = metric.triangulation, mean_length, units
         self.space = metric.space
         self._edge_weights: Floats | None = None
         laplacian = cotangent_laplacian(GluedMetric.of(metric), least=LEAST_COTANGENT)
-        K = csr_array(laplacian / (2.9 * mean_length))  # mean edge lengths: K is of the size of R
+        K = csr_array(laplacian / (2.9 * mean_length))  # mean edge lengths; K has the magnitude of R
         self._KK = csr_array(K.T @ K)
         self._regularize_by(fit_residuals(self.triangulation, vertices))
 
@@ -86,17 +87,17 @@ class RegularizedEnergy:
         return VertexSystem(self.triangulation, csr_array(self._RT @ self._R), self._work)
 
     def finer(self, vertices: Floats) -> RegularizedEnergy:
-        """Energy with quintic fits, applied twice, in the charts of these vertices instead of R."""
+        """Energy with quintic fits in the charts of these vertices, applied twice, instead of R."""
         return self._fitted_twice(vertices, 5)
 
     def weighted(self, weights: Floats) -> Self:
-        """Energy with each error of a length times a weight, (E,), in the residuals."""
+        """Energy with a weight for each length error, (E,), in the residuals."""
         other = copy(self)
         other._edge_weights = weights
         return other
 
     def coarser(self, vertices: Floats) -> RegularizedEnergy:
-        """Energy with cubic fits, applied twice, in the charts of these vertices."""
+        """Energy with cubic fits in the charts of these vertices, applied twice."""
         return self._fitted_twice(vertices, 3)
 
     def _fitted_twice(self, vertices: Floats, degree: int) -> RegularizedEnergy:
@@ -106,7 +107,7 @@ class RegularizedEnergy:
         return other
 
     def _regularize_by(self, residuals: csr_array) -> None:
-        """Take R from these residuals of fits, each row of unit norm over the edge length there."""
+        """Set R to residuals of fits, with rows normalized relative to the local edge length."""
         size = self._units * np.sqrt(residuals.multiply(residuals).sum(axis=1))
         self._R = csr_array(diags_array(1 / size) @ residuals)
         self._RT = csr_array(self._R.T)
@@ -135,14 +136,14 @@ class RegularizedEnergy:
         return rows if self._edge_weights is None else self._edge_weights[:, None] * rows
 
     def rates(self, vertices: Floats, lengths: Floats, motion: Floats) -> Floats:
-        """``J d``, shape (E,): how fast the edges grow if the vertices move with d, (V, 3)."""
+        """``J d``, shape (E,): rates of change of the lengths for a motion d, (V, 3)."""
         a, b = self.triangulation.edges.T
         bent = motion / self.space.heights(vertices)[:, None]
         rows = self._rows(vertices, lengths)
         return np.einsum("ij,ij->i", rows, bent[a] - bent[b])
 
     def forces(self, vertices: Floats, lengths: Floats, tensions: Floats) -> Floats:
-        """``J^T y``, shape (V, 3): the sums of the tensions y, (E,), of the edges at each vertex."""
+        """``J^T y``, shape (V, 3): the total force at each vertex of edges with tensions y, (E,)."""
         rows = self._rows(vertices, lengths)
         forces = self.triangulation.incidence @ (rows * tensions[:, None])
         return forces / self.space.heights(vertices)[:, None]
@@ -157,9 +158,9 @@ class RegularizedEnergy:
     ) -> Callable[[Floats], Floats]:
         """Prepare to solve ``(J^T J + S + mu (R^T R + w K^T K)) d = g`` for d, (V, 3).
 
-        The matrix with K in place of R, sparser by far, is factored, and preconditions: a handful of
-        iterations of conjugate gradients is enough.  S is the Laplacian whose weights are the tensions of
-        the edges, (E,): ``r / l`` for the matrix of Newton's method, 0 for that of Gauss and Newton.
+        The matrix with K in place of R, which is far sparser, is factored as a preconditioner: a few
+        iterations of conjugate gradients suffice.  S is the Laplacian weighted by the tensions of the edges,
+        (E,): ``r / l`` for Newton's method, 0 for the Gauss-Newton method.
 
         Raises
         ------
@@ -168,7 +169,7 @@ class RegularizedEnergy:
         """
         triangulation, surface = self.triangulation, Projected.of(self.space, vertices)
         rows = self._rows(vertices, lengths)
-        # Share of |K x|^2 that stands in for |R x|^2.
+        # Weight of |K x|^2 in place of |R x|^2.
         factor = self._system.penalized(rows, mu * (w + 0.5), surface, tensions)
         fixed = surface.without_isometries()
         a, b = triangulation.edges.T
@@ -186,7 +187,7 @@ class RegularizedEnergy:
         inverse = LinearOperator((n, n), matvec=lambda g: fixed(factor.solve(g, sweeps=0)), dtype=np.float64)
 
         def solve(gradient: Floats) -> Floats:
-            with np.errstate(all="ignore"):  # of a matrix too ill-conditioned for it, it makes no numbers
+            with np.errstate(all="ignore"):  # an ill-conditioned matrix gives NaN
                 d = cg(
                     matrix,
                     fixed(surface.motion(gradient).ravel()),
@@ -201,7 +202,7 @@ class RegularizedEnergy:
         return solve
 
     def quiet_triangle(self, vertices: Floats, lengths: Floats) -> Indices:
-        """The corners, (3,), of the triangle whose lengths are missed least, none of the smaller half."""
+        """The corners, (3,), of the triangle with the smallest residuals, among the larger half."""
         faces, missed = self.triangulation.faces, np.abs(self.residuals(vertices, lengths))
         areas = face_areas(faces, vertices)
         around = missed[self.triangulation.face_edges].sum(axis=1)
@@ -210,9 +211,9 @@ class RegularizedEnergy:
     def newton_factor(
         self, vertices: Floats, lengths: Floats, mu: float, tensions: Floats, held: HeldTriangle
     ) -> SymmetricFactor:
-        """Factor ``J^T J + S + mu R^T R``, of surfaces in Euclidean space: half the second derivatives.
+        """Factor ``J^T J + S + mu R^T R``, half the Hessian in Euclidean space.
 
-        S is as in `solver`.  Rigid motions are held by a triangle.
+        S is as in `solver`.  A triangle fixes rigid motions.
 
         Raises
         ------
@@ -244,7 +245,7 @@ class RegularizedEnergy:
         mu, w : float
         recorder : StageRecorder
         stiffness : float
-            Shortens the step where surfaces are soft: the matrix is that of mu times this.
+            Factor of mu in the matrix, which shortens soft motions.
         """
 
         def measured(x: Floats) -> tuple[Floats, Floats, float]:
@@ -265,8 +266,8 @@ class RegularizedEnergy:
     def relaxed(
         self, vertices: Floats, lengths: Floats, mu: float, w: float, recorder: StageRecorder
     ) -> Floats:
-        """A step that does not go uphill, however short; the vertices themselves if there is none."""
-        for stiffness in (1.0, 2.0, 11.0, 101.0):  # factors of mu, tried until a step goes downhill
+        """A step that does not increase the energy, however short; the vertices themselves if none exists."""
+        for stiffness in (1.0, 2.0, 11.0, 101.0):  # tried until a step goes downhill
             trial, downhill = self.step(vertices, lengths, mu, w, recorder, stiffness)
             if downhill:
                 return trial
@@ -282,7 +283,7 @@ class RegularizedEnergy:
         recorder: StageRecorder,
         exhausted: Callable[[], bool] = lambda: False,
     ) -> Floats:
-        """The minimum nearby, as far as `relaxed` steps lead that lower the energy by more than a share."""
+        """The local minimum, by `relaxed` steps as long as they lower the energy by more than a share."""
         value = self.value(vertices, lengths, mu)
         for _ in range(max_iterations):
             vertices = self.relaxed(vertices, lengths, mu, 0.0, recorder)

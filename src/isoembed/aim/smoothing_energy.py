@@ -1,12 +1,12 @@
 """Regularized energy for fits: steps without rotations, by factors of earlier steps.
 
-The matrix of a step, ``J^T J + mu R^T R``, fills more than the one with K in the place of R, but with its
-factors conjugate gradients converge at once, and in some ten iterations on other surfaces nearby and with a
-mu a little smaller or larger.
+The matrix of a step, ``J^T J + mu R^T R``, has more fill than the one with K in place of R, but with its
+factors conjugate gradients converge immediately, and in about ten iterations for nearby surfaces and slightly
+different mu.
 
-Rotations change neither lengths nor roughness, but R takes them to the rotated ``R x``, so that solutions of
-these equations have parts of them; the longer one is, the more it stretches the surface, to second order.
-Without them the model of a step is nearly exact, and few steps lead to the minimum.
+Rotations change neither lengths nor roughness, but R takes an infinitesimal rotation to the rotated ``R x``,
+so that solutions of these equations contain rotations, which stretch the surface to second order.  Without
+them the quadratic model of a step is nearly exact, and few steps lead to the minimum.
 """
 
 from __future__ import annotations
@@ -29,28 +29,28 @@ from isoembed.surface.projected import Projected
 from isoembed.surface.vertex_system import VertexSystem
 
 SOLVED = 1e-3  # relative residual of linear equations, for estimates
-STEPPED = 1e-6  # of those for steps: with 1e-3, fits would change by 1e-6 with rounding
-WORTH = 0.6  # iterations that cost as much as new factors, over the root of the number of vertices
-PATIENCE = 4  # iterations before it is judged whether so many will do
-NEAR = 0.035  # ratio of mu to that of factors that still serve, over that root
-FORETOLD = 1e-4  # share of the energy: a step whose model comes as near to it as that is the last
-DOWNHILL = LineSearch(0.0, 1 / 128)  # fractions of 1 / mu: steps are shorter where surfaces are soft
+STEPPED = 1e-6  # for steps; with 1e-3, fits would change by 1e-6 with rounding
+WORTH = 0.6  # iterations worth a new factorization, over the square root of the number of vertices
+PATIENCE = 4  # iterations before extrapolating their number
+NEAR = 0.035  # largest ratio of mu to that of reused factors, over the same root
+FORETOLD = 1e-4  # relative deviation of the energy from its quadratic model at the last step
+DOWNHILL = LineSearch(0.0, 1 / 128)  # fractions of 1 / mu, which shortens soft motions most
 
 
 class Point(NamedTuple):
-    """A surface, and its energy by the quadratic model of the step that led there, if it was a whole one."""
+    """A surface, and its energy predicted by the quadratic model of a full step that led there."""
 
     x: Floats
     foretold: float = np.inf
 
 
 class KeptFactors:
-    """The factors of one surface and mu, kept for others nearby.
+    """Factors of one surface and mu, reused for nearby surfaces and similar mu.
 
     Parameters
     ----------
     system : VertexSystem
-        Of the matrices.
+        System of the matrices.
     """
 
     def __init__(self, system: VertexSystem) -> None:
@@ -59,19 +59,19 @@ class KeptFactors:
         self._mu = 0.0
 
     def serve(self, mu: float, ratio: float) -> bool:
-        """Whether there are factors of this mu, up to a ratio; if not, the memory of others is freed."""
+        """Whether there are factors for this mu, up to a ratio; others are freed."""
         if not self._mu / ratio <= mu <= self._mu * ratio:
             self.forget()
         return self._factor is not None
 
     def forget(self) -> None:
-        """Free the memory of the factors."""
+        """Free the factors."""
         self._factor = None
 
     def renew(self, rows: Floats, mu: float, surface: Projected) -> None:
         """Factor the matrix of a surface, J given by its `edge_rows`.
 
-        Isometries are left out of solutions by Lagrange multipliers.
+        Lagrange multipliers exclude isometries from solutions.
         """
         self.forget()
         self._factor, self._mu = self._system.penalized(rows, mu, surface), mu
@@ -80,16 +80,16 @@ class KeptFactors:
         self._held = np.linalg.inv(isometries.T @ self._moved)
 
     def solve(self, forces: Floats) -> Floats:
-        """Solve for a z, (3 V,), without the isometries of the factors' surface."""
+        """Solve for z, (3 V,), without isometries of the factored surface."""
         assert self._factor is not None
         z = self._factor.solve(forces, sweeps=0)
         return z - self._moved @ (self._held @ (self._moved.T @ forces))
 
 
 class SmoothingEnergy(RegularizedEnergy):
-    """The energy ``|r|^2 + mu |R x|^2``, with factors that are kept as long as they serve.
+    """The energy ``|r|^2 + mu |R x|^2``, with reuse of factors.
 
-    The parameters are those of `RegularizedEnergy`.  Energies with other weights share analysis and factors.
+    Parameters as for `RegularizedEnergy`.  Energies with other weights share analysis and factors.
     """
 
     def __init__(self, metric: PolyhedralMetric, vertices: Floats, work: Work | None = None) -> None:
@@ -151,7 +151,7 @@ class SmoothingEnergy(RegularizedEnergy):
         recorder: StageRecorder,
         exhausted: Callable[[], bool] = lambda: False,
     ) -> Floats:
-        """The minimum nearby: to the first step that gains less than a share, or what its model foretold."""
+        """The local minimum, up to a step that gains less than a share, or as much as its model predicts."""
 
         def value(p: Point) -> float:
             return self.value(p.x, lengths, mu)

@@ -1,21 +1,21 @@
 """Newton's method on many lengths, with steps split into smooth and rough components.
 
-Newton's method converges only from where rough errors are small beside the heights of vertices above their
-neighbors.  Of a surface that was found for chosen vertices, P z, the smooth errors are the larger ones.  So
-these are left free, and the others held, as long as the lengths do not need them:
+Newton's method converges only if rough errors are small compared with the heights of vertices above their
+neighbors.  The smooth errors of an interpolated coarse surface P z are larger than its rough ones.  Smooth
+motions are therefore free, and rough ones penalized:
 
     ``|r|^2 + mu |x - P z|^2``
 
-of both x and z, mu falling.  A step takes one factorization of ``J J^T + mu I``, which gives the best x for
-every z; the equations that are left for z are solved by conjugate gradients.
+is minimized over x and z, with decreasing mu.  A step takes one factorization of ``J J^T + mu I``, which
+gives the optimal x for every z; the remaining equations for z are solved by conjugate gradients.
 
-What soft rough motions remain, along lines where curvature vanishes, quintics decide:
+Soft rough motions, along lines of vanishing curvature, are determined by quintics:
 
     ``|r|^2 + mu |R R x|^2``,
 
-R the differences from quintics fitted to neighbors.  Its steps are made by conjugate gradients,
-preconditioned on two levels: ``J^T J + mu I`` for the rough motions, which the same factors solve, and
-``(J P)^T J P`` for the smooth ones.
+with the differences R from quintics fitted to neighbors.  The linear equations are solved by conjugate
+gradients with a two-level preconditioner: ``J^T J + mu I`` for rough motions, with the same factors, and
+``(J P)^T J P`` for smooth ones.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from isoembed.surface.interpolation import CellRows
 from isoembed.surface.rigidity import LengthSystem, LinearizedLengths, length_residuals
 from isoembed.surface.smoothness import QuinticResiduals
 
-SOLVED = 5e-2  # largest residual of linear equations, relative
-MAX_ITERATIONS = 30  # for smooth motions
-MANY = 60_000  # vertices: soft motions of more hide in such a residual
+SOLVED = 5e-2  # largest relative residual of linear equations
+MAX_ITERATIONS = 30  # conjugate gradient iterations for smooth motions
+MANY = 60_000  # vertices; more need a smaller residual for soft motions
 
 
 class SplitNewton:
-    """Steps that are split at one level.
+    """Newton steps split at one level.
 
     Parameters
     ----------
     system : LengthSystem
     lengths : ndarray, shape (E,)
     P : CellRows, (V, C)
-        Interpolates smooth motions from those of C vertices.
+        Interpolation of smooth motions from those of C vertices.
     coarse : SymmetricFactor
-        Of ``(J P)^T J P``, or what is near it: it preconditions.
+        Factorization of ``(J P)^T J P``, or of an approximation, as a preconditioner.
     """
 
     def __init__(self, system: LengthSystem, lengths: Floats, P: CellRows, coarse: SymmetricFactor) -> None:
@@ -51,7 +51,7 @@ class SplitNewton:
         self._mass = len(P.rows) / len(P.starts)  # vertices a cell
 
     def step(self, x: Floats, z: Floats, mu: float, recorder: StageRecorder) -> tuple[Floats, Floats]:
-        """A Gauss-Newton step on ``|r|^2 + mu |x - P z|^2``: the next x and z."""
+        """The next x and z by a Gauss-Newton step on ``|r|^2 + mu |x - P z|^2``."""
         linear, r = self._linearized(x, mu, recorder)
         J, P = linear.J, self.P
         r = r - J.rates(x - P @ z)
@@ -71,8 +71,8 @@ class SplitNewton:
     def smooth_step(
         self, x: Floats, quintics: QuinticResiduals, mu: float, recorder: StageRecorder
     ) -> Floats:
-        """A Gauss-Newton step on ``|r|^2 + mu |R R x|^2``: the next x."""
-        held = 0.1 * mu  # share of mu that holds rough motions in the preconditioner
+        """The next x by a Gauss-Newton step on ``|r|^2 + mu |R R x|^2``."""
+        held = 0.1 * mu  # share of mu for rough motions in the preconditioner
         linear, r = self._linearized(x, held, recorder)
         J, P = linear.J, self.P
 
@@ -96,6 +96,6 @@ class SplitNewton:
     ) -> tuple[LinearizedLengths, Floats]:
         """J and the factors at x, and the residuals in their order."""
         recorder.iterations += 1
-        # Single precision solves well enough.
+        # Single precision is accurate enough.
         linear = self._system.linearized(x, self._lengths, damping, single=damping >= 5e-7)
         return linear, length_residuals(self._system.triangulation, x, self._lengths)[linear.order]
