@@ -33,6 +33,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits, Outlier
+from isoembed.aim.levels import goes_by_levels
 from isoembed.aim.smoothing_energy import SmoothingEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
@@ -178,7 +179,12 @@ def _lengths(metric: PolyhedralMetric, fit: BestFit) -> Floats:
 def _start_without(
     metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder
 ) -> Floats:
-    """Start for fits without the lengths with large errors; the given start bulges at wrong lengths."""
+    """Start for fits without the lengths with large errors; the given start bulges at wrong lengths.
+
+    Starts interpolated from a coarse level are too smooth for that.
+    """
+    if goes_by_levels(metric, None):
+        return start
     return _fit_of_smooth_start(metric, errors, start, recorder, most=np.inf)[0].vertices
 
 
