@@ -184,7 +184,7 @@ def changed(kind, index, **values):
     [
         (
             document(POINTS, extensionsRequired=["KHR_draco_mesh_compression"]),
-            "KHR_draco_mesh_compression, which",
+            "unknown extension KHR_draco_mesh_compression: export it without",
         ),
         (document(POINTS, asset={"version": "1.0"}), "its version is 1.0, not 2.0"),
         (document(POINTS, asset=[]), "its asset is not an object"),

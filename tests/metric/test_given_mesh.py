@@ -122,7 +122,7 @@ def test_faces_that_merge_into_edges_are_left_out():
     metric, notes = messages(PolyhedralMetric.from_mesh, inside, needles, merge=0.0)
     needle = [b, a, 12]
     sentence = (
-        f"faces are reduced to an edge or a point by merging, and left out; the first is face 20 {needle}"
+        f"2 faces are reduced to an edge or a point by merging, and left out; the first is face 20 {needle}"
     )
     assert notes[1] == sentence
     np.testing.assert_allclose(metric.lengths, 2.0, rtol=1e-14)
