@@ -46,8 +46,8 @@ class Band:
     def integrated_mean_curvature(self) -> float:
         """Integral of H dA with H = (k1 + k2)/2; finite although H is infinite on an edge."""
         # int k2 dA = 2 pi height.  int k1 dA = 2 pi int rho d(beta) is integrated by parts: beta, the turning
-        # angle of the meridian, needs one derivative less and is finite at the edges.  Curved space subtracts
-        # 2 k rho^2 d(height) in both.
+        # angle of the meridian, needs one derivative less and is finite at the edges.  From each of the two,
+        # over 2 pi, curved space subtracts k rho^2 d(height).
         # At edges and poles beta is 0 or pi; computing it would lose half of the digits.
         edges = np.array([self.start, self.stop])
         turned = np.where(self.metric._terms(np.cos(edges))[1] > 0.0, 0.0, np.pi)

@@ -51,7 +51,7 @@ def truncation(series: DoubleFourier, derived: Derived) -> float:
         for part in range(1, 4 if n >= 12 else 3)  # few nodes do not determine a rate
     ]
     ratio = max(less / more if less < more else 1.0 for less, more in pairwise(changes))
-    # Geometric series over all further refinements, with a sum of at most 10/3.
+    # Geometric series over all further refinements, with a sum of at most 10/3 of its first term.
     return changes[0] * ratio / max(1.0 - ratio, 0.3)
 
 

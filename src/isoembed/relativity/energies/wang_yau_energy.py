@@ -46,7 +46,7 @@ def wang_yau(
     degrees : tuple of int
         Degrees of tau, in order of refinement until the energy converges.
     accuracy : float
-        Change of the energy at convergence, relative to that of the areal radius.
+        Change of the energy at convergence, relative to the irreducible mass ``sqrt(A / 16 pi)``.
 
     Returns
     -------

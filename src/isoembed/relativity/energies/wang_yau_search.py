@@ -100,7 +100,10 @@ class Search:
         return at, eigenvalues
 
     def _line_search(self, at: EmbeddedTime, step: Floats, foretold: float) -> EmbeddedTime | None:
-        """Admissible time function along a step with an embedding and a sufficient decrease of E, if any."""
+        """Time function along a step with an embedding and a sufficient decrease of E; None if none is found.
+
+        It must be admissible only if the initial one is.  At rounding level of E a smaller gradient suffices.
+        """
         length = 1.0
         convex = at.admissible > 0.0
         while length >= SHORTEST_STEP:

@@ -76,7 +76,7 @@ class ConformalMultipoles:
         I_lm at [l, m], for m = 0, ..., l; zero for m > l.  ``I_l,-m = (-1)^m conj(I_lm)``, with the
         Condon-Shortley phase of Y_lm.  I_00 = sqrt(pi).
     rotation : ndarray of complex, shape (n + 1, n + 1), or None
-        L_lm; None if K(., n) is not known.
+        L_lm; None if the data have no ``normal_momentum``: K(., n) vanishes or is not known.
     shape_errors, rotation_errors : ndarray, shape (n + 1,)
         Errors of the multipoles of each degree l.
     """

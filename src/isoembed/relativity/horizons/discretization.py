@@ -115,7 +115,7 @@ class Equations:
     low : LowDegrees
     linear : LinearizedExpansion
     shift : float
-        Shift of the stability operator; see `isoembed.relativity.horizons.stability`.
+        Number subtracted from the stability operator; see `isoembed.relativity.horizons.stability`.
     free : bool
         Whether the mean of f is fixed; the first unknown is then a constant change of the expansion.
     """

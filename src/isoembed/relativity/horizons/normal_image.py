@@ -120,7 +120,9 @@ class NormalImage(Image):
 
 
 def foliated_inwards(geometry: ThreeGeometry, start: HarmonicMap) -> NormalImage:
-    """Last trapped surface of a foliation by constant expansion from a horizon inward.
+    """End of a foliation by constant expansion from a horizon inward, through trapped surfaces.
+
+    Returns the first leaf whose expansion is not negative, or the last trapped leaf if that is not reached.
 
     Raises `NoConvergence`, `InvalidMetric` or `InvalidParameter`: the surfaces just inside the horizon are
     not trapped, or the trapped surfaces do not end.

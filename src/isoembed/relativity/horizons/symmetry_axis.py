@@ -88,7 +88,8 @@ def symmetry_axis(geometry: ThreeGeometry, sphere: StarSurface) -> Axis | None:
     """Find the symmetry axis of a slice through the center of a sphere.
 
     Candidates are the dipole and the principal axes of the expansion on the sphere; an axis is accepted if
-    the expansion of several surfaces is symmetric about it.  The result is None if there is no such axis.
+    the expansion of several surfaces is symmetric about it.  The result is None if no candidate is accepted,
+    which may also happen to a slice with an axis if the dipole vanishes and the quadrupole is degenerate.
     Raises `InvalidMetric` or `InvalidParameter`: the sphere leaves the domain of the slice.
     """
     center = np.array(sphere.center)

@@ -47,7 +47,7 @@ def is_chombo(path: Path) -> bool:
 
 
 def chombo_slices(paths: Iterable[Path]) -> list[ListedFile]:
-    """Slices of files; at each time the one with the most complete variables.
+    """Slices of files; at each time those with the best complete set of variables, or the first if none has.
 
     Raises `FileError`: one of them cannot be read.
     """

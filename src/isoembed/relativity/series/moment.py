@@ -49,7 +49,7 @@ class Moment:
     slice : SliceSource or None
         None if the horizon has its own metric, or before matching.
     position : int or None
-        Index in its series, without time and iteration.
+        Index in its series, used for the label if neither time nor iteration is known.
 
     Raises
     ------

@@ -306,7 +306,10 @@ class CallableGeometry(_Callables):
         return gradient
 
     def error(self, quantity: Callable[[ThreeGeometry], Floats]) -> Floats:
-        """See `ThreeGeometry`: change to eighth-order differences, a tenth of noise and rounding."""
+        """See `ThreeGeometry`: ten times the change to eighth-order differences.
+
+        That change is only a tenth of noise and rounding.
+        """
         eighth = _EighthOrder(self.gamma, self.length, self.K)
         return np.asarray(10.0 * (quantity(eighth) - quantity(self)))
 
