@@ -3,7 +3,6 @@
 The seeds of the property tests are fixed: a failure today is a failure tomorrow.
 """
 
-import gc
 import signal
 
 import pytest
@@ -19,17 +18,6 @@ settings.register_profile(
     max_examples=30,
 )
 settings.load_profile("isoembed")
-
-
-def pytest_configure():
-    """Look for no garbage while tests are collected, of which nothing is dropped: 5 of 18 CPU seconds."""
-    gc.disable()
-
-
-def pytest_collection_finish():
-    """Look for garbage again, but not among what was collected, which stays."""
-    gc.freeze()
-    gc.enable()
 
 
 @pytest.fixture(scope="session", autouse=True)
