@@ -91,7 +91,7 @@ class ClampedPatch:
         steps: int = 12,
         share: float = 0.002,  # relative decrease of the energy
     ) -> tuple[Floats, float]:
-        """The local minimum near x and its energy, by the Levenberg-Marquardt method."""
+        """Local minimum near x and its variable part of the energy, by the Levenberg-Marquardt method."""
         n, held = len(self.vertices), np.kron(self.stiffness, np.eye(3))
 
         def step(at: _Terms) -> Curve[_Terms]:

@@ -204,7 +204,7 @@ class Pipeline:
     # Budgets of searches after a failed pull-back, in factorizations
 
     def patch_budget(self, state: State) -> float:
-        """Remaining budget of patch reflections and the best fit."""
+        """Remaining budget of the local search and the best fit."""
         effort = min(self.method.effort, 10.0)  # more does not improve them
         return (2 + effort) * state.cost - self.work.factorizations
 

@@ -6,7 +6,7 @@ k equations of degree 2 in k unknowns have 2^k complex roots, counted with multi
     (1 - t) gamma (s_i^2 - s_i) + t f_i(s)
 
 follow paths that do not meet before t = 1, for all but finitely many gamma on the unit circle.  The paths are
-computed in projective space, where roots at infinity are regular.  See Sommese and Wampler, The numerical
+computed in projective space, where no root is infinite.  See Sommese and Wampler, The numerical
 solution of systems of polynomials arising in engineering and science (World Scientific, 2005).
 """
 

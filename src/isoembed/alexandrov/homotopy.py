@@ -57,7 +57,7 @@ class Waypoint:
     ----------
     polytope : Polytope
     start : int
-        Index of the start in `START_RADII`.
+        Number of the start: index in `START_RADII`, plus its length on the second pass (scaled curvatures).
     close : float
         Largest curvature at which Newton's method is tried, over the largest deficit.
     step : float
@@ -301,8 +301,8 @@ def _path(
         if iterations > STALE and not fresh:
             inverse = None
             continue
-        # With a stale factorization, fewer halvings are allowed after a halved step: three in two successive
-        # steps, and none later.
+        # With a stale factorization, two successive steps are halved at most twice together; from step 20 on,
+        # none is halved.
         stale = max(3 - halving, 1) if count < 20 else 1
         goal, most = here.target * deficits, 30 if fresh else stale
         stepped = _halved(p, dr, goal, unit, most, flips)
@@ -379,7 +379,7 @@ def _norm(curvatures: Floats, unit: Floats | float) -> float:
 def _halved(
     p: Polytope, dr: Floats, goal: Floats, unit: Floats | float, most: int, flips: bool
 ) -> _Step | None:
-    """Step toward these curvatures, halved until they are closer; None if `most` halvings fail."""
+    """Step toward these curvatures, halved until they are closer; None if all of `most` trials fail."""
     size = _norm(p.curvatures - goal, unit)
     search = LineSearch(DECREASE, shortest=2.0 ** (1 - most))
     for halving, fraction in enumerate(search.parameters()):

@@ -110,7 +110,7 @@ def relaxed_polytope(nearest: Polytope, work: Work) -> Relaxed | None:
     Returns
     -------
     Relaxed or None
-        Surface with the lengths of the metric, possibly with dents; None if there is none.
+        Surface with the lengths of the metric, possibly with dents; None if none is found.
     """
     try:
         solution = pinned(nearest, Analyses.of(nearest.tables, work))

@@ -60,7 +60,7 @@ class Comparison:
     same : bool or None
         Whether the exact surfaces are proven to be identical (True) or different (False); None if undecided.
     isolation : float or None
-        Minimum distance of the exact surfaces if they differ: the larger isolation of both certificates.
+        Lower bound on the distance of the exact surfaces if they differ: the larger isolation of both.
     fine_roughness : tuple of float
         `Surface.fine_roughness` of the first and of the second: smaller for the smoother one.
     reason : str

@@ -180,7 +180,7 @@ class Embedding:
         return self._with(length_errors=frozen(checked_errors(self.metric, errors)))
 
     def _shaped(self, vertices: Floats, message: str) -> Embedding:
-        """Return an intermediate surface on the same triangles, for pictures."""
+        """Return a surface with other vertices on the same triangles, for pictures; not a solution."""
         return Embedding(self.metric, vertices, method="", tolerance=1.0, message=message)
 
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:

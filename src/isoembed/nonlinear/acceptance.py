@@ -50,7 +50,7 @@ FULL_STEPS = LineSearch(-np.inf, 1.0)
 
 
 def contraction(share: float) -> LineSearch:
-    """Full steps, each of which must reduce the value by at least the factor `share`."""
+    """Full steps, each of which must reduce the value to less than `share` of it."""
     return LineSearch(1 - share, 1.0)
 
 

@@ -121,7 +121,7 @@ def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: di
     hulls = prove_nearby_hulls(metric.triangulation, straight, reach)
     found["smallest_dihedral"] = float((hulls.dihedrals * equations.dihedral_shares()).min())
     found["flat_edges"] = int(hulls.flat.sum())
-    # The length error of an edge is at most twice the largest distance, and so are the moves of its ends.
+    # The length error of an edge is at most twice the largest distance, by which each of its ends may move.
     farther = 5 * FARTHEST * metric.mean_length + length_errors
     detours = norm(equations.detours(hulls.flat, hulls.slopes, reach, farther))
     found["kantorovich"], radius = nearby.newton_kantorovich(detours)

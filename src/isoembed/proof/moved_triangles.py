@@ -107,7 +107,7 @@ class MovedTriangles:
 
     @cached_property
     def dihedral_angles(self) -> Floats:
-        """Computed dihedral angles at the vertices, (E,)."""
+        """Dihedral angles of the edges, computed from the vertices, (E,)."""
         return dihedral_angles(self.triangulation, self.vertices)
 
     @cached_property

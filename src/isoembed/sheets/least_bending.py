@@ -49,7 +49,7 @@ class LeastBending:
     ----------
     vertices : ndarray, shape (V, 3)
     multipliers : ndarray, shape (E,)
-        Lagrange multipliers of the lengths: tensions of the edges, for bending modulus 2.
+        Multipliers of the lengths: tensions of the edges (positive: they pull), for bending modulus 2.
     imbalance : float
         Largest net force of bending and tensions on a vertex, over the mean diagonal of the form.
     """

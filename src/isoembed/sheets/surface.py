@@ -129,7 +129,7 @@ class SheetEmbedding(Embedding):
     imbalance: float | None = None
 
     def _shaped(self, vertices: Floats, message: str) -> SheetEmbedding:
-        """Return an intermediate surface, with the curvature fits of this one."""
+        """Return a surface with other vertices, not a solution, with the curvature fits of this one."""
         assert isinstance(self.surface, SheetSurface)
         found = SheetEmbedding(
             self.metric, vertices, method="", tolerance=1.0, message=message, condition=self.condition
