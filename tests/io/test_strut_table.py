@@ -268,3 +268,11 @@ def test_larger_errors_than_those_of_the_digits_explain_a_triangle(tmp_path):
         read_metric(written(tmp_path, text))
     with pytest.warns(MeshNote, match="changed within their errors"):
         read_metric(written(tmp_path, text), length_errors=0.5)
+
+
+def test_no_single_strut_is_named_where_a_type_may_be_wrong(tmp_path):
+    """A pyramid whose base is of a type with a tenth of its length: the diagonal is right."""
+    legend = "type,length\nA,1\nB,.1\nC,1.4\n"
+    struts = "from,to,type\n" + "".join(f"{k},5,A\n{k},{k % 4 + 1},B\n" for k in range(1, 5)) + "1,3,C\n"
+    with pytest.raises(InvalidMetric, match=r"breaks the triangle inequality: [^;]*$"):
+        read_metric(written(tmp_path, legend + struts))

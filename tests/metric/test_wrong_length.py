@@ -156,9 +156,9 @@ def test_nothing_is_said_of_computed_lengths():
         rescaled(metric, factors)
 
 
-@pytest.mark.parametrize("curvature", [0.5, 4.0, -1e6])
+@pytest.mark.parametrize("curvature", [4.0, -1e6])
 def test_a_wrong_length_beside_triangles_that_are_too_large(curvature):
-    """Whatever other triangles do, the broken ones are refused."""
+    """Whatever other triangles do, the broken ones are refused; no single length is then wrong."""
     metric = BODIES["ellipsoid"]
-    with pytest.raises(InvalidMetric, match="breaks the triangle inequality"):
+    with pytest.raises(InvalidMetric, match=r"breaks the triangle inequality: [^;]*$"):
         PolyhedralMetric(metric.faces, typed(metric, 50, 3.0), metric.edges, curvature=curvature)

@@ -71,6 +71,7 @@ and the smoother one is right more often."""
 
 def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, tolerance: float) -> MeasuredSurface:
     """Surface of a fit to the lengths of a metric with errors, with the name of the method."""
+    free = fit.degrees_of_freedom
     return MeasuredSurface(
         metric,
         fit.vertices,
@@ -78,7 +79,7 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
         tolerance=tolerance,
         weight=fit.weight,
         scatter=fit.scatter,
-        redundancy=fit.degrees_of_freedom / len(metric.lengths),
+        redundancy=free / len(metric.lengths) if free > 1.0 + 1e-9 else 0.0,  # 1 is the least estimate
         predicted=fit.predicted,
     )
 

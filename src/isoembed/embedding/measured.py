@@ -156,9 +156,9 @@ class MeasuredSurface(Embedding):
         Residuals of others beside them are as a rule those of the fit that a wrong length has bent.
         """
         off = self._standardized
-        left_out = [] if self.predicted is None else np.flatnonzero(np.isfinite(self.predicted)).tolist()
-        worst = sorted(left_out or [int(np.argmax(off))], key=lambda e: -off[e])
-        return [e for e in worst[:SUSPECTS] if off[e] > self._outlier_limit]
+        large = [e for e in np.argsort(-off, kind="stable").tolist() if off[e] > self._outlier_limit]
+        left_out = [] if self.predicted is None else [e for e in large if np.isfinite(self.predicted[e])]
+        return left_out[:SUSPECTS] or large[:1]
 
     @property
     def _doubtful(self) -> int | None:

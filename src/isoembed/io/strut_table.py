@@ -124,7 +124,7 @@ def read(file: InputFile) -> Tables:
         )
     elif error:
         tables["length_errors"] = np.array(error)
-    _check_triangles(**tables, hubs=hubs)
+    _check_triangles(**tables, hubs=hubs, rows=[row.line for row in measured])
     _say_which_hub_is_which(hubs)
     return tables
 
@@ -300,9 +300,17 @@ def _triangles(edges: Indices, struts: Sequence[_Row]) -> Indices:
 
 
 def _check_triangles(
-    faces: Indices, edges: Indices, lengths: Floats, hubs: Sequence[str], length_errors: ArrayLike = 0.0
+    faces: Indices,
+    edges: Indices,
+    lengths: Floats,
+    hubs: Sequence[str],
+    rows: Sequence[int],
+    length_errors: ArrayLike = 0.0,
 ) -> None:
-    """Refuse lengths that break a triangle inequality, and not by their errors, by the names of the hubs."""
+    """Refuse lengths that break a triangle inequality, and not by their errors, by the names of the hubs.
+
+    Lengths that several struts take from a row of the legend may all be wrong: nothing more is said of these.
+    """
     place = {frozenset(ends): e for e, ends in enumerate(edges.tolist())}
     pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2).tolist()
     sides = np.array([place[frozenset(pair)] for pair in pairs]).reshape(-1, 3)
@@ -317,7 +325,9 @@ def _check_triangles(
     names = [hub[:LONGEST_QUOTE] for hub in hubs]
     ends = [" to ".join(names[v] for v in pair) for pair in np.sort(edges, axis=1).tolist()]
     longest_first = sides[f][np.argsort(-lengths[sides[f]], kind="stable")].tolist()
-    doubt = wrong_length_clause(faces, sides, lengths, EUCLIDEAN, lambda e: f"the strut {ends[e]}")
+    doubt = ""
+    if len(set(rows)) == len(rows):
+        doubt = wrong_length_clause(faces, sides, lengths, EUCLIDEAN, lambda e: f"the strut {ends[e]}")
     raise InvalidMetric(
         f"the triangle of the hubs {', '.join(names[v] for v in sorted(faces[f].tolist()))} breaks the "
         f"triangle inequality: {', '.join(f'{ends[e]} is {lengths[e]:.9g}' for e in longest_first)}{doubt}"

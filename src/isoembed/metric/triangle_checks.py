@@ -63,6 +63,14 @@ def broken_triangles(face_edges: Indices, lengths: Floats, margin: float = 0.0) 
     return cast(Mask, ~(most - middle < least - margin * most))
 
 
+def too_large_triangles(space: Space, lengths: Floats) -> Mask:
+    """Triangles with lengths (F, 3) that are too large for a curved space, shape (F,)."""
+    sides = space.root * lengths
+    if space.curvature > 0:
+        return cast(Mask, ~((sides < math.pi).all(axis=1) & (sides.sum(axis=1) < 2 * math.pi)))
+    return cast(Mask, ~(sides < LONGEST_SIDE).all(axis=1))
+
+
 def within_inequalities(sides: Indices, lengths: Floats, errors: Floats) -> Floats:
     """Lengths nearest to those given that obey the triangle inequality in the plane, or nearly the nearest.
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.metric.precision import PRECISION
-from isoembed.metric.triangle_checks import broken_triangles
+from isoembed.metric.triangle_checks import broken_triangles, too_large_triangles
 from isoembed.metric.triangles import Triangles
 from isoembed.space import Space
 
@@ -26,6 +26,7 @@ CLEAR = 4.0  # ratio of the misfits of other candidates to the least: 3 or more 
 WITNESSES = 3  # corners, of four at most, and vertices elsewhere that have neighbors to compare them with
 GRID, LEVELS = 32, 4  # lengths in the interval, in that between neighbors of the best one, ...: to 1e-5 of it
 VAGUE = 0.1  # relative deviation above which an estimate tells less than the interval
+SHARP = 0.02  # relative deviation above which a slip may be close to the estimate by chance
 LEAST = 1e-3  # relative deviation of an estimate, however alike the deficits of a regular body are
 CLOSE, APART = 2.0, 8.0  # deviations: the length that was meant is closer to the estimate, all others farther
 
@@ -63,7 +64,8 @@ class Candidate(NamedTuple):
         likely = {value for value in _before_slips(written) if low < value < high}
         off = sorted((abs(value - self.estimate) / self.deviation, value) for value in likely)
         alone = len(off) == 1 or (len(off) > 1 and off[1][0] > APART)
-        return off[0][1] if self.is_estimated and alone and off[0][0] < CLOSE else None
+        is_sharp = self.deviation <= SHARP * self.estimate
+        return off[0][1] if is_sharp and alone and off[0][0] < CLOSE else None
 
 
 def wrong_length_clause(
@@ -102,6 +104,8 @@ def wrong_length(
 ) -> tuple[Candidate, bool] | None:
     """The length that is wrong, if a single one is, and whether the inequalities alone prove which it is."""
     broken = broken_triangles(sides, lengths)
+    if not space.is_euclidean:
+        broken |= too_large_triangles(space, lengths[sides])
     shared = set.intersection(*map(set, sides[broken].tolist()))
     if not shared:
         return None
