@@ -17,6 +17,8 @@ from isoembed import (
     PolyhedralMetric,
     embed,
 )
+from isoembed.aim.best_fit import BestFit
+from isoembed.aim.measured_lengths import measured_surface
 from isoembed.gallery import Ellipsoid, HarmonicSurface, triangulate
 from isoembed.surface.alignment import distance
 from johnson_solids import johnson
@@ -68,7 +70,7 @@ def test_a_blunder_is_named_and_not_followed(edge, off):
     lengths = metric.lengths.copy()
     lengths[edge] += off
     named = re.escape(
-        f"on the nearest smooth surface: edge {edge} {metric.edges[edge].tolist()} ({'-' if off > 0 else '+'}"
+        f"fitted without them: edge {edge} {metric.edges[edge].tolist()} ({'-' if off > 0 else '+'}"
     )
     with pytest.raises(NotEmbedded, match=named) as caught:
         embed(metric.with_lengths(lengths), length_errors=ERROR)
@@ -97,7 +99,7 @@ def test_a_large_blunder_is_not_followed(off):
     """The scatter of the lengths is nearly all of one: a fit that follows them is compatible with all."""
     exact, lengths = measured_ellipsoid()
     lengths[77] += off
-    with pytest.raises(NotEmbedded, match=r"smooth surface: edge 77 .*with which all other") as caught:
+    with pytest.raises(NotEmbedded, match=r"fitted without them: edge 77 .*with which all other") as caught:
         embed(exact.with_lengths(lengths), length_errors=ERROR / 1000)
     assert abs(caught.value.embedding.lengths[77] - exact.lengths[77]) < off / 4
 
@@ -110,7 +112,7 @@ def test_no_edge_beside_a_large_blunder_is_accused(edge):
     lengths = exact.lengths + np.random.default_rng(edge).normal(0.0, ERROR, len(exact.lengths))
     lengths[edge] -= 35 * ERROR
     with pytest.raises(
-        NotEmbedded, match=rf"on the nearest smooth surface: edge {edge} \[\d+, \d+\] [^;]*, with"
+        NotEmbedded, match=rf"on a smooth surface fitted without them: edge {edge} \[\d+, \d+\] [^;]*, with"
     ):
         embed(exact.with_lengths(lengths), length_errors=ERROR)
 
@@ -138,6 +140,16 @@ def test_the_smallest_detectable_error():
     smallest = report["smallest_detectable_error"]
     assert smallest == pytest.approx(7.84 * ERROR / np.sqrt(report["redundancy"]), rel=1e-3)
     assert 10 * ERROR < smallest < 15 * ERROR
+
+
+def test_a_redundancy_that_is_not_resolved_is_not_reported():
+    """One degree of freedom is the least that the estimate gives."""
+    x, faces = triangulate(Ellipsoid((150.0, 120.0, 100.0)), 80)
+    metric = PolyhedralMetric.from_mesh(x, faces).with_length_errors(ERROR)
+    for score, redundancy in ((0.01, 0.0), (0.002, 25 / len(metric.lengths))):
+        found = measured_surface(metric, BestFit(x, 1.0, 0.01, score), "aim", 1e-10)
+        assert found.redundancy == pytest.approx(redundancy)
+        assert (isoembed.report(found)["measured"]["smallest_detectable_error"] is None) == (not redundancy)
 
 
 def test_a_blunder_among_rounded_lengths_is_named():

@@ -474,9 +474,7 @@ def test_a_large_blunder_on_an_open_cap(edge, off):
     cap = PolyhedralMetric.from_mesh(150 * discs.round_cap(points, np.pi / 2) * [1.1, 1.0, 0.75], faces)
     lengths = cap.lengths + np.random.default_rng(4).normal(0, 0.3, len(cap.lengths))
     lengths[edge] += off
-    named = (
-        rf"on the nearest smooth surface: edge {edge} \[\d+, \d+\] \([^)]* to (\S+)\), with which all other"
-    )
+    named = rf"fitted without them: edge {edge} \[\d+, \d+\] \([^)]* to (\S+)\), with which all other"
     with pytest.raises(NotEmbedded, match=named) as caught:
         embed(cap.with_lengths(lengths), boundary="plane", length_errors=0.3)
     said = re.search(named, str(caught.value))

@@ -28,6 +28,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import compress
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import chdtri
@@ -150,21 +151,21 @@ def fit_within_errors(
     -------
     BestFit
     """
-    known = np.array(errors)
+    known, begin = np.array(errors), _Start.of(metric, start, recorder)
     for _ in range(SUSPECTS):
-        fit, suspect = _fit_of_smooth_start(metric, known, start, recorder)
-        wrong = _followed(metric, known, fit, start, recorder) if suspect is None else [suspect]
+        fit, suspect = _fit_of_smooth_start(metric, known, begin, recorder)
+        wrong = _followed(metric, known, fit, begin, recorder) if suspect is None else [suspect]
         if not wrong:
             break
         known[wrong] = metric.mean_length
-        start = _start_without(metric, known, start, recorder)
+        begin = _start_without(metric, known, begin, recorder)
     else:
-        fit = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+        fit = _fit_of_smooth_start(metric, known, begin, recorder, most=np.inf)[0]
     without, lengths = fit, _lengths(metric, fit)
     if (known == errors).all() and (e := standing_out(np.abs(lengths - metric.lengths) / errors)) is not None:
         known[e] = metric.mean_length
-        start = _start_without(metric, known, start, recorder)
-        without = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
+        begin = _start_without(metric, known, begin, recorder)
+        without = _fit_of_smooth_start(metric, known, begin, recorder, most=np.inf)[0]
     left_out = known != errors
     if not left_out.any():
         return fit
@@ -177,20 +178,32 @@ def _lengths(metric: PolyhedralMetric, fit: BestFit) -> Floats:
     return metric.space.distances(a, b)
 
 
+class _Start(NamedTuple):
+    """Start of fits, and the energy in its charts, whose analysis and factors they share."""
+
+    vertices: Floats
+    energy: SmoothingEnergy
+
+    @classmethod
+    def of(cls, metric: PolyhedralMetric, vertices: Floats, recorder: StageRecorder) -> _Start:
+        return cls(vertices, SmoothingEnergy(metric, vertices, recorder.work))
+
+
 def _start_without(
-    metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder
-) -> Floats:
+    metric: PolyhedralMetric, errors: Floats, start: _Start, recorder: StageRecorder
+) -> _Start:
     """Start for fits without the lengths with large errors; the given start bulges at wrong lengths.
 
     Starts interpolated from a coarse level are too smooth for that.
     """
     if goes_by_levels(metric, None):
         return start
-    return _fit_of_smooth_start(metric, errors, start, recorder, most=np.inf)[0].vertices
+    fit = _fit_of_smooth_start(metric, errors, start, recorder, most=np.inf)[0]
+    return _Start.of(metric, fit.vertices, recorder)
 
 
 def _followed(
-    metric: PolyhedralMetric, errors: Floats, fit: BestFit, start: Floats, recorder: StageRecorder
+    metric: PolyhedralMetric, errors: Floats, fit: BestFit, start: _Start, recorder: StageRecorder
 ) -> list[int]:
     """The length that causes most of the scatter of a fit, a blunder that the fit has followed.
 
@@ -213,7 +226,7 @@ def _followed(
         wrong.append(suspect)
         known = np.maximum(errors, scatter / SCATTERED**2)
         known[wrong] = metric.mean_length
-        start = last.vertices
+        start = _Start.of(metric, last.vertices, recorder)
     last = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
     return wrong if _halves(last, fit) else []
 
@@ -229,21 +242,21 @@ def root_mean_square(errors: Floats) -> float:
 
 
 def _fit_of_smooth_start(
-    metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder, most: float = OUTLIER
+    metric: PolyhedralMetric, errors: Floats, start: _Start, recorder: StageRecorder, most: float = OUTLIER
 ) -> tuple[BestFit, int | None]:
     """The fit, and the first length whose studentized residual exceeds the limit, which ends the search."""
     rms = root_mean_square(errors)
-    energy = SmoothingEnergy(metric, start, recorder.work).weighted(rms / errors)
+    energy = start.energy.weighted(rms / errors)
     fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
     # The energy does not increase, so that the sum of squared residuals grows by at most this share of the
     # sum of squared lengths: no body collapses, however sharp its corners.
-    penalty = float(np.sum(start * energy.roughness(start, 0.0)))
+    penalty = float(np.sum(start.vertices * energy.roughness(start.vertices, 0.0)))
     bound = START * float(metric.lengths @ metric.lengths) / metric.mean_length**2
     weight = min(WEIGHT, bound / penalty) if penalty > 0 else WEIGHT
     known = rms / metric.mean_length  # comparable to the noise of a fit, over the mean edge length
     limit = outlier_limit(len(errors)) * rms
     found: list[BestFit] = []
-    vertices, suspect, worst = start, None, None
+    vertices, suspect, worst = start.vertices, None, None
     while True:
         fit = fits.fit(vertices, weight)
         if suspect is not None and fits.persists(fit, suspect):

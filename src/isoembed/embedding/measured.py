@@ -209,8 +209,10 @@ class MeasuredSurface(Embedding):
         named = ", ".join(self._named(e, in_percent=in_percent) for e in suspects)
         others = np.delete(self._standardized, suspects)
         agree = others @ others <= self.chi_square_limit and others.max() <= self._outlier_limit
+        without = self.predicted is not None and np.isfinite(self.predicted[suspects]).all()
+        surface = "a smooth surface fitted without them" if without else "the nearest smooth surface"
         return (
-            f"check these lengths first, and how much longer they are on the nearest smooth surface: {named}"
+            f"check these lengths first, and how much longer they are on {surface}: {named}"
             f"{', with which all other lengths agree' if agree else ''}"
         )
 

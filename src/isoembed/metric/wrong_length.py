@@ -1,4 +1,4 @@
-"""Search for the wrong length behind a broken triangle inequality.
+"""Identification of a wrong edge length from violated triangle inequalities.
 
 If one length is wrong, its edge is in all triangles that break the inequality, and the other sides of its
 triangles leave it an interval.  Of several such edges it is probably the one that, with another length, has
