@@ -131,7 +131,7 @@ def test_of_a_convex_metric_the_convex_realization_goes_before_a_smoother_one():
     assert "from this one and not convex" in found.message
 
 
-@settings(max_examples=15)
+@settings(max_examples=6)
 @given(
     st.integers(0, 10**6),
     st.floats(-150, 12).map(lambda e: 10.0**e),
@@ -153,15 +153,15 @@ def test_unit_numbering_mirror_and_orientation_do_not_matter(seed, scale, mirror
     assert np.einsum("ij,ij->", a, np.cross(b, c)) > 0
 
 
-@pytest.mark.parametrize("scale", [1e-300, 1e-150, 1e12, 1e150, 1e300])
-def test_extreme_units_change_not_one_digit(scale):
+def test_extreme_units_change_not_one_digit():
     vertices, faces = smooth_bodies.ellipsoid(100)
-    power = 2.0 ** np.round(np.log2(scale))
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     plain = isoembed.embed(metric)
-    scaled = isoembed.embed(metric.with_lengths(power * metric.lengths))
-    assert (scaled.vertices / power == plain.vertices).all()
-    assert scaled.residual == plain.residual
+    for scale in (1e-300, 1e12, 1e300):
+        power = 2.0 ** np.round(np.log2(scale))
+        scaled = isoembed.embed(metric.with_lengths(power * metric.lengths))
+        assert (scaled.vertices / power == plain.vertices).all()
+        assert scaled.residual == plain.residual
 
 
 def test_a_start_that_is_exact_is_left_alone():
@@ -225,7 +225,7 @@ def test_an_attempt_in_fair_shape_is_left_where_noise_leaves_no_surface():
 
 
 def test_lengths_of_no_surface():
-    vertices, faces = triangulate(Sphere(), 100)
+    vertices, faces = triangulate(Sphere(), 60)
     center = vertices[faces[0]].mean(axis=0)  # of least mean square distance from the corners
     apex = len(vertices)
     turned = np.column_stack([faces[0], np.roll(faces[0], -1), np.full(3, apex)])

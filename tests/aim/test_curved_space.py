@@ -1,5 +1,7 @@
 """The default method in hyperbolic and spherical space: coordinates come back from lengths; flat limits."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -53,10 +55,14 @@ def test_they_come_back_along_the_guided_path(curvature, size):
 
 
 @pytest.mark.parametrize(
-    "mesh", [zoo.random_hull(30, 2), triangulate(CassiniPeanut(), 80)], ids=["hull", "peanut"]
+    "mesh",
+    [
+        pytest.param(partial(zoo.random_hull, 30, 2), id="hull"),
+        pytest.param(partial(triangulate, CassiniPeanut(), 80), id="peanut", marks=pytest.mark.slow),
+    ],
 )
 def test_as_curvature_tends_to_zero_surfaces_tend_to_the_euclidean_one_linearly(mesh):
-    vertices, faces = mesh
+    vertices, faces = mesh()
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     size = np.abs(vertices).max()
 

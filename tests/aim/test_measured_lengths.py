@@ -62,7 +62,10 @@ def test_small_errors_leave_the_exact_surface_if_it_is_smoother():
     assert distance(found.vertices, 150 * x) < 0.02
 
 
-@pytest.mark.parametrize(("edge", "off"), [(30, 30.0), (110, -30.0), (60, 10.0)])
+@pytest.mark.parametrize(
+    ("edge", "off"),
+    [(60, 10.0), *(pytest.param(e, off, marks=pytest.mark.slow) for e, off in ((30, 30.0), (110, -30.0)))],
+)
 def test_a_blunder_is_named_and_not_followed(edge, off):
     """One length of a smooth rock is typed 30 mm wrong: the crumpled surface that has it is no answer."""
     x, faces = rock(2, rough=0.5)
@@ -94,7 +97,7 @@ def test_lengths_without_a_blunder_are_followed():
     assert embed(exact.with_lengths(lengths), length_errors=ERROR / 1000).converged
 
 
-@pytest.mark.parametrize("off", [0.02, 0.05, 0.1])
+@pytest.mark.parametrize("off", [0.02, *(pytest.param(off, marks=pytest.mark.slow) for off in (0.05, 0.1))])
 def test_a_large_blunder_is_not_followed(off):
     """The scatter of the lengths is nearly all of one: a fit that follows them is compatible with all."""
     exact, lengths = measured_ellipsoid()
@@ -104,7 +107,7 @@ def test_a_large_blunder_is_not_followed(off):
     assert abs(caught.value.embedding.lengths[77] - exact.lengths[77]) < off / 4
 
 
-@pytest.mark.parametrize("edge", [15, 80, 120, 185])
+@pytest.mark.parametrize("edge", [80, *(pytest.param(e, marks=pytest.mark.slow) for e in (15, 120, 185))])
 def test_no_edge_beside_a_large_blunder_is_accused(edge):
     """The start is bent by the wrong length: fits without it begin from another."""
     x, faces = triangulate(Ellipsoid((150.0, 100.0, 80.0)), 200)
@@ -168,7 +171,7 @@ def test_a_blunder_among_rounded_lengths_is_named():
     assert "the nearest misses edge" in str(caught.value)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_no_right_length_is_suspected(seed):
     x, faces = triangulate(HarmonicSurface(degree=4, order=2, amplitude=0.15), 120, irregular=seed)
     exact = PolyhedralMetric.from_mesh(x, faces)
@@ -185,7 +188,7 @@ def test_errors_that_are_larger_than_stated():
         embed(exact.with_lengths(exact.lengths + noise), method=Aim(effort=0), length_errors=0.1)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_vertices_in_flat_faces(seed):
     """A box of squares: the fit stops at a fold of nearly flat vertices, within the errors of each length."""
     x, faces = zoo.subdivided(*zoo.subdivided(*zoo.cube()))

@@ -22,7 +22,10 @@ def found(system, x, lengths):
     return nearby_realizations(system, x, lengths, smooth_bodies.recorder(), residual_tolerance=1e-11)
 
 
-@pytest.mark.parametrize(("surface", "n", "irregular"), [(Bean(), 400, None), (Bean(), 1000, 1)])
+@pytest.mark.parametrize(
+    ("surface", "n", "irregular"),
+    [(Bean(), 400, None), pytest.param(Bean(), 1000, 1, marks=pytest.mark.slow)],
+)
 def test_from_a_neighbor_the_smooth_surface_is_found_again(surface, n, irregular):
     system, x, lengths = realization(*triangulate(surface, n, irregular=irregular))
     first, *others = found(system, x, lengths)

@@ -35,7 +35,7 @@ def solved(metric):
 
 @pytest.mark.parametrize("name", CONVEX)
 def test_convex_metrics_in_three_factorizations(name):
-    vertices, metric = in_units(*CONVEX[name])
+    vertices, metric = in_units(*CONVEX[name]())
     start, solution, log = solved(metric)
     assert start.shape == (len(vertices),)
     assert smooth_bodies.misfit(solution.vertices, vertices) < 1e-12
@@ -44,7 +44,7 @@ def test_convex_metrics_in_three_factorizations(name):
 
 
 def test_many_edges_of_what_is_found_may_be_concave():
-    _, metric = in_units(*CONVEX["irregular"])
+    _, metric = in_units(*CONVEX["irregular"]())
     assert Convexification(GluedMetric.of(metric)).is_convex
     x = solved(metric)[1].vertices
     t = metric.triangulation
@@ -64,7 +64,7 @@ def test_nearly_convex_metrics_by_way_of_a_convex_one():
 
 def test_it_deviates_to_second_order():
     # Two convex metrics, one twice as far from the given one; three surfaces predict the next.
-    vertices, faces = CONVEX["Kerr"]
+    vertices, faces = CONVEX["Kerr"]()
     x = vertices / vertices.std()
     bend = x * (1 + 0.05 * np.cos(2 * x[:, :1]))
     missed = []
@@ -82,7 +82,7 @@ def test_it_deviates_to_second_order():
 
 
 def test_it_agrees_with_newtons_method_on_the_lengths():
-    _, metric = in_units(*CONVEX["irregular"])
+    _, metric = in_units(*CONVEX["irregular"]())
     x = solved(metric)[1].vertices
     r = length_residuals(metric.triangulation, x, metric.lengths)
     step = LengthSystem(metric.triangulation).step(x, metric.lengths, r)

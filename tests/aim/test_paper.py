@@ -40,7 +40,7 @@ def test_the_papers_bodies(body, tolerance):
     "parameters",
     [
         {"flow": "BDF", "epsilon": 1e-3},
-        {"flow": "RK45", "epsilon": 1e-2},
+        pytest.param({"flow": "RK45", "epsilon": 1e-2}, marks=pytest.mark.slow),
         {"flow": "BDF", "epsilon": 1e-3, "path": "flow"},
         {"path": "exponential"},
         {"path": "exponential", "alpha": 1.0, "Tsteps": 5},

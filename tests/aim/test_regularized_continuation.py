@@ -17,8 +17,11 @@ def normalized(vertices, faces):
     return metric.normalized, vertices / metric.unit
 
 
-@pytest.mark.parametrize("irregular", [None, 5])
-@pytest.mark.parametrize("surface", [CassiniPeanut(), HarmonicSurface(2, 2, 0.2)], ids=["peanut", "saddle"])
+@pytest.mark.parametrize(
+    ("surface", "irregular"),
+    [(CassiniPeanut(), 5), (HarmonicSurface(2, 2, 0.2), None)],
+    ids=["peanut", "saddle"],
+)
 def test_it_leads_from_the_sphere_to_smooth_bodies(surface, irregular):
     # From the sphere of directions, whose lengths have little to do with the body's.
     vertices, faces = triangulate(surface, 500, irregular=irregular)

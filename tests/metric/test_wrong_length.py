@@ -1,5 +1,7 @@
 """The length that is wrong where a triangle inequality is broken."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -49,18 +51,29 @@ def blunders(metric, rng, count):
             yield e, lengths
 
 
+@cache
+def ellipsoid(curvature=0.0):
+    return metric_of(*triangulate(Ellipsoid((3, 2, 1)), 120), curvature=curvature)
+
+
+@cache
+def cap():
+    return metric_of(*triangulate(Cap(angle=1.2), 80))
+
+
 BODIES = {
-    "ellipsoid": metric_of(*triangulate(Ellipsoid((3, 2, 1)), 120)),
-    "in S^3": metric_of(*triangulate(Ellipsoid((3, 2, 1)), 120), curvature=0.3),
-    "in H^3": metric_of(*triangulate(Ellipsoid((3, 2, 1)), 120), curvature=-0.3),
-    "dome": metric_of(*dome(4)),
-    "cap": metric_of(*triangulate(Cap(angle=1.2), 80)),
-    "hull": metric_of(*zoo.random_hull(80, 3)),
+    "ellipsoid": ellipsoid,
+    "in S^3": lambda: ellipsoid(0.3),
+    "in H^3": lambda: ellipsoid(-0.3),
+    "dome": lambda: metric_of(*dome(4)),
+    "cap": cap,
+    "hull": lambda: metric_of(*zoo.random_hull(80, 3)),
 }
 
 
-@pytest.mark.parametrize("metric", BODIES.values(), ids=BODIES.keys())
-def test_wrong_lengths_are_named_and_estimated(metric):
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES.keys())
+def test_wrong_lengths_are_named_and_estimated(body):
+    metric = body()
     rng = np.random.default_rng(1)
     off = []
     for e, lengths in blunders(metric, rng, 25):
@@ -94,7 +107,7 @@ def test_a_regular_body_tells_the_length_exactly():
 
 def test_of_three_sides_of_one_broken_triangle_the_one_with_smooth_deficits_is_named():
     """A boundary edge is in one triangle: nothing but the deficits tells which side is wrong."""
-    metric = BODIES["cap"]
+    metric = cap()
     e = int(np.argmax(metric.triangulation.boundary_edges))
     found, proved = sought(metric, typed(metric, e, 3.0))
     assert (found.edge, proved) == (e, False)
@@ -103,7 +116,7 @@ def test_of_three_sides_of_one_broken_triangle_the_one_with_smooth_deficits_is_n
 
 @pytest.mark.parametrize("size", [1e-150, 1e12])
 def test_no_unit(size):
-    metric = BODIES["ellipsoid"]
+    metric = ellipsoid()
     lengths = typed(metric, 50, 3.0)
     one, _ = sought(metric, lengths)
     other, _ = sought(metric.scaled(size), size * lengths)
@@ -139,7 +152,7 @@ def test_no_slip_explains_a_length():
 
 
 def test_nothing_is_said_of_two_wrong_lengths():
-    metric = BODIES["ellipsoid"]
+    metric = ellipsoid()
     lengths = typed(metric, [50, 200], [5.0, 7.0])
     assert "if one length is wrong" not in refusal(metric, lengths)
 
@@ -149,7 +162,7 @@ def test_nothing_is_said_of_computed_lengths():
     points, faces = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 1]]), zoo.tetrahedron()[1]
     with pytest.raises(InvalidMetric, match=r"its sides are 1\.0, 1\.0 and 2\.0$"):
         PolyhedralMetric.from_mesh(points, faces)
-    metric = BODIES["ellipsoid"]
+    metric = ellipsoid()
     factors = np.zeros(metric.triangulation.n_vertices)
     factors[metric.edges[50]] = 3.0
     with pytest.raises(InvalidMetric, match=r"breaks the triangle inequality: [^;]*$"):
@@ -159,6 +172,6 @@ def test_nothing_is_said_of_computed_lengths():
 @pytest.mark.parametrize("curvature", [4.0, -1e6])
 def test_a_wrong_length_beside_triangles_that_are_too_large(curvature):
     """Whatever other triangles do, the broken ones are refused; no single length is then wrong."""
-    metric = BODIES["ellipsoid"]
+    metric = ellipsoid()
     with pytest.raises(InvalidMetric, match=r"breaks the triangle inequality: [^;]*$"):
         PolyhedralMetric(metric.faces, typed(metric, 50, 3.0), metric.edges, curvature=curvature)

@@ -10,20 +10,20 @@ from isoembed.plot.view import Pose, View
 
 OCTAHEDRON = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=float)
 BODIES = {
-    "octahedron": OCTAHEDRON,
-    "disk": OCTAHEDRON * [1, 1, 0.5],
-    "rod": OCTAHEDRON * [1, 1, 2],
-    "sphere": zoo.icosphere(2)[0],
-    "ellipsoid": zoo.icosphere(2)[0] * [1, 3, 2],
-    "flat": OCTAHEDRON * [1, 2, 0],
-    "horizon": triangulate(KerrHorizon(), 100)[0],
-    "irregular": triangulate(Ellipsoid((3, 2, 1)), 100, irregular=1)[0],
+    "octahedron": lambda: OCTAHEDRON,
+    "disk": lambda: OCTAHEDRON * [1, 1, 0.5],
+    "rod": lambda: OCTAHEDRON * [1, 1, 2],
+    "sphere": lambda: zoo.icosphere(2)[0],
+    "ellipsoid": lambda: zoo.icosphere(2)[0] * [1, 3, 2],
+    "flat": lambda: OCTAHEDRON * [1, 2, 0],
+    "horizon": lambda: triangulate(KerrHorizon(), 100)[0],
+    "irregular": lambda: triangulate(Ellipsoid((3, 2, 1)), 100, irregular=1)[0],
 }
 
 
 @pytest.mark.parametrize("name", BODIES)
 def test_a_body_has_one_pose(name):
-    vertices = BODIES[name]
+    vertices = BODIES[name]()
     posed = Pose.of(vertices).put(vertices)
     extents = np.ptp(posed, axis=0)
     assert np.linalg.det(Pose.of(vertices).axes) == pytest.approx(1)

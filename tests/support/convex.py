@@ -1,16 +1,18 @@
 """Bodies whose metrics are convex, and metrics in their own unit."""
 
+from functools import cache
+
 import smooth_bodies
 import zoo
 from isoembed.gallery import Ellipsoid, KerrHorizon, triangulate
 from isoembed.metric.polyhedral import PolyhedralMetric
 
 CONVEX = {
-    "(3, 2, 1)": smooth_bodies.ellipsoid(800),
-    "Kerr": triangulate(KerrHorizon(), 500),
-    "irregular": triangulate(Ellipsoid((2, 1.5, 1)), 600, irregular=3),
-    "icosahedron": zoo.icosahedron(),
-    "random hull": zoo.random_hull(60, 2),
+    "(3, 2, 1)": lambda: smooth_bodies.ellipsoid(800),
+    "Kerr": cache(lambda: triangulate(KerrHorizon(), 500)),
+    "irregular": cache(lambda: triangulate(Ellipsoid((2, 1.5, 1)), 600, irregular=3)),
+    "icosahedron": zoo.icosahedron,
+    "random hull": lambda: zoo.random_hull(60, 2),
 }
 
 
