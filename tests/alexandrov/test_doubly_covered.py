@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import isoembed
@@ -48,6 +48,7 @@ def flat_body(tables, seed):
     return None
 
 
+@settings(max_examples=15)
 @given(st.integers(4, 12), st.integers(0, 10**6), st.sampled_from([1.0, 3.0, 10.0]))
 def test_polygons_are_found(n, seed, stretch):
     outline = polygon(n, seed, stretch)
@@ -60,6 +61,7 @@ def test_polygons_are_found(n, seed, stretch):
     assert chords == pytest.approx(found.tables.lengths, abs=1e-12 * stretch)
 
 
+@settings(max_examples=15)
 @given(
     st.integers(4, 12),
     st.integers(0, 10**6),
@@ -143,6 +145,7 @@ def test_what_is_not_a_doubly_covered_polygon():
     assert doubly_covered(HalfEdges.of(faces, twins, bent.reshape(-1, 3)), folds) is None
 
 
+@settings(max_examples=15)
 @given(
     n=st.integers(3, 9),
     on_sides=st.integers(0, 6),

@@ -33,7 +33,9 @@ def test_platonic_archimedean_and_catalan_solids(name):
         assert Counter(map(len, found.polygons)) == Counter(map(len, polygons(points)))
 
 
-@pytest.mark.parametrize("tens", range(10))
+@pytest.mark.parametrize(
+    "tens", [pytest.param(tens, marks=() if tens in (0, 4, 8) else pytest.mark.slow) for tens in range(10)]
+)
 def test_johnson_solids(tens):
     for number in range(max(10 * tens, 1), min(10 * tens + 10, 93)):
         points = johnson(number)

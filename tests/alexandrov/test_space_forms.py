@@ -16,7 +16,7 @@ from scrambling import scramble
 CURVATURES = [-1.0, -1e-9, 1e-9, 1.0]
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(
     st.integers(4, 30), st.integers(0, 10**6), st.sampled_from([0.01, 1.0, 2.5]), st.sampled_from(CURVATURES)
 )

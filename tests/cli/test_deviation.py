@@ -14,7 +14,7 @@ from strict_json import strict
 @pytest.fixture
 def peanut():
     """A surface, s.npz."""
-    vertices, faces = triangulate(CassiniPeanut(), 100)
+    vertices, faces = triangulate(CassiniPeanut(), 50)
     np.savez("s.npz", vertices=vertices, faces=faces)
     return read_surface("s.npz")
 

@@ -120,21 +120,26 @@ class SphereTransform:
     def _legendre(self, derivatives: int) -> list[Tables]:
         """``Pi_lm(z) sin^m``, also with z-derivatives of Pi, as one matrix (n, degrees) for each order."""
         z, s = self._heights
-        a, b, sectoral = recurrence(self.harmonics.degree, self.harmonics.order)
-        tables: list[Tables] = [[] for _ in range(derivatives + 1)]
-        for m in range(self.harmonics.order + 1):
-            rows = np.zeros((derivatives + 1, self.harmonics.degree - m + 1, self.n))
-            rows[0, 0] = sectoral[m] * s[:, 0] ** m
-            for k in range(1, rows.shape[1]):
-                for d in range(derivatives + 1):
-                    rows[d, k] = z[:, 0] * rows[d, k - 1]
-                    if d:
-                        rows[d, k] += d * rows[d - 1, k - 1]
-                    rows[d, k] *= a[m, m + k]
-                    if k > 1:
-                        rows[d, k] -= b[m, m + k] * rows[d, k - 2]
-            for d, table in enumerate(tables):
-                table.append(np.ascontiguousarray(rows[d].T))
+        degree, order = self.harmonics.degree, self.harmonics.order
+        a, b, sectoral = recurrence(degree, order)
+        tables = [
+            [np.empty((self.n, degree - m + 1)) for m in range(order + 1)] for _ in range(derivatives + 1)
+        ]
+        d = np.arange(1, derivatives + 1)[:, None, None]
+        row = before = np.zeros((derivatives + 1, order + 1, self.n))
+        row[0] = sectoral[:, None] * s[:, 0] ** np.arange(order + 1)[:, None]
+        for k in range(degree + 1):  # l = m + k, all orders at once
+            if k:
+                m = np.arange(min(order, degree - k) + 1)
+                last, before = before[:, : len(m)], row[:, : len(m)]
+                row = z[:, 0] * before
+                row[1:] += d * before[:-1]
+                row *= a[m, m + k, None]
+                if k > 1:
+                    row -= b[m, m + k, None] * last
+            for table, values in zip(tables, row, strict=True):
+                for m_table, column in zip(table, values, strict=False):
+                    m_table[:, k] = column
         return tables
 
     @cached_property

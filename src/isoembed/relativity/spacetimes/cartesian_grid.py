@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import comb
+from math import comb, factorial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -278,13 +278,18 @@ def _six(what: str, given: ArrayLike) -> Floats:
 
 def lagrange_weights(s: Floats, nodes: int) -> tuple[Floats, Floats]:
     """Lagrange polynomials (..., nodes) for the nodes 0, 1, ... at s (...), and their derivatives."""
-    weights, slopes = np.ones((*s.shape, nodes)), np.zeros((*s.shape, nodes))
-    for j in range(nodes):
-        for k in range(nodes):
-            if k != j:
-                slopes[..., j] = (slopes[..., j] * (s - k) + weights[..., j]) / (j - k)
-                weights[..., j] *= (s - k) / (j - k)
-    return weights, slopes
+    x = s - np.arange(nodes).reshape(-1, *[1] * s.ndim)
+    # Products of the factors below and above each node, and their derivatives.
+    below, above = np.ones((2, *x.shape)), np.ones((2, *x.shape))
+    below[1, 0] = above[1, -1] = 0.0
+    for j in range(1, nodes):
+        below[0, j] = below[0, j - 1] * x[j - 1]
+        below[1, j] = below[1, j - 1] * x[j - 1] + below[0, j - 1]
+        above[0, -1 - j] = above[0, -j] * x[-j]
+        above[1, -1 - j] = above[1, -j] * x[-j] + above[0, -j]
+    at_node = [(-1.0) ** (nodes - 1 - j) * factorial(j) * factorial(nodes - 1 - j) for j in range(nodes)]
+    weights, slopes = below[0] * above[0], below[1] * above[0] + below[0] * above[1]
+    return np.moveaxis(weights, 0, -1) / at_node, np.moveaxis(slopes, 0, -1) / at_node
 
 
 def noise_levels(fields: Floats, nodes: Indices) -> Floats:
