@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Indices
 from isoembed.errors import InvalidParameter
 from isoembed.relativity.spacetimes.checks import numbers, positive_number, refuse_points, vector, written
-from isoembed.relativity.spacetimes.loops import contracted
+from isoembed.relativity.spacetimes.loops import contracted, contracted_gradient
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 from isoembed.reprs import short_repr
 from isoembed.smooth.given_functions import array_of
@@ -182,12 +182,8 @@ class _Interpolation(DerivedGeometry):
     def gradient(self, x: Floats) -> Floats:
         start, s = self.located(x)
         weights, slopes = lagrange_weights(s, self.nodes)
-        out = np.empty((len(s), 3, 3, 3))
-        for k, h in enumerate(np.array(self.grid.spacing)):
-            along = weights.copy()
-            along[:, k] = slopes[:, k] / h
-            out[:, k] = self._summed(slice(6), start, along)
-        return out
+        slopes /= np.array(self.grid.spacing)[:, None]
+        return self._gradient(start, weights, slopes)
 
     def extrinsic_curvature(self, x: Floats) -> Floats:
         if self.grid.K is None:
@@ -198,9 +194,11 @@ class _Interpolation(DerivedGeometry):
     def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
         """Weighted sums (n, 3, 3) of gamma, the first six fields, or K, the other six."""
         fields = self.grid.gamma if part.start is None else self.grid.K
-        return np.asarray(
-            contracted(fields, np.ascontiguousarray(start), np.ascontiguousarray(weights))[:, ENTRY]
-        )
+        return np.asarray(contracted(fields, start, weights)[:, ENTRY])
+
+    def _gradient(self, start: Indices, weights: Floats, slopes: Floats) -> Floats:
+        """Weighted sums (n, 3, 3, 3) of gamma, with the slopes along one axis."""
+        return np.asarray(contracted_gradient(self.grid.gamma, start, weights, slopes)[:, :, ENTRY])
 
     def located(self, x: Floats) -> tuple[Indices, Floats]:
         """First point of the stencil along each axis (n, 3), and the distance from it in spacings."""
@@ -222,10 +220,12 @@ class _Noisy(_Interpolation):
     noise: Floats
 
     def _summed(self, part: slice, start: Indices, weights: Floats) -> Floats:
-        noise = contracted(
-            self.noise[part], np.ascontiguousarray(start % PERIOD), np.ascontiguousarray(weights)
-        )[:, ENTRY]
+        noise = contracted(self.noise[part], start % PERIOD, weights)[:, ENTRY]
         return np.asarray(super()._summed(part, start, weights) + noise)
+
+    def _gradient(self, start: Indices, weights: Floats, slopes: Floats) -> Floats:
+        noise = contracted_gradient(self.noise[:6], start % PERIOD, weights, slopes)[:, :, ENTRY]
+        return np.asarray(super()._gradient(start, weights, slopes) + noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,8 +288,9 @@ def lagrange_weights(s: Floats, nodes: int) -> tuple[Floats, Floats]:
         above[0, -1 - j] = above[0, -j] * x[-j]
         above[1, -1 - j] = above[1, -j] * x[-j] + above[0, -j]
     at_node = [(-1.0) ** (nodes - 1 - j) * factorial(j) * factorial(nodes - 1 - j) for j in range(nodes)]
-    weights, slopes = below[0] * above[0], below[1] * above[0] + below[0] * above[1]
-    return np.moveaxis(weights, 0, -1) / at_node, np.moveaxis(slopes, 0, -1) / at_node
+    both = np.stack([below[0] * above[0], below[1] * above[0] + below[0] * above[1]])
+    weights, slopes = np.ascontiguousarray(np.moveaxis(both, 1, -1)) / at_node
+    return weights, slopes
 
 
 def noise_levels(fields: Floats, nodes: Indices) -> Floats:
@@ -320,5 +321,10 @@ def noise_levels(fields: Floats, nodes: Indices) -> Floats:
 
 def sampled_noise(levels: Floats, margin: int, rng: np.random.Generator) -> Floats:
     """White noise (m, s, s, s) of given levels (m,) on a periodic grid, with a margin after the period."""
-    noise = levels[:, None, None, None] * rng.normal(size=(len(levels), *[PERIOD] * 3))
-    return np.pad(noise, [(0, 0), *[(0, margin)] * 3], mode="wrap")
+    noise = np.empty((len(levels), *[PERIOD + margin] * 3))
+    noise[:, :PERIOD, :PERIOD, :PERIOD] = rng.standard_normal((len(levels), *[PERIOD] * 3))
+    noise[:, :PERIOD, :PERIOD, :PERIOD] *= levels[:, None, None, None]
+    for axis in (1, 2, 3):
+        along = np.moveaxis(noise, axis, 0)
+        along[PERIOD:] = along[:margin]
+    return noise
