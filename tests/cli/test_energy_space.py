@@ -42,6 +42,7 @@ def test_the_reference_may_be_anti_de_sitter_space(report):
     np.testing.assert_allclose(found["rest_frame"]["center"], 0.0, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_horizon_files(call):
     grid = GridMetric.sampled(KerrNewmanHorizon(1.0, 0.9), 48, 1)
     np.savez("h.npz", theta=grid.theta, phi=grid.phi, q_tt=grid.q_tt, q_tp=grid.q_tp, q_pp=grid.q_pp)

@@ -36,6 +36,7 @@ def is_kerr(found, a):
     assert found["name"] == "h.t0.ah1.gp" and found["status"] == "embedded"
 
 
+@pytest.mark.slow
 def test_a_horizon_in_kerr_schild_coordinates(run):
     spin = (-0.48, 0.36, 0.0)
     write_kerr("h.t0.ah1.gp", spin)
@@ -218,7 +219,7 @@ def test_a_horizon_in_a_slice_that_is_moved_and_its_wang_yau_energy(run):
     assert outside["minimum"]["least_second_derivative"] > 0.0
 
 
-@pytest.mark.parametrize("scale", [1e-3, 1e6])
+@pytest.mark.parametrize("scale", [1e-3, pytest.param(1e6, marks=pytest.mark.slow)])
 def test_units(run, scale):
     geometry = KerrSchild(scale, (0.0, 0.0, 0.5 * scale))
     Path("h.gp").write_text(shape_text(geometry.spheroid(geometry.horizon)))

@@ -100,16 +100,8 @@ def test_a_horizon_in_a_file(found):
     check(found("slice.npz", "--guess", 0, 0, 0, 2), 0.5, 1e-2)
 
 
-@pytest.mark.parametrize(
-    "layout",
-    [
-        "plt00010",
-        pytest.param("checkpoint_000010.3d.hdf5", marks=pytest.mark.slow),
-        pytest.param("run.z4c.00010.bin", marks=pytest.mark.slow),
-    ],
-)
-def test_a_horizon_in_files_of_other_codes(found, call, layout):
-    """Kerr, a = 0.5, on two levels: found, and embedded from its coordinates in a file."""
+def write_kerr(layout):
+    """Kerr, a = 0.5, on two levels in a file of another code, and its center."""
     kerr, path, at = KerrSchild(1.0, (0.0, 0.3, 0.4)), Path(layout), 0.0
     boxes = ((((0, 0, 0), (24, 24, 24)),), (((12, 12, 12), (24, 24, 24)),))
     if path.suffix == ".bin":
@@ -121,9 +113,29 @@ def test_a_horizon_in_files_of_other_codes(found, call, layout):
         write_chombo(path, kerr, Grid((0.0,) * 3, 0.5, boxes, (at,) * 3))
     else:
         write_amrex(path, kerr, Grid((-6.0,) * 3, 0.5, boxes))
+    return kerr, at
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("layout", ["plt00010", "checkpoint_000010.3d.hdf5", "run.z4c.00010.bin"])
+def test_a_horizon_is_found_in_files_of_other_codes(found, layout):
+    _, at = write_kerr(layout)
     report = found(layout, "--guess", at, at, at, 2.1)
     check(report, 0.5, 1e-2)
     assert report["name"] == f"horizon near ({at:.9g}, {at:.9g}, {at:.9g}; 2.1) in {layout}"
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        "plt00010",
+        pytest.param("checkpoint_000010.3d.hdf5", marks=pytest.mark.slow),
+        pytest.param("run.z4c.00010.bin", marks=pytest.mark.slow),
+    ],
+)
+def test_a_horizon_embeds_in_files_of_other_codes(call, layout):
+    """From its coordinates in a file."""
+    kerr, at = write_kerr(layout)
     u = fibonacci_directions(600)
     np.savez("shape.npz", points=at + u * kerr.spheroid(kerr.horizon)(u)[:, None])
     status, out, err = call("horizon", "shape.npz", "--geometry", layout, *FEW, "--json")

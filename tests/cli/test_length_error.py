@@ -21,7 +21,7 @@ BARS = ("area", "volume", "integrated_mean_curvature")
 @pytest.fixture
 def metric():
     """An ellipsoid, m.npz."""
-    found = isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3.0, 2.0, 1.0)), 100))
+    found = isoembed.PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3.0, 2.0, 1.0)), 50))
     write_metric("m.npz", found)
     return found
 
@@ -88,9 +88,9 @@ def test_several_files(call, metric):
 
 
 def test_energies(call, metric):
-    np.save("k.npy", np.full(100, 1.5))
+    np.save("k.npy", np.full(50, 1.5))
     given = ("energy", "m.npz", "--mean-curvature", "k.npy", "--lengths", "chord", "--length-error", "1e-4")
-    sigma = mesh_deviation(isoembed.embed(metric), 1e-4, np.full(100, 1.5), lengths="chord")
+    sigma = mesh_deviation(isoembed.embed(metric), 1e-4, np.full(50, 1.5), lengths="chord")
     status, out, err = call(*given)
     assert (status, err) == (0, "")
     assert f", +- {sigma['brown_york']:.1e} by the lengths\n" in out

@@ -15,7 +15,7 @@ pytest.importorskip("matplotlib")
 @pytest.fixture
 def metric(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    vertices, faces = smooth_bodies.ellipsoid()
+    vertices, faces = smooth_bodies.ellipsoid(80)
     write_metric("metric.npz", PolyhedralMetric.from_mesh(vertices, faces))
     return "metric.npz"
 

@@ -117,6 +117,7 @@ def test_a_tilted_horizon():
     assert vector / np.linalg.norm(vector) == pytest.approx([0.6, 0.0, 0.8], abs=1e-10)
 
 
+@pytest.mark.slow
 def test_a_common_horizon_of_three_holes_about_two_centers():
     holes = BrillLindquist((0.5, 0.3, 0.4), ((0.05, 0.1, 0.1), (-0.1, 0.15, 0.0), (0.1, -0.05, -0.2)))
     horizon = find_horizon(holes, StarSurface.sphere((0.0, 0.0, 0.0), 0.6))

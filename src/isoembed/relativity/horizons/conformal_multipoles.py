@@ -257,7 +257,7 @@ def _conformal(
 ) -> _Sphere:
     """Round metric conformal to the metric with areas dA and Gaussian curvatures K at the nodes u."""
     flat = first.reshape(-1, Y.shape[1])
-    S = flat.T @ (np.repeat(dA, 2)[:, None] * flat)
+    S = _gram(flat, np.repeat(dA, 2))
     sources, phi = Y.T @ (dA * K), start
 
     def left(phi: Floats) -> tuple[Floats, Floats]:
@@ -271,7 +271,7 @@ def _conformal(
             break  # the rest is rounding
         # Bordered by three conditions: the round metric is balanced in u.  The multipliers are rounding.
         border = 2.0 * Y.T @ (w[:, None] * u)
-        matrix = np.block([[2.0 * Y.T @ (w[:, None] * Y) - S, border], [border.T, np.zeros((3, 3))]])
+        matrix = np.block([[2.0 * _gram(Y, w) - S, border], [border.T, np.zeros((3, 3))]])
         step, part = -np.linalg.solve(matrix, residual)[:-3], 1.0
         while part >= SHORTEST and np.linalg.norm(left(phi + part * step)[1]) >= size:
             part *= 0.5
@@ -279,13 +279,19 @@ def _conformal(
         w, residual = left(phi)
     if not size <= 1e-6:
         raise InvalidMetric(f"no round metric was found that is conformal to this one: {size:.1e} is left")
-    _, found = eigh(S, Y.T @ (w[:, None] * Y), subset_by_index=[1, 3])
+    _, found = eigh(S, _gram(Y, w), subset_by_index=[1, 3])
     found *= np.sqrt(4.0 * np.pi / 3.0)
     n, slope, _ = harmonics.derivatives(u, found)
     along = slope @ np.stack(angle_frame(u), axis=2)
     # Orientation as for u.
     sign = np.sign(np.sum(w * np.einsum("ni,ni->n", n, np.cross(along[:, :, 0], along[:, :, 1]))))
     return _Sphere(sign * n, sign * slope)
+
+
+def _gram(table: Floats, weights: Floats) -> Floats:
+    """Gram matrix of the columns; of one factor with itself, BLAS computes half of the entries."""
+    scaled = np.sqrt(weights)[:, None] * table
+    return scaled.T @ scaled
 
 
 def _complex(real: Floats, order: int) -> Complexes:
