@@ -188,7 +188,9 @@ def test_another_realization_is_reported():
     assert other.surface.fine_roughness > surface.surface.fine_roughness
     assert surface.distance(other) > 1e-5
     assert "these lengths have another realization too" in surface.message
-    assert surface.message.endswith("mean edge lengths only; isoembed realizations searches further")
+    assert surface.message.endswith(
+        "mean edge lengths only; isoembed.realizations(embedding) searches further"
+    )
     assert isoembed.report(surface)["other_realizations"] == [
         {
             "distance": surface.distance(other),

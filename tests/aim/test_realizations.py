@@ -72,6 +72,16 @@ def test_every_apex_is_out_or_in(which, motions, surfaces):
     assert found.apart[~np.eye(len(found.apart), dtype=np.bool_)].min() > 0.9 * HEIGHT
 
 
+def test_mirror_images_are_one():
+    """In a bipyramid of low apexes, both on one side, a large motion may turn the volume over."""
+    angles = 2 * np.pi * np.arange(5) / 5
+    x = np.vstack([np.column_stack([np.cos(angles), np.sin(angles), 0 * angles]), [[0, 0, 1], [0, 0, -0.6]]])
+    faces = [face for i in range(5) for face in ([i, (i + 1) % 5, 5], [(i + 1) % 5, i, 6])]
+    found = isoembed.realizations(embedding(x, faces), distance=2.0, motions=3, surfaces=2)
+    assert len(found.surfaces) > 1
+    assert found.apart[~np.eye(len(found.apart), dtype=np.bool_)].min() > 1e-3
+
+
 def test_what_smooths_in_several_places_is_done_at_once():
     """Two of five apexes are moved together at most, yet one lead is to the body with all of them out."""
     x, faces = zoo.icosphere(1)

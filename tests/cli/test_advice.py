@@ -23,6 +23,7 @@ from isoembed.cli.advice import in_options
         ("it goes with geometry=", "it goes with --geometry"),
         ("about 3 and not 0.29; length_errors=3 takes", "about 3 and not 0.29; --length-error 3 takes"),
         ("give length_errors=E; length_errors=0 takes", "give --length-error E; --length-error 0 takes"),
+        ("only; isoembed.realizations(embedding) searches", "only; isoembed realizations SURFACE searches"),
         ("(method=Aim(effort=10)).", "(--effort 10)."),
         ("the residual is 1e-05, not 2", "the residual is 1e-05, not 2"),
         ("there is no file merge=1e-6.obj", "there is no file merge=1e-6.obj"),

@@ -26,9 +26,14 @@ def files():
     return metric
 
 
-def test_a_file_is_no_folder(call, files):
-    status, out, err = call("realizations", "s.npz", "m.npz", "-o", "m.npz")
+@pytest.mark.parametrize("command", [["realizations", "s.npz", "m.npz"], ["embed", "s.npz", "m.npz"]])
+def test_a_file_is_no_folder(call, files, command):
+    status, out, err = call(*command, "-o", "m.npz")
     assert (status, out, err) == (2, "", "isoembed: error: the output m.npz is not a folder\n")
+    status, out, err = call(*command, "-o", "new.ply")
+    assert (status, out) == (2, "")
+    assert "the output new.ply would be a folder for several files: give one without .ply" in err
+    assert not Path("new.ply").exists()
 
 
 def test_the_realizations_are_listed_and_written(call, files, monkeypatch):
@@ -45,7 +50,7 @@ def test_the_realizations_are_listed_and_written(call, files, monkeypatch):
     for surface in surfaces:
         assert surface.metric.lengths == pytest.approx(files.lengths, abs=1e-12)
     assert sorted(surface.surface.concave_edges.any() for surface in surfaces) == [False, True]
-    found = strict(call("realizations", "s.npz", "m.npz", "--json", "--surfaces", "1")[1])
+    found = strict(call("realizations", "s.npz", "--json", "--surfaces", "1")[1])  # the lengths are the same
     assert found["region"] == {"distance": 0.12, "motions": 5, "unsolved": 0}
     assert [each["searched"] for each in found["realizations"]].count(True) == 1
     monkeypatch.setattr("isoembed.cli.realizations.LISTED", 1)

@@ -156,6 +156,25 @@ def test_nodes_place_and_mirror_meshes(tmp_path):
     np.testing.assert_allclose(found["vertices"][found["faces"]], expected[FACES[:, ::-1]], atol=1e-13)
 
 
+@pytest.mark.parametrize(
+    "node",
+    [
+        {"translation": [5, 6, 7]},
+        {"scale": [1000, 1000, 1000]},
+        {"rotation": [-np.sqrt(0.5), 0, 0, np.sqrt(0.5)]},
+    ],
+)
+def test_coordinates_of_single_precision_stay_so_under_transformations(node, tmp_path):
+    x, faces = zoo.icosahedron()
+    mesh = document((x * [0.7, 0.9, 1.1]).astype("<f4"), faces.astype("<u2").ravel())
+    own, moved = (glb(mesh[0] | {"nodes": [{"mesh": 0, **more}]}, mesh[1]) for more in ({}, node))
+    (tmp_path / "a.glb").write_bytes(own)
+    (tmp_path / "b.glb").write_bytes(moved)
+    before, after = read_metric(tmp_path / "a.glb").precision, read_metric(tmp_path / "b.glb").precision
+    assert before.name == after.name == "single precision"
+    assert 1 <= after.length_error / before.length_error < 5
+
+
 def test_nodes_without_scenes_and_meshes_without_nodes(tmp_path):
     arrays = POINTS, FACES.astype("<u2").ravel()
     assert len(tables(tmp_path / "a.glb", *document(*arrays, nodes=[]))["faces"]) == 20

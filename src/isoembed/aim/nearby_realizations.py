@@ -30,7 +30,7 @@ def sought(motions: int, near: float) -> str:
     """Clause on a search along the softest motions, within a distance in mean edge lengths."""
     return (
         f"that there are no others is not known: they were sought along the {motions} softest motions "
-        f"within {near:g} mean edge lengths only; isoembed realizations searches further"
+        f"within {near:g} mean edge lengths only; isoembed.realizations(embedding) searches further"
     )
 
 

@@ -28,6 +28,7 @@ from isoembed.linalg import SingularMatrix
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import StageRecorder
 from isoembed.surface.alignment import distance
+from isoembed.surface.measures import outward
 from isoembed.surface.rigidity import LengthSystem, length_residuals
 from isoembed.surface.smoothness import fine_roughness
 
@@ -234,7 +235,8 @@ class RealizationSearch:
                 self._add(found.vertices, moves)
 
     def _add(self, x: Floats, moves: int) -> None:
-        """Add a realization, if it is new and near enough."""
+        """Add a realization, or its mirror image of positive volume, if it is new and near enough."""
+        x = self._outward(x)
         if distance(x, self.vertices, self.system.space) > self.distance * self._unit:
             return
         if not self._is_known(x, SAME):
@@ -244,8 +246,11 @@ class RealizationSearch:
             self._roughness.append(fine_roughness(self.system.triangulation, x))
 
     def _is_known(self, vertices: Floats, near: float) -> bool:
-        space = self.system.space
+        space, vertices = self.system.space, self._outward(vertices)
         return any(distance(vertices, other, space) <= near * self._unit for other in self.found)
+
+    def _outward(self, vertices: Floats) -> Floats:
+        return outward(self.system.triangulation.faces, vertices, self.system.space)
 
     def _annealed(self, vertices: Floats, steps: int) -> Annealed:
         return anneal(self.system, vertices, self.metric.lengths, self.recorder, max_iterations=steps)

@@ -17,6 +17,7 @@ OPTIONS = (
     (r"marginal=False", "--not-marginal"),
     (r"geometry=", "--geometry"),
     (r"start=", "--start"),
+    (r"isoembed\.realizations\(embedding\)", "isoembed realizations SURFACE"),
     (rf"length_errors=(E|{NUMBER})", r"--length-error \1"),
 )
 """Patterns of arguments, and equivalent options."""

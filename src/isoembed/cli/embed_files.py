@@ -11,7 +11,7 @@ import numpy as np
 from isoembed import Method
 from isoembed.cli.length_error import length_errors
 from isoembed.cli.many import carried_out, seen_by_all
-from isoembed.cli.outputs import elapsed, stems
+from isoembed.cli.outputs import check_folder, elapsed, stems
 from isoembed.cli.screen import UsageError, print_aside, print_json
 from isoembed.io import mesh_writer, report_writer, write_atomically
 from isoembed.runs import Result, Store
@@ -46,6 +46,7 @@ def embed_files(options: argparse.Namespace, method: Method) -> int:
         raise UsageError(
             f"{len(options.inputs)} files need an --output: the folder for their surfaces{meant}"
         )
+    check_folder(options.output)
     if "-" in options.inputs:
         raise UsageError("standard input, -, cannot be combined with other inputs")
     errors = length_errors(options)

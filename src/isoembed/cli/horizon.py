@@ -17,7 +17,7 @@ from isoembed.cli.options import (
     refuse_given,
     vertices,
 )
-from isoembed.cli.outputs import Outputs, print_written, stems
+from isoembed.cli.outputs import Outputs, check_folder, print_written, stems
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.slices import (
     OF_SLICE,
@@ -227,6 +227,7 @@ def _found_name(options: argparse.Namespace) -> str:
 def _make_folder(options: argparse.Namespace, stems: list[str]) -> None:
     """Create the output folder, and check that files can be written there."""
     if options.output:
+        check_folder(options.output)
         try:
             options.output.mkdir(parents=True, exist_ok=True)
         except OSError as error:

@@ -10,8 +10,8 @@ from itertools import combinations
 from pathlib import Path
 
 from isoembed.cli.screen import UsageError, print_aside
-from isoembed.io import FileError, check_output, write_atomically
-from isoembed.io.files import Writer
+from isoembed.io import SURFACE_ENDINGS, FileError, check_output, write_atomically
+from isoembed.io.files import Writer, ending
 
 SHOWN = 5  # file names listed in a message
 
@@ -67,6 +67,21 @@ class Outputs(dict[str, Path]):
         if failures:
             raise FileError("; ".join([*failures, *(f"{path} is written" for path in done)]))
         return done
+
+
+def check_folder(path: Path) -> None:
+    """Raise an error if an output folder is a file, or has the name of a surface.
+
+    Raises
+    ------
+    UsageError
+    """
+    if path.exists() and not path.is_dir():
+        raise UsageError(f"the output {path} is not a folder")
+    if not path.exists() and ending(path) in SURFACE_ENDINGS:
+        raise UsageError(
+            f"the output {path} would be a folder for several files: give one without {path.suffix}"
+        )
 
 
 def written(options: argparse.Namespace, *files: Path | str) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from isoembed.aim.acceptance import SAME
 from isoembed.aim.realizations import FEWEST, MOST, Realizations, realizations
 from isoembed.cli.options import add_json_option, add_merge_option, add_output_option, add_quiet_option
-from isoembed.cli.outputs import print_written
+from isoembed.cli.outputs import check_folder, print_written
 from isoembed.cli.same_triangles import metric_of
 from isoembed.cli.screen import UsageError, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
@@ -35,7 +35,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     endings = " ".join((*METRIC_ENDINGS, *MESH_ENDINGS))
     parser.add_argument("surface", type=Path, metavar="SURFACE", help=f"vertices and triangles ({endings})")
     parser.add_argument(
-        "metric", type=Path, metavar="METRIC", help=f"the lengths, on the same triangles ({endings})"
+        "metric",
+        type=Path,
+        nargs="?",
+        metavar="METRIC",
+        help=f"the lengths, on the same triangles ({endings}; default: those of SURFACE)",
     )
     parser.add_argument(
         "--distance",
@@ -71,11 +75,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Search for realizations; return the exit status."""
-    if options.output and options.output.exists() and not options.output.is_dir():
-        raise UsageError(f"the output {options.output} is not a folder")
-    given, why = read_surface(options.surface, merge=options.merge), "realizations are on"
-    metric = metric_of(given, options.surface, options.metric, options.merge, why, any_surface=False)
-    about = Embedding(metric, given.vertices, method=given.method, tolerance=given.tolerance)
+    if options.output:
+        check_folder(options.output)
+    about = given = read_surface(options.surface, merge=options.merge)
+    if options.metric is not None:
+        why = "realizations are on"
+        metric = metric_of(given, options.surface, options.metric, options.merge, why, any_surface=False)
+        about = Embedding(metric, given.vertices, method=given.method, tolerance=given.tolerance)
     found = realizations(about, distance=options.distance, motions=options.motions, surfaces=options.surfaces)
     files = _write(options, found) if options.output else []
     if options.json:
@@ -88,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _write(options: argparse.Namespace, found: Realizations) -> list[Path]:
     paths = [options.output / f"realization-{i}.ply" for i in range(1, len(found.surfaces) + 1)]
-    inputs = {path.resolve() for path in (options.surface, options.metric)}
+    inputs = {path.resolve() for path in (options.surface, options.metric) if path}
     for path in paths:
         if path.resolve() in inputs:
             raise UsageError(f"{path} would overwrite the input: take another folder")

@@ -26,7 +26,7 @@ from isoembed.cli.options import (
     refuse_given,
     vertices,
 )
-from isoembed.cli.outputs import elapsed
+from isoembed.cli.outputs import check_folder, elapsed
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json
 from isoembed.cli.slices import (
     CLOSED_FORMS,
@@ -115,6 +115,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Embed the horizons, and make table and pictures of the results; return the exit status."""
+    check_folder(options.output)
     folder = Path(*seen_by_all(options, [options.output]))
     store = Store(folder)
     if options.horizons:

@@ -5,6 +5,7 @@ The format is read-only: its coordinates have single precision, which no exact s
 
 import base64
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.strips import fan_triangles, strip_triangles
+from isoembed.metric.precision import SINGLE
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 TRIANGLES, STRIP, FAN = 4, 5, 6  # modes of primitives; lower ones are points and lines
@@ -30,7 +32,8 @@ Object = dict[str, Any]
 def read(file: InputFile) -> Tables:
     """Read the triangles of all meshes in the scene, in scene coordinates; all else is ignored.
 
-    Vertices are as in the file, which repeats them at seams of normals or textures.
+    Vertices are as in the file, which repeats them at seams of normals or textures.  Transformed coordinates
+    no longer show their single precision, which is therefore stated.
 
     Raises
     ------
@@ -39,12 +42,15 @@ def read(file: InputFile) -> Tables:
     """
     try:
         document = _Document(file)
-        vertices, faces, n = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+        vertices, faces, n, unit = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0, 0.0
         for mesh, matrix in document.placed():
             for primitive in _list(mesh, "primitives"):
                 points, triangles = document.triangles(primitive)
                 used, triangles = np.unique(triangles, return_inverse=True)  # primitives may share points
                 vertices.append(points[used] @ matrix[:3, :3].T + matrix[:3, 3])
+                if used.size and (matrix != np.eye(4)).any():
+                    last = np.finfo(np.float32).eps * np.abs(points[used]).max()
+                    unit = max(unit, float(last * np.linalg.norm(matrix[:3, :3], 2)))
                 mirrored = np.linalg.det(matrix[:3, :3]) < 0
                 faces.append(n + triangles.reshape(-1, 3)[:, :: -1 if mirrored else 1])
                 n += len(used)
@@ -52,7 +58,9 @@ def read(file: InputFile) -> Tables:
         raise
     except (ValueError, TypeError, RecursionError, OSError) as error:  # invalid JSON, arrays or files
         raise FileError(f"{file} is not a readable glTF file: {first_line(error)}") from None
-    return {"vertices": np.concatenate(vertices), "faces": np.concatenate(faces)}
+    # A length has the errors of two coordinates, uniformly distributed over a unit of the last digit.
+    stated = {"precision": SINGLE, "rounding_error": unit / math.sqrt(6)} if unit else {}
+    return {"vertices": np.concatenate(vertices), "faces": np.concatenate(faces), **stated}
 
 
 class _Document:
