@@ -55,8 +55,7 @@ def held(estimate, exact, largest=np.inf):
     assert abs(estimate.value - exact) <= estimate.error <= largest
 
 
-@pytest.mark.parametrize("noise", [0.0, 1e-6])
-@pytest.mark.parametrize("r", [2.0001, 2.001, 2.01])
+@pytest.mark.parametrize(("r", "noise"), [(2.0001, 0.0), (2.001, 1e-6), (2.01, 0.0)])
 def test_a_horizon_that_is_a_little_off_has_the_errors_of_both_readings(r, noise):
     data, facts = sphere(r, noise)
     assert data.marginal and data.doubtful and facts["marginal"]
@@ -88,7 +87,7 @@ def test_a_grid_without_extrinsic_curvature_is_said_to_be_time_symmetric():
     assert not data.marginal
 
 
-@pytest.mark.parametrize("r", [2.05, 2.14, 3.0])
+@pytest.mark.parametrize("r", [2.05, 3.0])
 def test_what_is_farther_away_is_no_horizon(r):
     data, facts = sphere(r)
     assert not (data.marginal or facts["marginal"])
@@ -99,7 +98,7 @@ def test_what_is_farther_away_is_no_horizon(r):
     assert found.notes[0].startswith("not a horizon: the expansion is")
 
 
-@pytest.mark.parametrize("noise", [0.0, 1e-8, 1e-4])
+@pytest.mark.parametrize("noise", [0.0, 1e-4])
 def test_a_horizon_is_one_within_the_noise_of_its_points(noise):
     data, facts = sphere(2.0, noise)
     assert data.marginal and data.notes == ()
@@ -140,7 +139,7 @@ def test_a_metric_without_k_is_no_horizon_unless_it_is_said():
         expansion_test(data)
 
 
-@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e6])
+@pytest.mark.parametrize("scale", [1e-3, 1e6])
 def test_units(scale):
     data, _ = sphere(2.001 * scale, geometry=KerrSchild(scale, (0.0, 0.0, 0.0)))
     test = expansion_test(data)

@@ -74,8 +74,8 @@ def test_a_hole_in_motion_has_the_area_of_one_at_rest():
     ("d", "masses", "mass"),
     [
         (0.5, (0.5, 0.5), 0.998248418),
-        (0.6, (0.5, 0.5), 0.996294662),
-        (0.7, (0.5, 0.5), 0.992722898),
+        pytest.param(0.6, (0.5, 0.5), 0.996294662, marks=pytest.mark.slow),
+        pytest.param(0.7, (0.5, 0.5), 0.992722898, marks=pytest.mark.slow),
         (0.765, (0.5, 0.5), 0.988481603),
         (0.5, (0.2, 0.8), 0.999007214),
     ],
@@ -106,10 +106,10 @@ def test_two_separate_horizons():
 
 
 def test_units_do_not_matter():
-    horizons = [find_horizon(pair(0.5 * L, (0.5 * L, 0.5 * L))) for L in (1e-3, 1.0, 1e6)]
-    masses = [h.irreducible_mass / L for h, L in zip(horizons, (1e-3, 1.0, 1e6), strict=True)]
-    assert masses == pytest.approx([masses[1]] * 3, rel=1e-13)
-    assert [h.stability for h in horizons] == pytest.approx([horizons[1].stability] * 3, rel=1e-9)
+    horizons = [find_horizon(pair(0.5 * L, (0.5 * L, 0.5 * L))) for L in (1e-3, 1e6)]
+    masses = [h.irreducible_mass / L for h, L in zip(horizons, (1e-3, 1e6), strict=True)]
+    assert masses[0] == pytest.approx(masses[1], rel=1e-13)
+    assert horizons[0].stability == pytest.approx(horizons[1].stability, rel=1e-9)
 
 
 def test_surfaces_of_constant_expansion():
@@ -125,11 +125,11 @@ def test_surfaces_of_constant_expansion():
     ("mass", "d", "area"),
     [
         (0.2, 0.65, 49.8984892225),  # the tutorial of MOTSFinder
-        (0.2, 0.68, 49.787107378),
         (0.5, 0.75, 49.239871799),
-        (0.1, 0.595, 50.130701201),
-        (0.4, 0.754, 49.221090647),
-        (0.4, 0.751, 49.245739414),
+        pytest.param(0.2, 0.68, 49.787107378, marks=pytest.mark.slow),
+        pytest.param(0.1, 0.595, 50.130701201, marks=pytest.mark.slow),
+        pytest.param(0.4, 0.754, 49.221090647, marks=pytest.mark.slow),
+        pytest.param(0.4, 0.751, 49.245739414, marks=pytest.mark.slow),
     ],
 )
 def test_common_horizons_near_their_end(mass, d, area):
@@ -165,20 +165,23 @@ def test_a_tilted_pair_is_a_surface_of_revolution():
     assert largest_expansion(tilted) < 1e-8
 
 
-@pytest.mark.parametrize("velocity", [(0.0, 0.0, 0.95), (0.57, 0.0, 0.76)])
+@pytest.mark.parametrize(
+    "velocity", [(0.0, 0.0, 0.95), pytest.param((0.57, 0.0, 0.76), marks=pytest.mark.slow)]
+)
 def test_a_fast_hole_has_the_area_of_one_at_rest(velocity):
     horizon = find_horizon(BoostedSchwarzschild(1.0, velocity, (1.0, 2.0, 3.0)))
     assert horizon.area == pytest.approx(16.0 * np.pi, rel=1e-12)
     assert horizon.stability == pytest.approx(1.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("spin", [(0.0, 0.0, 1.0), (0.0, 0.6, 0.8)])
+@pytest.mark.parametrize("spin", [(0.0, 0.0, 1.0), pytest.param((0.0, 0.6, 0.8), marks=pytest.mark.slow)])
 def test_extreme_kerr_is_degenerate(spin):
     horizon = find_horizon(KerrSchild(1.0, spin))
     assert horizon.area == pytest.approx(8.0 * np.pi, rel=1e-10)
     assert horizon.notes[-1].startswith("degenerate: its stability eigenvalue is")
 
 
+@pytest.mark.slow
 def test_nearly_extreme_kerr_is_not():
     geometry = KerrSchild(1.0, (0.0, 0.0, 1.0 - 1e-8))
     horizon = find_horizon(geometry)
@@ -223,7 +226,7 @@ def test_nothing_is_said_of_larger_horizons_around_one_near_a_guess(radius):
     assert horizon.outer and horizon.outermost is None
 
 
-@pytest.mark.parametrize("radius", [0.1, 0.01])
+@pytest.mark.parametrize("radius", [0.1, pytest.param(0.01, marks=pytest.mark.slow)])
 def test_from_a_trapped_sphere_outward(radius):
     horizon = find_horizon(IsotropicSchwarzschild(1.0), StarSurface.sphere((0.0, 0.0, 0.0), radius))
     assert horizon.area == pytest.approx(16.0 * np.pi, rel=1e-12)

@@ -24,6 +24,7 @@ def least(d, near):
     return least_expansion(pair(d), outer, inner, symmetric=True, settled=1e-6)
 
 
+@pytest.mark.slow
 def test_common_horizons_end_where_the_least_expansion_is_zero():
     a, b = 0.765, 0.7663
     near = find_horizon(pair(a)).surface
@@ -40,13 +41,14 @@ def test_common_horizons_end_where_the_least_expansion_is_zero():
     assert leaf.rate == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_stability_falls_to_zero_with_a_square_root():
     end = 0.76619742824
     far, near = (find_horizon(pair(end - gap)).stability / gap**0.5 for gap in (4e-6, 1e-6))
     assert near == pytest.approx(far, rel=5e-3)
 
 
-@pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("gap", [1e-6, *(pytest.param(gap, marks=pytest.mark.slow) for gap in (1e-3, 1e-9))])
 def test_beyond_the_end_there_are_two(gap):
     end = 0.76619742824
     assert len(find_horizons(pair(end - gap))) == 1
@@ -69,6 +71,7 @@ def test_no_step_passes_over_the_horizons():
     assert -1e-4 < foliation.barriers[1].normalized_expansion < 0.0
 
 
+@pytest.mark.slow
 def test_the_error_of_a_minimum_of_the_normalized_expansion_alone():
     # Far apart the expansion itself has no minimum, only c R / 2; finer steps find it within the error.
     def minimum(step):

@@ -38,7 +38,7 @@ def test_refusals(found, given, sentence):
 
 def test_a_surface_too_small_for_the_grid_has_a_note():
     sphere = StarSurface.sphere((0.0, 0.0, 0.0), 0.5)
-    for n, said in ((16, True), (44, False)):
+    for n, said in ((16, True), (42, False)):
         data, _ = horizon_data(
             sphere,
             sampled(

@@ -23,7 +23,9 @@ def star(x):
     return (1.0 + 0.2 / np.sqrt(0.3 + r2))[:, None, None] ** 4 * np.eye(3)
 
 
-@pytest.mark.parametrize(("geometry", "least"), [(FLAT, 1.0), (AnalyticCallable(star), 0.7)])
+@pytest.mark.parametrize(
+    ("geometry", "least"), [(FLAT, 1.0), pytest.param(AnalyticCallable(star), 0.7, marks=pytest.mark.slow)]
+)
 def test_no_horizon(geometry, least):
     with pytest.raises(NoHorizon, match="no horizon was found") as failure:
         find_horizon(geometry, StarSurface.sphere((0.0, 0.0, 0.0), 3.0))
@@ -60,7 +62,13 @@ def test_data_are_missing_where_the_horizon_is():
         find_horizon(grid)
 
 
-@pytest.mark.parametrize("move", [lambda grid: grid, lambda grid: Translated(grid, (5.0, 0.0, 0.0))])
+@pytest.mark.parametrize(
+    "move",
+    [
+        pytest.param(lambda grid: grid, marks=pytest.mark.slow),
+        lambda grid: Translated(grid, (5.0, 0.0, 0.0)),
+    ],
+)
 def test_a_grid_that_is_too_coarse(move):
     grid = sampled(IsotropicSchwarzschild(1.0), 24, 2.2)
     coarse = rf"\.\nThis surface has a diameter of \d\.\d+ .* at least {20 * 4.4 / 23:.3g}: use a finer grid"
