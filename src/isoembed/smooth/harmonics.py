@@ -5,7 +5,7 @@ by sin(theta), and the poles need no special treatment.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,6 +164,7 @@ class Harmonics:
         return tables
 
 
+@lru_cache(maxsize=16)
 def recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
     """Tables (order + 1, degree + 1) for ``P_l = a z P_l-1 - b P_l-2``, and ``P_mm`` (order + 1,)."""
     l, m = np.arange(degree + 1.0), np.arange(order + 1.0)[:, None]
@@ -174,4 +175,7 @@ def recurrence(degree: int, order: int) -> tuple[Floats, Floats, Floats]:
     b[:, 1:] /= np.where(a[:, :-1] > 0.0, a[:, :-1], np.inf)
     m = m[1:, 0]
     steps = np.sqrt((2.0 * m + 1.0) / (2.0 * m)) * np.where(m == 1.0, np.sqrt(2.0), 1.0)
-    return a, b, np.cumprod(np.concatenate([[np.sqrt(0.25 / np.pi)], steps]))
+    tables = a, b, np.cumprod(np.concatenate([[np.sqrt(0.25 / np.pi)], steps]))
+    for table in tables:
+        table.setflags(write=False)
+    return tables

@@ -25,9 +25,8 @@ LIMIT = 1.7656917209184877
 TABLE = {0.9: 1.8343379378, 0.95: 1.9343168808, 0.99: 2.0102107853}
 
 
-@pytest.mark.parametrize(
-    "spin", [0.9, *(pytest.param(spin, marks=pytest.mark.slow) for spin in (0.95, 0.99))]
-)
+@pytest.mark.slow  # but for the command, tests/cli/test_energy_space.py
+@pytest.mark.parametrize("spin", TABLE)
 def test_the_table_of_horizons(spin):
     horizon = KerrNewmanHorizon(1.0, spin)
     surface = embed_surface(horizon.data(), space="hyperbolic")

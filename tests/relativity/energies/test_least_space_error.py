@@ -14,7 +14,7 @@ EXACT = 1.894566397859  # a quadrature in more digits
 EXTREME = 2.0196563952021
 
 
-@pytest.mark.parametrize(("count", "noise"), [(600, 1e-4), (1000, 1e-3)])
+@pytest.mark.parametrize(("count", "noise"), [pytest.param(600, 1e-4, marks=pytest.mark.slow), (1000, 1e-3)])
 def test_points_with_noise(count, noise):
     hole, rng = KerrSchild(1.0, tuple(SPIN)), np.random.default_rng(1)
     u = rng.normal(size=(count, 3))
