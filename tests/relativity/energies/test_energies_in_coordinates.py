@@ -75,6 +75,11 @@ def test_poor_directions():
     np.testing.assert_allclose(mesh["vertices"], mesh["slice_coordinates"], atol=1e-9)
     np.testing.assert_allclose(2.0 * mesh["mean_curvature"], mesh["k"], rtol=1e-8)
 
+
+@pytest.mark.slow
+def test_the_wang_yau_energy_in_poor_directions():
+    data = ellipsoid()
+    surface = embed_surface(data)
     found = wang_yau(data, tau=None, embedding=surface.embedding)
     assert abs(found.energy.value) <= found.energy.error < 1e-9
     assert found.tau.coordinates is surface.embedding.coordinates

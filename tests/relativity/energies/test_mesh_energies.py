@@ -115,7 +115,7 @@ def misses(found, exact):
 FLAT = {"hawking": 1.0, "brown_york": 0.0, "liu_yau": BROWN_YORK[SCHWARZSCHILD]}
 
 
-@pytest.mark.parametrize("noise", [1e-4, 1e-2, 0.1])
+@pytest.mark.parametrize("noise", [1e-4, 1e-2, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_noise_of_k_and_p_at_the_vertices(noise):
     """It averages out in int k, but not in the squares and not in their root."""
     u, embedding = embedded(SCHWARZSCHILD, 400)

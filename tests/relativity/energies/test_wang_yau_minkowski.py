@@ -57,6 +57,7 @@ def test_found_from_zero_up_to_a_boost():
 
 
 @pytest.mark.usefixtures("few_harmonics")
+@pytest.mark.slow
 def test_norm_and_connection_do_instead_of_a_slice():
     surface, data, embedding = minkowski()
 
@@ -80,6 +81,7 @@ def test_norm_and_connection_do_instead_of_a_slice():
 
 
 @pytest.mark.usefixtures("few_harmonics")
+@pytest.mark.slow
 def test_rotations_are_free():
     surface, data, embedding = minkowski()
     Q, _ = np.linalg.qr(np.random.default_rng(7).normal(size=(3, 3)))

@@ -24,7 +24,7 @@ def few_harmonics(monkeypatch):
     [
         (10.0, 1.21576, 1.04726),
         pytest.param(100.0, 1.24423, 1.00473, marks=pytest.mark.slow),
-        (1000.0, 1.24939, 1.00047),
+        pytest.param(1000.0, 1.24939, 1.00047, marks=pytest.mark.slow),
     ],
 )
 def test_moving_hole(R, resting, least):

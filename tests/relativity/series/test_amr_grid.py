@@ -110,6 +110,7 @@ def test_cubes_are_dropped_without_a_change(tmp_path, monkeypatch):
     assert len(geometry._cubes) <= 8
 
 
+@pytest.mark.slow
 def test_a_horizon_across_the_end_of_a_level(tmp_path):
     boxes = ((((0, 0, 0), (48, 48, 48)),), (((24, 24, 24), (48, 48, 24)),))
     write_amrex(tmp_path / "plt", KERR, Grid((-6.0,) * 3, 0.25, boxes), plain)
