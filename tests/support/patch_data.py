@@ -2,6 +2,7 @@
 
 import struct
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -44,12 +45,19 @@ class Grid:
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
 
+@lru_cache(maxsize=512)
+def sampled(geometry, points):
+    """gamma_ij and K_ij (n, 3, 3) at points (n, 3) given as bytes; many files have the same."""
+    x = np.frombuffer(points).reshape(-1, 3)
+    return geometry.metric(x), geometry.extrinsic_curvature(x)
+
+
 def adm(geometry, grid, points):
     """gamma_ij and K_ij (nx, ny, nz, 3, 3); flat where the hole is excised."""
     x = points.reshape(-1, 3) - np.array(grid.center)
     there = np.linalg.norm(x, axis=1) > grid.excised
     gamma, curvature = np.tile(np.eye(3), (len(x), 1, 1)), np.zeros((len(x), 3, 3))
-    gamma[there], curvature[there] = geometry.metric(x[there]), geometry.extrinsic_curvature(x[there])
+    gamma[there], curvature[there] = sampled(geometry, x[there].tobytes())
     return (each.reshape(*points.shape[:-1], 3, 3) for each in (gamma, curvature))
 
 
