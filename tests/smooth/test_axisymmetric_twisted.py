@@ -109,6 +109,7 @@ def test_a_component_that_is_not_smooth_at_the_poles_is_refused():
 
 
 @pytest.mark.parametrize("axes", [np.eye(3), TILT])
+@pytest.mark.slow
 def test_a_horizon_boosted_along_its_spin_is_the_one_at_rest(axes):
     metric = boosted_horizon(0.95, 0.6, axes)
     surface = embed_surface(SurfaceData(metric, marginal=True), space="hyperbolic")

@@ -5,6 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from patch_data import fields
+
 NAMES = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yy": (1, 1), "yz": (1, 2), "zz": (2, 2)}
 METRIC = [f"g{ij}" for ij in NAMES]
 CURVATURE = [f"k{ij}" for ij in NAMES]
@@ -45,8 +47,7 @@ def sampled(geometry, level, start, shape, names, center=(0.0, 0.0, 0.0)):
     x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     there = np.linalg.norm(x - np.array(center), axis=1) > EXCISED
     matrices = {"g": np.zeros((len(x), 3, 3)), "k": np.zeros((len(x), 3, 3))}
-    matrices["g"][there] = geometry.metric(x[there])
-    matrices["k"][there] = geometry.extrinsic_curvature(x[there])
+    matrices["g"][there], matrices["k"][there] = fields(geometry, x[there].tobytes())
     return {name: matrices[name[0]][(slice(None), *NAMES[name[1:]])].reshape(shape) for name in names}
 
 

@@ -46,7 +46,7 @@ class Grid:
 
 
 @lru_cache(maxsize=512)
-def sampled(geometry, points):
+def fields(geometry, points):
     """gamma_ij and K_ij (n, 3, 3) at points (n, 3) given as bytes; many files have the same."""
     x = np.frombuffer(points).reshape(-1, 3)
     return geometry.metric(x), geometry.extrinsic_curvature(x)
@@ -57,7 +57,7 @@ def adm(geometry, grid, points):
     x = points.reshape(-1, 3) - np.array(grid.center)
     there = np.linalg.norm(x, axis=1) > grid.excised
     gamma, curvature = np.tile(np.eye(3), (len(x), 1, 1)), np.zeros((len(x), 3, 3))
-    gamma[there], curvature[there] = sampled(geometry, x[there].tobytes())
+    gamma[there], curvature[there] = fields(geometry, x[there].tobytes())
     return (each.reshape(*points.shape[:-1], 3, 3) for each in (gamma, curvature))
 
 
