@@ -131,7 +131,7 @@ def test_its_bands_are_those_at_rest():
     assert e.explanation.startswith("no surface of revolution has this metric for theta < 0.896")
 
 
-@pytest.mark.parametrize("spin", [(0.0, 0.0, 0.9), (0.0, 0.54, 0.72)])
+@pytest.mark.parametrize("spin", [(0.0, 0.0, 0.9), pytest.param((0.0, 0.54, 0.72), marks=pytest.mark.slow)])
 def test_spheres_in_slices_that_rotate_take_euclidean_space(spin):
     data = StarSurface.sphere((0.0, 0.0, 0.0), 1.7).data(KerrSchild(1.0, spin))
     least = least_hyperbolic(data.metric)
@@ -159,6 +159,7 @@ def meridian(a):
     return at
 
 
+@pytest.mark.slow
 def test_an_ergosurface_in_hyperbolic_space():
     surface = embed_surface(ergosurface(0.8), space="hyperbolic")
     at, k = meridian(0.8), surface.space.curvature

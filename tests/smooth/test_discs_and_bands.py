@@ -59,7 +59,7 @@ def test_lengths_are_hyperbolic_distances(metric, points, radius, bound):
     assert np.log2(errors[0] / errors[1]) > 4
 
 
-@pytest.mark.parametrize("n", [12, 100, 1000])
+@pytest.mark.parametrize("n", [12, 100, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("metric", "zone"),
     [
