@@ -42,7 +42,7 @@ def mass(spin, factor=1.0):
     return replace(horizon(spin), space=Space(factor * least)).integrated_mean_curvature / (4.0 * pi)
 
 
-@pytest.mark.parametrize(("space", "r"), zip(SPACES, (0.4, 1.5, 1.5), strict=True))
+@pytest.mark.parametrize(("space", "r"), [*zip(SPACES, (0.4, 1.5, 1.5), strict=True)])
 def test_geodesic_spheres(space, r):
     sn, cs = float(space.sn(r)), float(space.cs(r))
     e = spheroid(sn, sn, space)
