@@ -153,15 +153,17 @@ def test_equal_lengths_have_one_error_in_a_design_only():
 def test_a_few_lengths_with_another_decimal_do_not_tell_the_digits_of_all(typed):
     lengths = np.round(np.random.default_rng(0).uniform(30, 90, 120))
     lengths[: len(typed)] += typed
-    error = 1.0 if typed != [0.5, 0.25] else 0.1  # two decimals more are another precision
-    assert rounding_error(lengths) == pytest.approx(error / np.sqrt(12) / lengths.mean(), rel=1e-12)
+    assert rounding_error(lengths) == pytest.approx(1 / np.sqrt(12) / lengths.mean(), rel=1e-12)
 
 
-def test_lengths_in_halves_and_in_tenths():
-    exact = np.random.default_rng(0).uniform(30, 90, 120)
-    for step, unit in ((0.5, 1.0), (0.1, 0.1)):
-        lengths = np.round(exact / step) * step
-        assert rounding_error(lengths) == pytest.approx(unit / np.sqrt(12) / lengths.mean(), rel=1e-12)
+@pytest.mark.parametrize("decimals", [2, 3, 4, 9])
+@pytest.mark.parametrize("step", [5, 2, 1, 0.5, 0.25, 0.2, 0.1, 1 / 8, 1 / 16])
+def test_unit_of_lengths_in_any_fraction_typed_with_any_decimals(step, decimals):
+    exact = np.random.default_rng(0).uniform(60 * step, 200 * step, 120)
+    lengths = np.round(np.round(exact / step) * step, decimals)
+    assert rounding_error(lengths) == pytest.approx(step / np.sqrt(12) / lengths.mean(), rel=1e-12)
+    errors = np.full(len(lengths), step / np.sqrt(12))
+    assert len(np.unique(shared_errors(lengths, errors))) == len(lengths)
 
 
 def test_few_whole_lengths_are_measured_if_they_fill_their_range():

@@ -283,8 +283,11 @@ class MeasuredSurface(Embedding):
         if rounding is None:
             return ""
         rougher = ", and the surface that has the lengths exactly is rougher" if self.others else ""
+        unit = math.sqrt(12) * rounding
+        is_decimal = abs(math.log10(unit) - round(math.log10(unit))) < 1e-6
+        origin = "the last digit" if is_decimal else f"rounding to multiples of {unit:.4g}"
         return (
-            f"; the errors, {rounding:.2g}, are those of the last digit{rougher}: if the lengths were "
+            f"; the errors, {rounding:.2g}, are those of {origin}{rougher}: if the lengths were "
             "measured with larger ones, give length_errors=E; length_errors=0 takes them as exact"
         )
 

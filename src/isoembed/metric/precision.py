@@ -96,17 +96,33 @@ COARSE = 0.01
 """Standard deviation, in mean lengths, above which the last digit is not attributed to rounding."""
 
 
-SHARE = 0.4
-"""Fraction of lengths in whole units above which they were rounded to these: of lengths rounded to tenths of
-the unit, one in ten is whole; of lengths in halves, one in two."""
+SHARE = 0.3
+"""Fraction of lengths in whole units above which they were rounded to these, beyond the fraction expected by
+chance: of lengths rounded to tenths of the unit, one in ten is whole; of lengths in halves, one in two."""
+
+FRACTIONS = 2.0 ** -np.arange(1.0, 7.0)
+"""Binary fractions to which lengths are rounded, such as sixteenths of an inch."""
 
 
 def rounding_error(lengths: Floats) -> float | None:
-    """Standard deviation of lengths rounded to a decimal place, divided by their mean.
+    """Standard deviation of rounded lengths, divided by their mean.
 
-    A few lengths, or halves, may have one decimal more than the others.  None for lengths that are taken as
-    exact: those with more than nine digits, few different values, or a unit too coarse for measurements.
+    A few lengths may have more decimals than the others.  None for lengths that are taken as exact: those
+    with more than nine digits, few different values, or a unit too coarse for measurements.
     """
+    unit = _detected_unit(lengths)
+    if unit is None:
+        return None
+    error = unit / math.sqrt(12) / float(lengths.mean())
+    return (
+        error
+        if error <= COARSE and _look_measured(np.unique(np.rint(lengths / unit)), len(lengths))
+        else None
+    )
+
+
+def _detected_unit(lengths: Floats) -> float | None:
+    """Unit to which lengths were rounded; None for more than nine digits."""
     if not 1e-200 < lengths.max() < 1e200:
         return None
     largest = math.floor(math.log10(lengths.max()))
@@ -114,16 +130,8 @@ def rounding_error(lengths: Floats) -> float | None:
     for digits in range(1, PRECISION.most + 1):
         unit = 10.0 ** (largest - digits + 1)
         if unit and _multiples(sample, unit) and _multiples(lengths, unit):
-            break
-    else:
-        return None
-    unit = common_unit(lengths, unit)
-    error = unit / math.sqrt(12) / float(lengths.mean())
-    return (
-        error
-        if error <= COARSE and _look_measured(np.unique(np.rint(lengths / unit)), len(lengths))
-        else None
-    )
+            return common_unit(lengths, unit)
+    return None
 
 
 def _look_measured(values: Floats, count: int) -> bool:
@@ -136,11 +144,28 @@ def _look_measured(values: Floats, count: int) -> bool:
 
 
 def common_unit(lengths: Floats, unit: float) -> float:
-    """Unit of the last digit of most lengths, given a power of ten of which all are multiples."""
+    """Unit to which most lengths were rounded, given the unit of their last decimal place.
+
+    It is larger if all are multiples of two, five or more units, or of a binary fraction, to the last decimal
+    place, or if many are multiples of a power of ten.
+    """
     values = np.unique(lengths)  # equal struts count once
-    whole = _are_multiples(values, 10.0 * unit)
-    most = whole.mean() > SHARE and len(values) >= DESIGNED
-    return 10.0 * unit if most or (whole.all() and len(lengths) >= DESIGNED) else unit
+    steps = unit * np.array([2.0, 5.0, 10.0, 20.0, 25.0, 50.0, 100.0])
+    step = unit
+    for each in np.sort(np.append(steps, FRACTIONS[1.99 * unit < FRACTIONS])).tolist():
+        measured = _look_measured(np.unique(np.rint(values / each)), len(lengths))
+        is_typed_zero = each == steps[2]
+        if (measured or is_typed_zero) and _are_near(values, each, unit).all():
+            step = each
+    whole_unit = 10.0 ** (math.floor(math.log10(1.001 * step)) + 1)
+    many = _are_near(values, whole_unit, unit).mean() > SHARE + step / whole_unit
+    return whole_unit if many and len(values) >= DESIGNED else step
+
+
+def _are_near(values: Floats, step: float, unit: float) -> NDArray[np.bool_]:
+    """Whether each is a multiple of a step to the last decimal place."""
+    off = np.abs(values - step * np.rint(values / step))
+    return np.asarray(off <= (0.5 + PRECISION.error) * unit)
 
 
 def shared_errors(lengths: Floats, errors: Floats) -> Indices:
@@ -166,13 +191,13 @@ def shared_errors(lengths: Floats, errors: Floats) -> Indices:
 
 
 def rounded_unit(lengths: Floats, errors: Floats) -> float | None:
-    """Power of ten to which lengths were rounded, from their standard deviations; None if there is none."""
+    """Unit to which lengths were rounded, from their standard deviations; None if there is none."""
     if not 1e-200 < errors.min() == errors.max():
         return None
     step = math.sqrt(12) * float(errors[0])
-    unit = 10.0 ** round(math.log10(step))
-    typed = 0.99 < step / unit < 1.01  # with two digits
-    return unit if typed and _multiples(lengths, unit) else None
+    decimal = 10.0 ** round(math.log10(step))
+    units = (decimal if _multiples(lengths, decimal) else None, _detected_unit(lengths))
+    return next((unit for unit in units if unit and 0.99 < step / unit < 1.01), None)  # with two digits
 
 
 def last_digits(
