@@ -46,6 +46,18 @@ def test_others_has_the_twin_of_a_schoenhardt_polyhedron(degrees):
     assert found.uniqueness.kind == "searched"
 
 
+def test_approximations_of_a_double_root_are_one_realization():
+    x, faces = schoenhardt(30.0)  # rigid, with an infinitesimal flex
+    found = isoembed.embed(PolyhedralMetric.from_mesh(x, faces))
+    assert found.distance(x) < 1e-4
+    assert found.others == ()
+    assert len(isoembed.realizations(found).surfaces) == 1
+    x, faces = schoenhardt(30.01)
+    found = isoembed.embed(PolyhedralMetric.from_mesh(x, faces))
+    [twin] = found.others
+    assert 1e-5 < twin.distance(found) < 1e-2
+
+
 def test_convex_bodies_are_not_searched():
     found = isoembed.embed(PolyhedralMetric.from_mesh(*zoo.random_hull(40, 1)))
     assert "neighbors" not in {stage.name for stage in found.stages}

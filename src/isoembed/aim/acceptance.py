@@ -3,12 +3,14 @@
 `Embedding.converged` refers to the tolerance of the surface.  The searches use these thresholds in addition.
 """
 
+import math
+
 from isoembed.embedding.embedding import Embedding
 
 REALIZED = 1e-11  # mean edge lengths; largest residual of a realization
 PLACED = 1e-10  # mean edge lengths; largest residual of a convex polyhedron, or at the end of a search
 NEARLY = 1e-6  # mean edge lengths; residual from which Newton's method converges reliably
-SAME = 1e-7  # mean edge lengths; distance within which realizations are identical
+SAME = 1e-7  # mean edge lengths; distance within which realizations are always identical
 
 
 def is_accepted(surface: Embedding) -> bool:
@@ -29,3 +31,18 @@ def is_near(surface: Embedding) -> bool:
 def is_realization(surface: Embedding) -> bool:
     """Whether the surface counts among the realizations, however loose the tolerance is."""
     return surface.converged and is_near(surface)
+
+
+def identical_within(residual: float) -> float:
+    """Distance within which realizations with up to this residual are identical, in mean edge lengths.
+
+    Halfway between two surfaces at distance d, the squares of the lengths are smaller by at most d^2 / 4.  If
+    this is within the residuals, all surfaces between them have the lengths equally well: they are two
+    approximations of a double root, as for a rigid surface with an infinitesimal flex.
+    """
+    return max(SAME, math.sqrt(10 * residual))
+
+
+def are_identical(one: Embedding, other: Embedding) -> bool:
+    """Whether two surfaces are the same realization, as far as their residuals tell."""
+    return one.distance(other) <= identical_within(max(one.residual, other.residual))

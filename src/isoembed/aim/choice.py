@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from isoembed.aim.acceptance import SAME, is_realization
+from isoembed.aim.acceptance import are_identical, is_realization
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter, NotEmbedded
@@ -41,7 +41,7 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
     """
     different: list[Embedding] = []
     for surface in surfaces:
-        if is_realization(surface) and all(surface.distance(other) > SAME for other in different):
+        if is_realization(surface) and not any(are_identical(surface, other) for other in different):
             different.append(surface)
     if not different:
         return min(surfaces, key=lambda surface: surface.residual)
@@ -82,7 +82,7 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
     others = list(embedding.others)
     for vertices in search.found:
         other = _like(embedding, vertices)
-        if all(other.distance(known) > SAME for known in (embedding, *others)):
+        if not any(are_identical(other, known) for known in (embedding, *others)):
             others.append(other)
     found = embedding._with_others(others, Evidence("searched", said))
     return found._with_message(f"{found.message}; {said}")
@@ -117,7 +117,7 @@ def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
     else:
         target = _target(embedding, np.array(which))
         near = _realized(target, log)
-        if near is not None and all(near.distance(other) > SAME for other in found):
+        if near is not None and not any(are_identical(near, other) for other in found):
             found.append(near)
         best = min(found, key=target.distance)
     rest = [surface for surface in found if surface is not best]

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from isoembed.aim.acceptance import REALIZED, SAME
+from isoembed.aim.acceptance import REALIZED, identical_within
 from isoembed.aim.anneal import Annealed, anneal
 from isoembed.aim.length_expansion import LengthExpansion
 from isoembed.aim.nearby_realizations import predicted_motions, softest_motions
@@ -239,7 +239,7 @@ class RealizationSearch:
         x = self._outward(x)
         if distance(x, self.vertices, self.system.space) > self.distance * self._unit:
             return
-        if not self._is_known(x, SAME):
+        if not self._is_known(x, identical_within(self._residual(x) / self._unit)):
             self.found.append(x)
             self.searched.append(False)
             self._moves.append(moves)
