@@ -11,11 +11,13 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
-from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded
+from isoembed.errors import Interrupted, InvalidMetric, InvalidParameter, NotEmbedded, warn_of_mesh
 from isoembed.evidence import Evidence
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.precision import rounded_unit
 from isoembed.metric.vertex_links import NO_LINK, link_gaps, without_link
 from isoembed.progress.checkpoints import Checkpoint, Checkpoints
 from isoembed.progress.fingerprint import Fingerprint
@@ -48,7 +50,8 @@ class Method(ABC):
     takes_boundary : bool
         Whether the metric may be on a surface with boundary, or of higher genus.
     takes_length_errors : bool
-        Whether errors of the lengths take part in the choice of the surface.
+        Whether errors of the lengths take part in the choice of the surface.  Otherwise those of the metric
+        give error bars, or are unused if the surface has none.
     shows_path : bool
         Whether there always are surfaces before the last, which `StageRecorder.show` has been given.
     """
@@ -137,13 +140,16 @@ def solve(
         if isinstance(metric, GluedMetric):
             raise InvalidParameter("length_errors are not supported for a GluedMetric")
         metric = metric.with_length_errors(length_errors)
-    if getattr(metric, "length_errors", None) is not None and not method.takes_length_errors:
-        if method.takes_boundary:
-            raise InvalidParameter("for a surface with boundary, length_errors requires boundary='plane'")
-        raise InvalidParameter(
-            f"the method {method.name!r} takes lengths as exact: embed without length_errors, and take "
-            "embedding.with_length_errors(errors) for error bars"
-        )
+        if metric.length_errors is not None and not method.takes_length_errors:
+            if method.takes_boundary:
+                raise InvalidParameter("for a surface with boundary, length_errors requires boundary='plane'")
+            raise InvalidParameter(
+                f"the method {method.name!r} takes lengths as exact: embed without length_errors, and take "
+                "embedding.with_length_errors(errors) for error bars"
+            )
+    shown = None
+    if isinstance(metric, PolyhedralMetric) and not method.takes_length_errors:
+        metric, shown = _exact(metric, method)
     unit = metric.normalized
     fingerprint = Fingerprint.of(metric.tables, method, tolerance)
     if resume is not None:
@@ -180,4 +186,20 @@ def solve(
                 said = f"{without_link(metric, v)}. {embedding.message[:1].upper()}{embedding.message[1:]}"
                 raise NotEmbedded(said, embedding, Evidence("proved", NO_LINK))
         raise NotEmbedded(embedding.message, embedding)
+    if shown is not None:
+        return embedding.with_length_errors(shown)
     return embedding._noting_rounded_lengths()
+
+
+def _exact(metric: PolyhedralMetric, method: Method) -> tuple[PolyhedralMetric, Floats | None]:
+    """Metric without its length errors, and those from which the embedding has error bars, if it can."""
+    errors = metric.length_errors
+    if errors is None:
+        return metric, None
+    exact = metric.with_length_errors(0.0)
+    if method.keeps_triangles and not method.takes_boundary:
+        return exact, errors
+    of_digits = rounded_unit(metric.lengths, errors) is not None
+    unused = "the errors of their digits" if of_digits else "their errors"
+    warn_of_mesh(f"the method {method.name!r} takes lengths as exact: {unused} are unused")
+    return exact, None

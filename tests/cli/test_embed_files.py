@@ -121,7 +121,7 @@ def test_parts_leave_the_table_to_the_whole(run, metrics):
         (["m1.npz", "-o", "m1.ply"], "--jobs is for several files, whose --output is a folder"),
         (["m1.npz", "m2.npz", "-o", "out", "--shard", "3/2"], "'3/2' is not I/N with I from 1 to N"),
         (["m1.json", "m2.npz", "-o", "."], "m1.json would overwrite the input m1.json: take another"),
-        (["m1.npz", "m2.npz", "-o", "m1.npz"], "cannot make the folder m1.npz/results: Not a directory"),
+        (["m1.npz", "m2.npz", "-o", "m1.npz"], "the output m1.npz is not a folder"),
     ],
 )
 def test_what_makes_no_sense_is_refused(run, metrics, arguments, message):

@@ -91,8 +91,10 @@ def test_more_than_half_a_sphere_is_no_cap(tmp_path):
     path = written(tmp_path, typed(strut_table(surface(*dome(3, -0.21))), 5))
     with pytest.raises(InvalidMetric, match=r"exterior angle of the boundary at vertex \d+ is -0\.037"):
         embed(path, boundary="plane")
+    with pytest.warns(MeshNote, match="takes lengths as exact: the errors of their digits are unused"):
+        assert embed(path, boundary="free").converged
     with pytest.raises(InvalidParameter, match="requires boundary='plane'"):
-        embed(path, boundary="free")
+        embed(path, boundary="free", length_errors=1e-5)
 
 
 def test_names_and_numbers_from_one(tmp_path):
@@ -182,6 +184,14 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
     assert metric.triangulation.n_faces == 6
 
 
+def test_struts_listed_by_each_of_their_faces(tmp_path):
+    once = "from,to,length\n" + rows(OCTAHEDRON, "1.50")
+    own = read_metric(written(tmp_path, once))
+    twice = read_metric(written(tmp_path, once + rows([ends[::-1] for ends in OCTAHEDRON], "1.5")))
+    np.testing.assert_array_equal(twice.faces, own.faces)
+    np.testing.assert_array_equal(twice.lengths, own.lengths)
+
+
 @pytest.mark.parametrize(
     ("text", "error", "words"),
     [
@@ -213,7 +223,11 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
         ("from,length,to\n0,1\n", FileError, "line 2: a strut is from '0' to ''"),
         ("von;nach;mm\n0;1;2\n", FileError, "its first line is 'von;nach;mm'"),
         ("from,to,length\n0,0,1\n", FileError, "line 2: a strut is from '0' to '0'"),
-        ("from,to,length\n0,1,1\n1,0,1\n", FileError, "line 3: the hubs 1 and 0 are joined in line 2, too"),
+        (
+            "from,to,length\n0,1,1.0\n1,0,1.1\n",
+            FileError,
+            "line 3: the hubs 1 and 0 are 1.1 apart, but 1.0 in line 2",
+        ),
         ("from,to,length\n0,1,1\n1,2,1\n", InvalidMetric, "between the hubs 0 and 1 is in no triangle"),
         ("from,to,length\n1,2,1\n\n2,3,1\n", InvalidMetric, "between the hubs 1 and 2 is in no triangle"),
         (

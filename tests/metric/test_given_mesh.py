@@ -32,6 +32,11 @@ def refusal(*arguments, **options):
     return str(caught.value)
 
 
+def test_polygons_are_counted_as_they_are_given():
+    expected = "edge [0, 1] is in 3 faces [0, 2, 6], not in 2: face 6 repeats face 2"
+    assert refusal(CUBE, [*SQUARES, SQUARES[2]]).startswith(expected)
+
+
 @pytest.mark.parametrize("unit", [1e-150, 1.0, 1e12])
 def test_planar_polygons_are_faces_of_the_metric(unit):
     metric, notes = messages(PolyhedralMetric.from_mesh, unit * CUBE, SQUARES)

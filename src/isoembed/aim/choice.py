@@ -185,9 +185,9 @@ def no_convex(embedding: Embedding) -> NotEmbedded:
             Evidence("proved", "the angles at a vertex of a convex surface sum to 2 pi at most"),
         )
     count = 1 + len(embedding.others)
+    found = f"none of the {count} realizations" if count > 1 else "the only realization"
     return NotEmbedded(
-        f"none of the {count} realizations found is convex"
-        if count > 1
-        else "the only realization found is not convex",
+        f"{found} found is {'convex' if count > 1 else 'not convex'}: no deficit is negative, and "
+        'method="alexandrov" finds the convex polyhedron, on triangles of its own',
         embedding,
     )

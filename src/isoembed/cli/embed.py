@@ -166,12 +166,6 @@ def run(options: argparse.Namespace) -> int:
         check_same_triangles(metric, own, source, near, "'nearest' is defined for a surface on")
     if _is_surface(options.boundary) or _is_surface(options.start):
         method = _from_meshes(options, method, metric, source)
-    if metric.length_errors is not None and not method.takes_length_errors:
-        if errors is not None or (method.keeps_triangles and not method.takes_boundary):
-            errors = metric.length_errors
-        else:
-            print_error(f"the method {method.name!r} takes lengths as exact: their errors are unused", "note")
-        metric = metric.with_length_errors(0.0)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
         print_error(
             "the metric is convex in R^3: it is embedded in R^3; for curvature -1 write "
@@ -180,16 +174,13 @@ def run(options: argparse.Namespace) -> int:
         )
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
-        found = isoembed.embed(
+        return isoembed.embed(
             metric,
             method=method,
             tolerance=options.tolerance,
             progress=heard_by(progress, checkpoints.listen),
             resume=kept,
         )
-        if errors is None or method.takes_length_errors or method.takes_boundary:
-            return found
-        return found.with_length_errors(errors)
 
     try:
         status = answer(options, outputs, solve)

@@ -65,7 +65,8 @@ def sides_of(
             continue
         if len(some) == 1:
             raise InvalidMetric(
-                f"side {k} of polygon {p} is glued to nothing: no other side joins corners {a!r} and {b!r}"
+                f"side {k} of polygon {p} is glued to nothing: no other side joins corners {a!r} and {b!r}, "
+                "and only any_surface permits a boundary"
             )
         if len(some) > 2:
             named = ", ".join(f"{m} of polygon {q}" for q, m in some)

@@ -214,7 +214,7 @@ def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon], any_s
         own = [(i, run) for i, pair in enumerate(runs) for run in dict.fromkeys(pair) if run.polygon == p]
         stops = sorted({x for _, run in own for x in (run.start, run.stop)})
         if not own and not any_surface:
-            raise InvalidMetric(f"polygon {p} is glued to nothing")
+            raise InvalidMetric(f"polygon {p} is glued to nothing: any_surface permits a boundary")
         place = {x: k for k, x in enumerate(stops)}
         glued = [-1] * len(stops)  # identification that glues the part from each stop to the next
         for i, run in own:
@@ -228,7 +228,8 @@ def _check_cover(runs: list[tuple[Run, Run]], polygons: Sequence[Polygon], any_s
                 if k == last:
                     break
         if -1 in glued and not any_surface:
-            raise InvalidMetric(f"{_stretch(p, polygon, stops, glued.index(-1))} is glued to nothing")
+            part = _stretch(p, polygon, stops, glued.index(-1))
+            raise InvalidMetric(f"{part} is glued to nothing: any_surface permits a boundary")
 
 
 def _stretch(p: int, polygon: Polygon, stops: list[float], k: int) -> str:

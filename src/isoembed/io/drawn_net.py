@@ -138,7 +138,8 @@ def _drawn_net(drawing: Lines, name: str, tolerance: float | None) -> Net:
                 raise
             raise InvalidMetric(
                 f"{error}; sides without a number were glued by their lengths, which does not always tell "
-                "them apart: write the same number at the two sides that are glued, or draw with more digits"
+                "them apart: write the same number at the two sides that are glued, "
+                "or if their lengths differ, draw with more digits"
             ) from None
     if quiet and net.correction and net.correction.largest > max(SNAP * size, 2 * drawing.error):
         warn_of_mesh(str(replace(net.correction, source=f"{tolerance:.2g}, by the digits of the drawing")))
@@ -376,7 +377,8 @@ def _no_mate(sheets: LineGraph, left: Sequence[Side], tolerance: float, ways: in
     several = f": {ways} ways to glue it make a convex solid" if ways else ""
     length = _length(sheets, left[0])
     digits = (
-        f", or draw with more digits: lengths that differ by less than {tolerance:.2g} mm are not told apart"
+        ", or if their lengths differ, draw with more digits: lengths that differ by less than "
+        f"{tolerance:.2g} mm are not told apart"
         if tolerance > COARSE * length
         else ""
     )

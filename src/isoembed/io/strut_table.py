@@ -108,6 +108,9 @@ def read(file: InputFile) -> Tables:
         _number(text, f"{file}, line {row.line}: the length is {_short(_written(row))}")
         for text, row in zip(texts, measured, strict=True)
     ]
+    kept = _listed_once(struts, texts, lengths, file)
+    struts, measured = [struts[k] for k in kept], [measured[k] for k in kept]
+    texts, lengths = [texts[k] for k in kept], [lengths[k] for k in kept]
     edges = _edges(struts, file)
     tables = {"faces": _triangles(edges, struts), "edges": edges, "lengths": np.array(lengths)}
     hubs, error = _hubs(struts), _error(texts, tables["lengths"])
@@ -251,6 +254,28 @@ def _say_which_hub_is_which(hubs: Sequence[str]) -> None:
     warn_of_mesh(f"hubs are numbered from 0 in the order of their names: {', '.join(named)}")
 
 
+def _listed_once(
+    struts: Sequence[_Row], texts: Sequence[str], lengths: Sequence[float], file: InputFile
+) -> list[int]:
+    """Rows of different struts: tables made face by face have each strut twice, with the same length."""
+    first: dict[frozenset[str], int] = {}
+    for k, row in enumerate(struts):
+        j = first.setdefault(frozenset((row.cells["from"], row.cells["to"])), k)
+        unit = max(map(_last_digit, (texts[j], texts[k])))
+        if abs(lengths[k] - lengths[j]) > 0.5 * unit + PRECISION.error * unit:
+            raise FileError(
+                f"{file}, line {row.line}: {row.hubs} are {texts[k][:LONGEST_QUOTE]} apart, but "
+                f"{texts[j][:LONGEST_QUOTE]} in line {struts[j].line}"
+            )
+    return list(first.values())
+
+
+def _last_digit(text: str) -> float:
+    """Unit of the last digit of a number; 0 for powers of ten."""
+    found = DECIMALS.fullmatch(text)
+    return 10.0 ** -len(found[1] or "") if found else 0.0
+
+
 def _edges(struts: list[_Row], file: InputFile) -> Indices:
     """The ends of the struts by the numbers of their vertices."""
     names = [row.cells[end] for row in struts for end in ("from", "to")]
@@ -259,12 +284,7 @@ def _edges(struts: list[_Row], file: InputFile) -> Indices:
             start, end = map(_short, names[2 * k : 2 * k + 2])
             raise FileError(f"{file}, line {row.line}: a strut is from {start} to {end}")
     place = {name: k for k, name in enumerate(_hubs(struts))}
-    edges = np.array([place[name] for name in names]).reshape(-1, 2)
-    seen: dict[frozenset[int], int] = {}
-    for row, ends in zip(struts, map(frozenset, edges.tolist()), strict=True):
-        if (before := seen.setdefault(ends, row.line)) != row.line:
-            raise FileError(f"{file}, line {row.line}: {row.hubs} are joined in line {before}, too")
-    return edges
+    return np.array([place[name] for name in names]).reshape(-1, 2)
 
 
 def _natural_order(name: str) -> tuple[tuple[bool, int, str], ...]:

@@ -86,7 +86,7 @@ def triangle_mesh(
     if not finite.all():
         v = int(np.argmin(finite))
         raise InvalidMetric(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
-    corners, sizes = given, _ = polygon_corners(faces)
+    corners, sizes = given, given_sizes = polygon_corners(faces)
     if corners.max() >= len(points):
         raise InvalidMetric(
             f"a face refers to vertex {corners.max()}, but there are only {len(points)} vertices"
@@ -101,11 +101,36 @@ def triangle_mesh(
     straight = _scaled(to_model(space, points, "projective"))
     if merge:
         corners, sizes = _split(straight, corners, sizes, merge * _mean_side(straight, corners, sizes))
+    if len(sizes) == len(given_sizes):
+        _check_sides(corners, sizes)
     if (sizes == 3).all():
         triangles = corners.reshape(-1, 3)
     else:
         triangles = _cut(straight, corners, sizes, math.ldexp(error, -_exponent(points)))
     return (points, triangles) if merge is None and not leave_out else _renumbered(points, triangles, given)
+
+
+def _check_sides(corners: Indices, sizes: Indices) -> None:
+    """Raise an error if a side is in more than two polygons, by their numbers before they are cut."""
+    after = corners[next_corners(sizes)]
+    keys = np.minimum(corners, after) * (corners.max() + 1) + np.maximum(corners, after)
+    _, of_side, count = np.unique(keys, return_inverse=True, return_counts=True)
+    over = count[of_side] > 2
+    if not over.any():
+        return
+    k = int(np.argmax(over))
+    inside = np.repeat(np.arange(len(sizes)), sizes)[of_side == of_side[k]].tolist()
+    polygons = np.split(corners, np.cumsum(sizes)[:-1])
+    first: dict[frozenset[int], int] = {}
+    doubles = [
+        f"face {f} repeats face {g}"
+        for f in inside
+        if (g := first.setdefault(frozenset(polygons[f].tolist()), f)) != f
+    ]
+    raise InvalidMetric(
+        f"edge {sorted((int(corners[k]), int(after[k])))} is in {len(inside)} faces {inside}, not in 2"
+        f"{': ' if doubles else ''}{' and '.join(doubles)}"
+    )
 
 
 def merging_advice(points: Floats, faces: ArrayLike, space: Space = EUCLIDEAN) -> str:

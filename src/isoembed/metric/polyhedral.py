@@ -319,7 +319,7 @@ class PolyhedralMetric(TriangleMetric):
             e = int(np.argmax(wrong))
             raise InvalidMetric(
                 f"the length error of edge {e} {self.edges[e].tolist()} is {sigma[e]}, not a positive finite "
-                "number; pass zeros for all edges to take the lengths as exact"
+                "number; length_errors=0 takes the lengths as exact"
             )
         # Errors that are given, be they zero, go before the digits.
         return {"length_errors": None if exact else frozen(sigma), "rounding": None}

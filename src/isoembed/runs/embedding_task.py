@@ -82,11 +82,7 @@ class EmbeddingTask:
                         any_surface=True,
                         length_errors=self.length_error,
                     )
-                unused = None if self.method.takes_length_errors else metric.length_errors
-                given = metric if unused is None else metric.with_length_errors(0.0)
-                found = solve(given, self.method, tolerance=self.tolerance)
-                if unused is not None:
-                    found = found.with_length_errors(unused)
+                found = solve(metric, self.method, tolerance=self.tolerance)
             except NotEmbedded as error:
                 told = {**report(error.embedding), **error.report, **self.facts}
                 return Result(self.label, error.embedding.status, told)
