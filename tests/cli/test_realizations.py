@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import isoembed
 import zoo
 from isoembed import PolyhedralMetric
 from isoembed.cli.realizations import LEGEND
@@ -107,6 +108,19 @@ def test_which_of_them_is_the_answer(call, files):
     x[-1] *= 0.96 / 1.02  # the apex pushed in
     np.savez("near.npz", vertices=3 * x, faces=faces)
     assert call("embed", "m.npz", "--which", "near.npz", "-o", "out.ply")[0] == 0
+    assert read_surface(Path("out.ply")).surface.concave_edges.any()
+
+
+def test_the_surface_of_the_file_may_be_another_realization(call, files):
+    x, faces = np.load("s.npz")["vertices"], files.faces
+    assert call("embed", "s.npz", "-o", "out.ply")[2] == ""
+    x[-1] *= 0.98 / 1.02  # the mirror image of the apex in its triangle
+    np.savez("dented.npz", vertices=x, faces=faces)
+    _, _, err = call("embed", "dented.npz", "-o", "out.ply")
+    assert "the surface in dented.npz has these lengths, too, and is 0.0" in err
+    assert "--which dented.npz returns it" in err
+    assert call("embed", "dented.npz", "--which", "dented.npz", "-o", "out.ply")[2] == ""
+    assert isoembed.embed("dented.npz").distance(x) > 0.01
     assert read_surface(Path("out.ply")).surface.concave_edges.any()
 
 

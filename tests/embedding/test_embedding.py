@@ -314,3 +314,18 @@ def test_what_is_no_embedding_is_refused(function):
     ):
         with pytest.raises(isoembed.InvalidParameter, match=f"the embedding is a {kind}: give what"):
             function(wrong)
+
+
+def test_many_other_realizations_are_summarized():
+    x, faces = zoo.icosphere(1)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    ball = Embedding(metric, x, method="known", tolerance=1e-10)
+    dents = [
+        x * np.where(np.arange(len(x)) == v, size, 1.0)[:, None] for v, size in enumerate((0.9, 0.8, 0.7))
+    ]
+    others = [Embedding(metric, each, method="known", tolerance=1e-10) for each in dents]
+    said = ball._with_others(others).message
+    near, far = (format(ball.distance(other), ".1g") for other in (others[0], others[-1]))
+    assert said.count("realization") == 1
+    assert f"these lengths have 3 other realizations too, {near} to {far} mean edge lengths from" in said
+    assert said.endswith("this one: 1 rougher, 2 not convex")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 import isoembed
+from isoembed.aim.acceptance import are_identical, is_realization
 from isoembed.arrays import Floats
 from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
@@ -19,8 +20,9 @@ from isoembed.cli.parameters import configured, parameters
 from isoembed.cli.same_triangles import check_same_triangles
 from isoembed.cli.screen import UsageError, print_error
 from isoembed.errors import Interrupted, InvalidParameter
-from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_metric, read_surface
+from isoembed.io import MESH_ENDINGS, FileError, read_checkpoint, read_surface
 from isoembed.io.files import ending
+from isoembed.io.metric import read_with_vertices
 from isoembed.io.registry import METRIC_ENDINGS
 from isoembed.methods import method_class, method_names
 from isoembed.metric.polyhedral import PolyhedralMetric
@@ -157,7 +159,7 @@ def run(options: argparse.Namespace) -> int:
     errors = length_errors(options)
     kept = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, kept)
-    metric = read_metric(
+    metric, own_vertices = read_with_vertices(
         source, merge=options.merge, space=options.space, any_surface=True, length_errors=errors
     )
     if options.which is not None and options.which not in WHICH:
@@ -174,13 +176,16 @@ def run(options: argparse.Namespace) -> int:
         )
 
     def solve(progress: Listener | None) -> isoembed.Embedding:
-        return isoembed.embed(
+        found = isoembed.embed(
             metric,
             method=method,
             tolerance=options.tolerance,
             progress=heard_by(progress, checkpoints.listen),
             resume=kept,
         )
+        if own_vertices is not None and "which" in parameters(type(method)) and options.which is None:
+            _note_given_surface(found, own_vertices, source)
+        return found
 
     try:
         status = answer(options, outputs, solve)
@@ -277,3 +282,16 @@ def _tolerance(text: str) -> float:
     if not (value > 0 and math.isfinite(value)):
         raise argparse.ArgumentTypeError(f"{text} is not a positive finite number")
     return value
+
+
+def _note_given_surface(found: isoembed.Embedding, vertices: Floats, source: Path) -> None:
+    """Note that the surface in the file has the lengths, too, if it is not the one found."""
+    if not (found.residual <= found.tolerance and found.metric.space.is_euclidean):
+        return
+    given = isoembed.Embedding(found.metric, vertices, method=found.method, tolerance=found.tolerance)
+    if is_realization(given) and not are_identical(found, given):
+        print_error(
+            f"the surface in {source} has these lengths, too, and is {found.distance(given):.1g} mean edge "
+            f"lengths from the one found: --which {source} returns it",
+            "note",
+        )

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import copy
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
@@ -478,7 +479,14 @@ class Embedding:
                 f"; {inverted} inverted and {partially} partially inverted vertices: the surface may be "
                 "crumpled"
             )
-        return said + "".join(self._beside(other) for other in self.others)
+        if len(self.others) < 3:
+            return said + "".join(self._beside(other) for other in self.others)
+        distances = [self.distance(other) for other in self.others]
+        kinds = ", ".join(f"{n} {kind}" for kind, n in Counter(map(self._kind, self.others)).items())
+        return (
+            f"{said}; these lengths have {len(distances)} other realizations too, {min(distances):.1g} to "
+            f"{max(distances):.1g} mean edge lengths from this one: {kinds}"
+        )
 
     @property
     def _takes_length_errors(self) -> bool:
@@ -497,16 +505,18 @@ class Embedding:
             f"{self.message}; the lengths look rounded: length_errors={error:.2g} gives error bars"
         )
 
-    def _beside(self, other: Embedding) -> str:
-        """Clause on the distance and the shape of another realization."""
+    def _kind(self, other: Embedding) -> str:
+        """Shape of another realization compared with this one."""
         first, second = self.surface, other.surface
         if second.concave_edges.any() and not first.concave_edges.any():
-            kind = "not convex"
-        else:
-            kind = "smoother" if second.fine_roughness < first.fine_roughness else "rougher"
+            return "not convex"
+        return "smoother" if second.fine_roughness < first.fine_roughness else "rougher"
+
+    def _beside(self, other: Embedding) -> str:
+        """Clause on the distance and the shape of another realization."""
         said = (
             f"; these lengths have another realization too, {self.distance(other):.1g} mean edge lengths "
-            f"from this one and {kind}"
+            f"from this one and {self._kind(other)}"
         )
         mirrored = mirrored_dents(self.metric, self.mean_curvature, other.mean_curvature)
         if mirrored:

@@ -85,11 +85,25 @@ def read_metric(
     MeshNote
         Vertices or faces are merged or omitted, or polygons are not planar.
     """
+    return read_with_vertices(
+        source, merge=merge, space=space, any_surface=any_surface, length_errors=length_errors
+    )[0]
+
+
+def read_with_vertices(
+    source: str | os.PathLike[str],
+    *,
+    merge: float | None,
+    space: Space | str | None,
+    any_surface: bool,
+    length_errors: ArrayLike | None,
+) -> tuple[PolyhedralMetric, Floats | None]:
+    """Read a metric as `read_metric` does, and the vertices that its lengths were computed from, if any."""
     tables = read_tables(source, merge)
     metric = metric_of(tables if length_errors is None else {**tables, "length_errors": length_errors})
     if not any_surface:
         metric.triangulation.check_sphere()
-    return in_space(metric, space, source)
+    return in_space(metric, space, source), tables.get("vertices")
 
 
 def in_space(
