@@ -70,7 +70,11 @@ def distances(surface):
 
 @pytest.mark.parametrize(
     ("space", "degree", "far"),
-    [*((space, 6, 0.1) for space in SPACES), (Hyperbolic(5.0), 24, 0.01), (Spherical(0.3), 24, 0.01)],
+    [
+        *((space, 6, 0.1) for space in SPACES),
+        (Hyperbolic(5.0), 24, 0.01),
+        pytest.param(Spherical(0.3), 24, 0.01, marks=pytest.mark.slow),
+    ],
 )
 def test_coordinates_that_were_discarded(space, degree, far):
     harmonics = Harmonics(degree, degree)

@@ -59,7 +59,7 @@ def test_a_slow_tail_behind_what_ends_before_the_grid_does(n, m):
         assert mean <= found.error.mean + 1e-15
 
 
-@pytest.mark.parametrize("size", [1e-10, 1e-6, 1e-2])
+@pytest.mark.parametrize("size", [1e-10, 1e-2])
 @pytest.mark.parametrize(("n", "m"), [(8, 1), (12, 24), (24, 1), (24, 48), (32, 32)])
 def test_noise_is_seen_wherever_it_begins(n, m, size):
     def even(u):

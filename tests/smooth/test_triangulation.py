@@ -65,7 +65,7 @@ def excess(metric):
 
 
 @pytest.mark.parametrize("name", METRICS)
-@pytest.mark.parametrize("n", [12, 199, 1000])
+@pytest.mark.parametrize("n", [12, 199, pytest.param(1000, marks=pytest.mark.slow)])
 def test_triangles_are_nearly_equilateral(name, n):
     metric, grading = METRICS[name]
     mesh = triangulate_metric(metric, n, grading=grading)
