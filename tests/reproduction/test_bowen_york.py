@@ -5,6 +5,8 @@ import pytest
 from reproduction import bowen_york
 from sections import check_section
 
+pytestmark = pytest.mark.slow
+
 
 def test_masses_agree_with_those_that_are_known():
     for one in bowen_york._published():
@@ -19,7 +21,6 @@ def test_a_common_horizon_is_told_from_one_of_two():
     assert near["mass"] < near["infinity"]
 
 
-@pytest.mark.slow
 def test_the_section(monkeypatch):
     monkeypatch.setattr(bowen_york, "appearance", lambda P: 0.7661974282 + P / 10)  # tested by itself
     section = bowen_york.study(distances=(1.0, 0.7), expansions=(0.1, 1e-2, 1e-3), momenta=(0.5,))

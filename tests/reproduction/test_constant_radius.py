@@ -27,6 +27,7 @@ def test_the_squared_norm_of_spheres_in_schwarzschild():
     assert found == pytest.approx(np.full(5, 4 / r**2 * (1 - 2 / r)), rel=1e-14)
 
 
+@pytest.mark.slow
 def test_the_section(monkeypatch):
     monkeypatch.setattr(constant_radius, "WITHIN", ((0.0, 1.5), (0.6, 1.4)))
     section = constant_radius.study(spins=3, vertices=150, radii=(2.0, 5.0))

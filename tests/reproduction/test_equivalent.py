@@ -1,5 +1,7 @@
 """Pairs of realizations of one metric, and batches by several processes."""
 
+import pytest
+
 from isoembed import PolyhedralMetric
 from isoembed.gallery import triangulate
 from reproduction import equivalent
@@ -16,6 +18,7 @@ def test_pairs_are_proven_to_be_two_and_their_integrals_differ_little():
         assert pair.mean_curvature_error < abs(pair.mean_curvature) < 0.05 * pair.distance**3
 
 
+@pytest.mark.slow
 def test_the_section(monkeypatch):
     monkeypatch.setattr(equivalent, "SURFACES", {"saddle": equivalent.SURFACES["saddle"]})
     section = equivalent.study(sizes=(100,), seeds=(2,), parallel=60, batch=3)

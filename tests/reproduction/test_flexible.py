@@ -42,6 +42,7 @@ def test_a_rigid_octahedron_cannot_be_followed_along_its_softest_motion():
     assert record["turned"] < 1 or record["missed"] > 1e-6
 
 
+@pytest.mark.slow
 def test_the_section():
     section = flexible.study(steps=5, stacked=1, starts=2)
     check_section(section)

@@ -12,12 +12,14 @@ def test_the_shooting_has_the_known_height_of_the_pole():
     assert curvature == pytest.approx(0.0301, abs=1e-4)  # the least K there
 
 
+@pytest.mark.slow
 def test_two_computations_of_the_flat_waist_agree():
     shot = head_on.flat_waist_by_shooting()
     assert head_on.flat_waist() == pytest.approx(shot, abs=1e-9)
     assert shot == pytest.approx(0.6278314169, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_section(monkeypatch):
     few = {key: head_on.SHOT[key] for key in (((0.5, 0.5), 1.0, "individual"),)}
     monkeypatch.setattr(head_on, "SHOT", few)

@@ -44,6 +44,7 @@ def test_the_cone_of_the_strut_is_refused_by_its_angle():
     assert horizon_mass.static_pair(1e4)["angle"] == pytest.approx(1, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_section(monkeypatch):
     # Harmonics take long, and have tests of their own (relativity/energies/test_embedded_in_space.py).
     monkeypatch.setattr(horizon_mass.Horizon, "by_harmonics", lambda self: self.mass)

@@ -1,6 +1,7 @@
 """A hyperbolic surface of genus 2 with 10 vertices."""
 
 import numpy as np
+import pytest
 
 from isoembed.metric.curvature import deficits
 from isoembed.surface.intersection import self_intersections
@@ -8,6 +9,7 @@ from reproduction import hyperbolic_torus
 from sections import check_section
 
 
+@pytest.mark.slow
 def test_the_section():
     section = hyperbolic_torus.study()
     check_section(section)

@@ -36,6 +36,7 @@ def test_the_area_of_the_ricci_flow_falls_by_8_pi():
     assert flow.profile(0.0).negative_curvature and not flow.profile(0.5).negative_curvature
 
 
+@pytest.mark.slow
 def test_the_section():
     section = weyl_path.study(sizes=(0.7, 0.5), vertices=300, images=3)
     check_section(section)

@@ -173,7 +173,7 @@ def test_times_that_are_none(tmp_path, others, sentence):
         instants(write_evolution(tmp_path / "a.h5", **others))
 
 
-@pytest.mark.parametrize("ending", ["npz", "h5"])
+@pytest.mark.parametrize("ending", ["npz", pytest.param("h5", marks=pytest.mark.slow)])
 def test_a_part_has_the_same_digits(tmp_path, ending):
     """The box of the surface, with enough around it: as in the whole grid, up to rounding of coordinates."""
     whole = sampled(KerrSchild(1.0, (0.0, 0.0, 0.0)), 62, 3.05)

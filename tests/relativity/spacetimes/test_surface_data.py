@@ -62,8 +62,7 @@ def test_functions_of_arrays():
     assert abs(energies.hawking.value - EXACT.hawking.value) <= energies.hawking.error < 1e-7
 
 
-@pytest.mark.parametrize("noisy", ["k", "p"])
-@pytest.mark.parametrize("size", [1e-8, 1e-4, 1e-2])
+@pytest.mark.parametrize(("noisy", "size"), [("k", 1e-8), ("p", 1e-4), ("k", 1e-2)])
 def test_noise_reaches_the_energies(noisy, size):
     ratios = []
     for seed in range(5):

@@ -1,8 +1,11 @@
 """The section on the cited methods."""
 
+import pytest
+
 from reproduction.baselines.study import study
 
 
+@pytest.mark.slow
 def test_the_section_has_a_row_for_every_run_and_its_figures(monkeypatch):
     monkeypatch.setattr("reproduction.baselines.study.SIZES", (0.3,))
     monkeypatch.setattr("reproduction.baselines.study.HALVINGS", 3)
