@@ -97,7 +97,7 @@ def test_lengths_without_a_blunder_are_followed():
     assert embed(exact.with_lengths(lengths), length_errors=ERROR / 1000).converged
 
 
-@pytest.mark.parametrize("off", [0.02, *(pytest.param(off, marks=pytest.mark.slow) for off in (0.05, 0.1))])
+@pytest.mark.parametrize("off", [0.02, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_a_large_blunder_is_not_followed(off):
     """The scatter of the lengths is nearly all of one: a fit that follows them is compatible with all."""
     exact, lengths = measured_ellipsoid()
@@ -107,7 +107,7 @@ def test_a_large_blunder_is_not_followed(off):
     assert abs(caught.value.embedding.lengths[77] - exact.lengths[77]) < off / 4
 
 
-@pytest.mark.parametrize("edge", [80, *(pytest.param(e, marks=pytest.mark.slow) for e in (15, 120, 185))])
+@pytest.mark.parametrize("edge", [80, *(pytest.param(e, marks=pytest.mark.slow) for e in (15, 185))])
 def test_no_edge_beside_a_large_blunder_is_accused(edge):
     """The start is bent by the wrong length: fits without it begin from another."""
     x, faces = triangulate(Ellipsoid((150.0, 100.0, 80.0)), 200)
@@ -171,7 +171,7 @@ def test_a_blunder_among_rounded_lengths_is_named():
     assert "the nearest misses edge" in str(caught.value)
 
 
-@pytest.mark.parametrize("seed", [0, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
+@pytest.mark.parametrize("seed", [0, 3])
 def test_no_right_length_is_suspected(seed):
     x, faces = triangulate(HarmonicSurface(degree=4, order=2, amplitude=0.15), 120, irregular=seed)
     exact = PolyhedralMetric.from_mesh(x, faces)
@@ -188,7 +188,7 @@ def test_errors_that_are_larger_than_stated():
         embed(exact.with_lengths(exact.lengths + noise), method=Aim(effort=0), length_errors=0.1)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_vertices_in_flat_faces(seed):
     """A box of squares: the fit stops at a fold of nearly flat vertices, within the errors of each length."""
     x, faces = zoo.subdivided(*zoo.subdivided(*zoo.cube()))

@@ -108,10 +108,9 @@ def test_a_component_that_is_not_smooth_at_the_poles_is_refused():
         AxisymmetricEmbedding.of(metric)
 
 
-@pytest.mark.parametrize("axes", [np.eye(3), TILT])
 @pytest.mark.slow
-def test_a_horizon_boosted_along_its_spin_is_the_one_at_rest(axes):
-    metric = boosted_horizon(0.95, 0.6, axes)
+def test_a_horizon_boosted_along_its_spin_is_the_one_at_rest():
+    metric = boosted_horizon(0.95, 0.6, TILT)
     surface = embed_surface(SurfaceData(metric, marginal=True), space="hyperbolic")
     r2, a2 = (1.0 + sqrt(1.0 - 0.95**2)) ** 2, 0.95**2
     assert surface.space.curvature == pytest.approx((r2 - 3.0 * a2) / (r2 + a2) ** 2, abs=1e-11)

@@ -48,7 +48,7 @@ def test_stability_falls_to_zero_with_a_square_root():
     assert near == pytest.approx(far, rel=5e-3)
 
 
-@pytest.mark.parametrize("gap", [1e-6, *(pytest.param(gap, marks=pytest.mark.slow) for gap in (1e-3, 1e-9))])
+@pytest.mark.parametrize("gap", [1e-6, pytest.param(1e-9, marks=pytest.mark.slow)])
 def test_beyond_the_end_there_are_two(gap):
     end = 0.76619742824
     assert len(find_horizons(pair(end - gap))) == 1

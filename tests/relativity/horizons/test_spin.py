@@ -153,8 +153,8 @@ def test_of_a_metric_alone_it_is_not_known():
     assert intrinsic_energies(data).christodoulou_mass is None
 
 
-@pytest.mark.parametrize("unit", [1e-90, pytest.param(1e6, marks=pytest.mark.slow)])
-def test_units(unit):
+def test_units():
+    unit = 1e-90
     hole = KerrSchild(unit, tuple(0.6 * unit * TILTED))
     found = find_spin(horizon(hole).data(hole))
     assert abs(found.J.value / unit / unit - 0.6) <= found.J.error / unit / unit <= 1e-10

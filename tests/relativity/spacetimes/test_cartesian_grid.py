@@ -215,8 +215,8 @@ def on_the_grid():
     return SPHERE.data(sampled(HOLE, 0.25, 3.5, 0.3))
 
 
-@pytest.mark.parametrize("unit", [1e-60, pytest.param(1e60, marks=pytest.mark.slow)])
-def test_the_error_scales(on_the_grid, unit):
+def test_the_error_scales(on_the_grid):
+    unit = 1e-60
     one, other = on_the_grid, StarSurface.sphere((0, 0, 0), 2.5 * unit)
     scaled = other.data(sampled(IsotropicSchwarzschild(unit), 0.25, 3.5, 0.3, unit=unit))
     assert scaled.relative_error == pytest.approx(one.relative_error, rel=1e-6)
