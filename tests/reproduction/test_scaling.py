@@ -5,13 +5,14 @@ import pytest
 from reproduction import scaling
 from sections import check_section
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def section():
     return scaling.study(sizes=(60, 120), flow_sizes=(50, 100), step_sizes=(60, 400))
 
 
-@pytest.mark.slow
 def test_the_section_can_be_written(section):
     check_section(section)
 

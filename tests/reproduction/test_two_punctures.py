@@ -66,5 +66,6 @@ def test_the_errors_that_are_stated_cover_those_of_u():
     assert np.abs(coarse.metric(x) - fine.metric(x)).max() < 10 * stated.max() < 1e-3
 
 
+@pytest.mark.slow
 def test_the_common_horizon_of_holes_at_rest_appears_where_shooting_says():
     assert appearance(0.0) == pytest.approx(0.766197428240, abs=3e-9)
