@@ -1,4 +1,4 @@
-"""Undamped Newton's method on the edge lengths, from a nearby surface."""
+"""Undamped Newton's method on the edge lengths, from a nearby surface, and its deviation from the branch."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Homotopy from large equal radii to the polyhedron: curvatures of the generalized polytope tend to zero.
+"""Homotopy from equal radii to the polyhedron: curvatures tend to 0, the Jacobian keeps its inertia.
 
 Bobenko and Izmestiev start from equal radii so large that every curvature is nearly the deficit of its
 vertex, and follow ``kappa(t) = (1 - t) kappa(0)``.  Here the initial radii are moderate, the curvatures

@@ -1,4 +1,4 @@
-"""`isoembed.compare`: distance and curvature differences of two surfaces on one triangulation.
+"""`isoembed.compare`: congruence, distance and curvature differences of surfaces on one triangulation.
 
 If both are proven to be near exact surfaces of the same lengths, within D_a at vertex a, the comparison holds
 for these, with proven errors.  Quantities that depend on a motion of one of them use the best motion in least

@@ -1,4 +1,4 @@
-"""Reinsertion of removed flat vertices into a flipped triangulation."""
+"""Reinsertion of removed flat vertices; doubly covered triangles get an additional vertex."""
 
 from dataclasses import dataclass
 from typing import TypeVar

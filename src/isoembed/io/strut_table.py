@@ -1,4 +1,4 @@
-"""Strut tables in CSV as polyhedral metrics: hubs of each strut, lengths by strut or by type."""
+"""Strut tables in CSV as polyhedral metrics: hubs, lengths by strut or by type, decimal signs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reading and writing of surfaces."""
+"""Reading and writing of surfaces; faces that are oriented inward are reversed."""
 
 import os
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Sparse factorizations: one analysis of a pattern, numeric factors, solves with refinement."""
+"""Sparse factorizations: one analysis of a pattern, numeric factors with a growth check, refined solves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Repair of negative deficits within the noise, by the least conformal change.
+"""Repair of negative deficits within the noise: a linear complementarity problem for conformal factors.
 
 A vertex inside a face or an edge of a polyhedron has zero deficit; errors of the lengths cause deficits of
 either sign.  The edge from i to j becomes ``l_ij exp((u_i + u_j) / 2)``, as a chord on the sphere and in the

@@ -1,4 +1,4 @@
-"""The method for surfaces with boundary or of higher genus: ``embed(metric, boundary=...)``."""
+"""The method for surfaces with boundary or of higher genus: starts, ranking of the solutions, uniqueness."""
 
 from __future__ import annotations
 

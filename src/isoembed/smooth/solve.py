@@ -1,4 +1,4 @@
-"""Embedding of smooth metrics: a triangulation selects the branch, spherical harmonics refine it."""
+"""Embedding of smooth metrics: a triangulation selects the branch, harmonics refine it until errors stall."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

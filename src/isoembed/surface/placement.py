@@ -1,4 +1,4 @@
-"""Standard position and orientation of surfaces."""
+"""Standard position of surfaces by their principal axes, and orientation by volume or by int H dA."""
 
 from __future__ import annotations
 

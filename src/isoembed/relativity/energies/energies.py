@@ -1,4 +1,4 @@
-"""Hawking, Brown-York and Kijowski-Liu-Yau energies.
+"""Hawking, Brown-York and Kijowski-Liu-Yau energies; Christodoulou mass from area, spin and charge.
 
 Units are geometric, G = c = 1; ``k = k1 + k2`` in the slice, ``k0 = k1 + k2 = 2 H`` in Euclidean space,
 ``|H|^2 = k^2 - p^2`` the squared norm of the mean curvature vector.

@@ -1,4 +1,4 @@
-"""Task that reads, embeds and reports one horizon of a series."""
+"""Task that reads, embeds and reports one horizon of a series, starting from the previous one."""
 
 from __future__ import annotations
 
