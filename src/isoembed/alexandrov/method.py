@@ -1,4 +1,4 @@
-"""The method ``alexandrov``: entry point for Alexandrov's polyhedra, and their error messages."""
+"""The method ``alexandrov``: convex polyhedra, doubly covered polygons as their limits, error messages."""
 
 from __future__ import annotations
 

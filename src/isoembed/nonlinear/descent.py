@@ -1,4 +1,4 @@
-"""Descent loop with exchangeable step, acceptance rule and stopping rule."""
+"""Descent loop with exchangeable step, acceptance rule and stopping rule; failed steps are shortened."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Layout of a net on pages: scale, islands, rotation and packing of the sheets."""
+"""Layout of a net on pages: scale, portrait or landscape, islands, rotation and packing of the sheets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Certificates of arbitrary surfaces: existence, uniqueness and embeddedness.
+"""Certificates of arbitrary surfaces: existence, uniqueness, embeddedness; none if overdetermined.
 
 The theorem is that of `nearby_realization`.  Embeddedness is verified for all vertices in the neighborhood
 that contains the exact ones.
