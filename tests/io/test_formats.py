@@ -529,6 +529,11 @@ UNUSUAL_OFF = [
 ]
 
 
+def test_exponents_of_fortran_are_read(tmp_path):
+    (tmp_path / "a.off").write_text("OFF\n3 1 0\n0 0 0\n1.5D+00 0 0\n0 2d0 0\n3 0 1 2\n")
+    np.testing.assert_array_equal(read_by(".off", tmp_path / "a.off")["vertices"][1:, :2], [[1.5, 0], [0, 2]])
+
+
 @pytest.mark.parametrize(
     ("ending", "text"), [*((".obj", text) for text in UNUSUAL_OBJ), *((".off", text) for text in UNUSUAL_OFF)]
 )

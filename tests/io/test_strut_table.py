@@ -184,6 +184,14 @@ def test_three_hubs_around_a_part_of_the_frame_are_no_face(tmp_path):
     assert metric.triangulation.n_faces == 6
 
 
+@pytest.mark.parametrize(
+    "text", ['"1,345.8"', '"1.345,8"', "1345.8 mm", '1345.8"', "1.3458D+03", '"1 345,8"', '"1\u202f345,8 cm"']
+)
+def test_lengths_as_spreadsheets_write_them(text, tmp_path):
+    table = "from,to,length,error\n" + rows(OCTAHEDRON, text, 1)
+    np.testing.assert_array_equal(read_metric(written(tmp_path, table)).lengths, 1345.8)
+
+
 def test_struts_listed_by_each_of_their_faces(tmp_path):
     once = "from,to,length\n" + rows(OCTAHEDRON, "1.50")
     own = read_metric(written(tmp_path, once))
@@ -207,7 +215,16 @@ def test_struts_listed_by_each_of_their_faces(tmp_path):
             FileError,
             "line 2: there are 4 cells below 3 columns; a decimal comma",
         ),
-        ("from;to;length\n0;1;3,125 m\n", FileError, "line 2: the length is '3,125 m', not a positive"),
+        (
+            "from;to;length\n0;1;3,125 ft\n",
+            FileError,
+            "line 2: the length is '3,125 ft', not a positive finite number: what 'ft' means is unclear",
+        ),
+        (
+            "from,to,length\n0,1,3 mm\n1,2,3 cm\n",
+            FileError,
+            "line 3: the length is '3 cm', but '3 mm' in line 2: all lengths need the same unit, or none",
+        ),
         (
             'from,to,length\n0,1,"1,250"\n1,2,881\n',
             FileError,

@@ -16,6 +16,7 @@ from isoembed.io.text_scan import (
     triangles,
 )
 from isoembed.io.title_line import title_line, title_said
+from isoembed.typed_numbers import EXPONENT
 
 HEADERS = tuple(f"{st}{c}{n}OFF" for st in ("", "ST") for c in ("", "C") for n in ("", "N"))
 HEADER = re.compile(rb"(?:ST)?C?N?OFF\s+(?:#[^\n]*\n\s*)*(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*\r?\n")
@@ -29,7 +30,10 @@ def read(file: InputFile) -> Tables:
     FileError
         A line is invalid, or data are missing; the message names the line or the counts.
     """
-    mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8-sig", errors="replace"))
+    mesh = _read_plain(file.data)
+    if mesh is None:
+        content = file.data.decode("utf-8-sig", errors="replace")
+        mesh = _read_any(file, EXPONENT.sub("e", content))
     return {**mesh, **title_said(file.head)}
 
 

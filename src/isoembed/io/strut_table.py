@@ -22,6 +22,7 @@ from isoembed.metric.precision import COARSE, PRECISION, common_unit
 from isoembed.metric.triangle_checks import first_broken, within_inequalities
 from isoembed.metric.wrong_length import wrong_length_clause
 from isoembed.space import EUCLIDEAN
+from isoembed.typed_numbers import split_unit, ungrouped
 
 LENGTHS = ("length", "chord factor")
 """Columns of lengths: the first of these that a table has."""
@@ -34,6 +35,8 @@ UNIT = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 COMMA = re.compile(r"[+-]?\d*,(\d+)")
 """A number with a decimal comma."""
+BLANK = re.compile("[\u00a0\u202f]")
+"""Blanks that do not break, between thousands."""
 FEWEST = 30
 """Struts from which on their lengths are taken as rounded: in fewer, nothing is overdetermined that a smooth
 surface could average."""
@@ -103,7 +106,8 @@ def read(file: InputFile) -> Tables:
                 )
             row = legend[kind]
         measured.append(row)
-    texts = _with_points([(_written(row), f"{file}, line {row.line}") for row in measured])
+    unit, values = _without_unit([(_written(row), f"{file}, line {row.line}") for row in measured])
+    texts = _with_points(values)
     lengths = [
         _number(text, f"{file}, line {row.line}: the length is {_short(_written(row))}")
         for text, row in zip(texts, measured, strict=True)
@@ -119,7 +123,7 @@ def read(file: InputFile) -> Tables:
         tables["length_errors"] = np.array(
             [
                 _number(
-                    written[row.line].replace(",", "."),
+                    ungrouped(written[row.line].removesuffix(unit)).replace(",", "."),
                     f"{file}, line {row.line}: the length error is {_short(written[row.line])}",
                 )
                 for row in measured
@@ -146,7 +150,9 @@ def _rows(file: InputFile) -> Iterator[_Row]:
     for number, line in enumerate(lines, 1):
         try:
             cells = [
-                printable(cell.strip()) for row in csv.reader([line], delimiter=delimiter) for cell in row
+                printable(BLANK.sub(" ", cell).strip())
+                for row in csv.reader([line], delimiter=delimiter)
+                for cell in row
             ]
         except csv.Error as error:
             raise FileError(f"{file}, line {number}: {error}") from None
@@ -205,6 +211,19 @@ def _short(text: str) -> str:
     return repr(text if len(text) <= LONGEST_QUOTE else text[:LONGEST_QUOTE] + "...")
 
 
+def _without_unit(written: Sequence[tuple[str, str]]) -> tuple[str, list[tuple[str, str]]]:
+    """The common unit of lengths, empty if there is none, and their numbers with their places in the file."""
+    split = [split_unit(text) for text, _ in written]
+    for (text, where), (_, unit) in zip(written, split, strict=True):
+        if unit != split[0][1]:
+            raise FileError(
+                f"{where}: the length is {_short(text)}, but {_short(written[0][0])} in "
+                f"{written[0][1].rpartition(', ')[2]}: all lengths need the same unit, or none"
+            )
+    values = [(ungrouped(value), where) for (value, _), (_, where) in zip(split, written, strict=True)]
+    return split[0][1], values
+
+
 def _with_points(written: Sequence[tuple[str, str]]) -> list[str]:
     """Lengths and their places in the file, with a point for a decimal comma.
 
@@ -233,7 +252,10 @@ def _number(written: str, what: str) -> float:
     except ValueError:
         value = math.nan
     if not 0 < value < math.inf:
-        raise FileError(f"{what}, not a positive finite number")
+        begin = NUMBER.match(written)
+        rest = written[begin.end() :].strip() if begin else ""
+        unclear = f": what {_short(rest)} means is unclear" if rest else ""
+        raise FileError(f"{what}, not a positive finite number{unclear}")
     return value
 
 
