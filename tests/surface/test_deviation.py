@@ -15,7 +15,9 @@ from isoembed.surface.rigidity import LengthSystem
 from noisy import ARRAYS, SCALARS, differences, realized, surface
 
 
-@pytest.mark.parametrize("body", (Ellipsoid((3.0, 2.0, 1.0)), CassiniPeanut()))
+@pytest.mark.parametrize(
+    "body", [CassiniPeanut(), pytest.param(Ellipsoid((3.0, 2.0, 1.0)), marks=pytest.mark.slow)]
+)
 def test_a_hundred_noises_are_within_two_sigma(body):
     found, rng = surface(body, 100), np.random.default_rng(5)
     errors = 1e-7 * rng.uniform(0.3, 3, len(found.metric.lengths))
@@ -70,7 +72,7 @@ def test_equal_rounded_lengths_of_a_tetrahedron_have_one_error():
         assert np.isclose(of_six, 3 * found.volume / 1.2345 * independent / np.sqrt(6))
 
 
-@pytest.mark.parametrize("decimals", [1, 2, 4])
+@pytest.mark.parametrize("decimals", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_error_bars_of_rounded_designs(decimals):
     inside = []
     for name in (*solids.ARCHIMEDEAN[:6], "dodecahedron"):
