@@ -152,7 +152,7 @@ REFUSED = [
     (["h.gp", *KERR_SCHILD[:2], "--vertices", 11], "--vertices must be at least 12, not 11"),
     (["bad.gp", *KERR_SCHILD], "bad.gp"),
     (["no.gp", "bad.gp", "-o", "found"], "there is no file no.gp; bad.gp"),
-    (["grid.npz", "-o", "h.gp"], "cannot make the folder h.gp"),
+    (["grid.npz", "-o", "h.gp"], "the output h.gp is not a folder"),
     (["grid.npz", "-o", "h.gp/found"], "cannot make the folder h.gp/found"),
 ]
 
