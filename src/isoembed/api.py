@@ -59,8 +59,9 @@ def embed(
     length_errors : float or array_like, shape (E,), optional
         Standard deviations of the lengths, whose errors are independent, in their unit: one for all, or one
         for each edge.  The surface then is a `MeasuredSurface`, a smooth one whose lengths agree with these
-        within the errors, by a chi-square test, which is what converged then means.  Errors of zero take the
-        lengths as exact, even if their digits show that they were rounded.
+        within the errors, by a chi-square test, which is what converged then means.  The polyhedron of
+        ``"alexandrov"`` has the lengths exactly, and faces that are flat within the errors.  Errors of zero
+        take the lengths as exact, even if their digits show that they were rounded.
     boundary : {"free", "plane"} or array_like, shape (B,) or (B, 3), optional
         Condition at the boundary of a surface with boundary or of higher genus, instead of a method:
         ``"free"`` for one of least bending, ``"plane"`` for the convex cap, heights or positions of the

@@ -50,8 +50,8 @@ class Method(ABC):
     takes_boundary : bool
         Whether the metric may be on a surface with boundary, or of higher genus.
     takes_length_errors : bool
-        Whether errors of the lengths take part in the choice of the surface.  Otherwise those of the metric
-        give error bars, or are unused if the surface has none.
+        Whether errors of the lengths take part in the choice of the surface or of its faces.  Otherwise those
+        of the metric give error bars, or are unused if the surface has none.
     shows_path : bool
         Whether there always are surfaces before the last, which `StageRecorder.show` has been given.
     """

@@ -243,7 +243,7 @@ def test_refusals():
     with pytest.raises(InvalidMetric, match=r"edge 7 .* is 0"):
         embed(metric, length_errors=some)
     with pytest.raises(InvalidParameter, match="takes lengths as exact"):
-        embed(metric, method="alexandrov", length_errors=0.1)
+        embed(metric, method="paper", length_errors=0.1)
     best = embed(metric, method=Aim(best_fit=True), length_errors=0)
     assert not isinstance(best, MeasuredSurface)
 

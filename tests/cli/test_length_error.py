@@ -117,7 +117,6 @@ def test_a_flat_vertex(call):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     (
-        (("1e-4", "--method", "alexandrov"), "needs a method that keeps the triangles, not 'alexandrov'"),
         (("1e-4", "--best-fit"), "--length-error does not go with --best-fit"),
         (("-1",), "the length error of edge 0"),
         (("much",), "--length-error much is neither a number nor a .npy file"),

@@ -1,9 +1,13 @@
-"""The true faces of solids whose metric is exact only to single precision."""
+"""The true faces of solids whose coordinates or lengths are rounded."""
 
 import numpy as np
 import pytest
 
+import solids
 from isoembed import Alexandrov, PolyhedralMetric, embed, unfold
+from isoembed.io.surface import read_surface
+from isoembed.struts import strut_table
+from johnson_solids import johnson
 
 
 def rounded_cube(n: int, seed: int) -> PolyhedralMetric:
@@ -36,3 +40,42 @@ def test_the_faces_of_a_rounded_cube_cover_it(n, seed):
     unfolding = unfold(cube)
     assert len(unfolding.sheets) == 1
     assert len(unfolding.sides) <= 30
+
+
+def rounded_lengths(points, decimals: int) -> PolyhedralMetric:
+    """Edges and diagonals of a solid with a mean length of 40, with these decimals."""
+    exact = PolyhedralMetric.from_mesh(points, solids.triangles(solids.polygons(points)))
+    lengths = np.round(exact.lengths * 40 / exact.mean_length, decimals)
+    return PolyhedralMetric(exact.faces, lengths, exact.edges, length_errors=10.0**-decimals / 12**0.5)
+
+
+@pytest.mark.parametrize("decimals", [1, 4])
+@pytest.mark.parametrize(
+    "points",
+    [solids.uniform("cube"), solids.uniform("truncated dodecahedron"), solids.catalan("icosidodecahedron")]
+    + [johnson(k) for k in (9, 54, 57, 74)],
+)
+def test_faces_are_flat_within_the_digits_of_the_lengths(points, decimals, tmp_path):
+    sides = sorted(map(len, solids.polygons(points)))
+    found = embed(rounded_lengths(points, decimals), method="alexandrov")
+    assert sorted(found.surface.flat_faces.sides.tolist()) == sides
+    assert found.surface.vertex_error < 10 * 10.0**-decimals
+    found.save(tmp_path / "solid.obj")
+    lines = (tmp_path / "solid.obj").read_text().splitlines()
+    assert sorted(len(line.split()) - 1 for line in lines if line.startswith("f ")) == sides
+    assert len(strut_table(read_surface(tmp_path / "solid.obj")).lengths) == sum(sides) / 2
+
+
+def test_exact_lengths_bend_by_any_angle():
+    metric = rounded_lengths(solids.uniform("cube"), 2).with_length_errors(0)
+    found = embed(metric, method="alexandrov")
+    assert len(found.polygons) == 12 and found.surface.vertex_error == 0
+
+
+def test_files_of_fits_know_the_errors_of_the_lengths(tmp_path):
+    found = embed(rounded_lengths(solids.uniform("dodecahedron"), 2))
+    assert found.metric.precision is not None
+    found.save(tmp_path / "fit.obj")
+    again = read_surface(tmp_path / "fit.obj")
+    assert len(strut_table(again).lengths) == 30
+    assert sum(map(len, unfold(again).folds)) == 11

@@ -10,7 +10,7 @@ import zoo
 from isoembed import InvalidMetric, InvalidParameter, MeshNote, glue
 from isoembed.gluing.classics import CLASSICS, regular_faces
 from johnson_solids import johnson
-from solids import polygons
+from solids import polygons, uniform
 
 TRIANGLE = [[0, 0], [1, 0], [0.5, 0.866025]]
 NAMES = ["abc", "adb", "bdc", "adc"]
@@ -46,6 +46,16 @@ def test_johnson_nets_with_six_decimals(number):
     unfolding = isoembed.unfold(solid)
     again = solved(glue(rounded(unfolding, 6), unfolding.sides))
     assert again.volume == pytest.approx(solid.volume, rel=1e-5)
+
+
+@pytest.mark.filterwarnings("ignore::isoembed.MeshNote")
+@pytest.mark.parametrize("digits", [1, 2, 3])
+def test_faces_are_the_polygons_of_a_net_with_few_decimals(digits):
+    turns = 2 * np.pi * np.arange(5) / 5
+    pentagon = np.round(15 / np.sin(np.pi / 5) * np.column_stack([np.cos(turns), np.sin(turns)]), digits)
+    names = [[str(v) for v in polygon] for polygon in polygons(uniform("dodecahedron"))]
+    solid = solved(glue([pentagon] * 12, corners=names, tolerance=3 * 10.0**-digits))
+    assert solid.surface.flat_faces.sides.tolist() == [5] * 12
 
 
 def test_the_change_is_said():

@@ -69,7 +69,8 @@ class Alexandrov(Method):
     It is in the space of the metric's curvature: R^3, hyperbolic space or the sphere S^3.
     The curvatures of the generalized polytope of Bobenko and Izmestiev are reduced to zero, with flips of its
     triangulation; the result does not depend on the triangulation of the metric.  Flat vertices are removed
-    before, and reinserted on the result.
+    before, and reinserted on the result.  Errors of the lengths, or their digits, determine which triangles
+    are coplanar: see `ConvexPolyhedron.polygons`.
 
     Parameters
     ----------
@@ -94,6 +95,7 @@ class Alexandrov(Method):
     takes_glued: ClassVar[bool] = True
     takes_doubly_covered: ClassVar[bool] = True
     takes_curved: ClassVar[bool] = True
+    takes_length_errors: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.repair) and self.repair >= 0):
@@ -110,7 +112,7 @@ class Alexandrov(Method):
             No polyhedron was found; the exception contains an attempt on the given triangles.
         """
         try:
-            return convex_polyhedron(metric, tolerance, log, self.repair)
+            return convex_polyhedron(metric, tolerance, log, self.repair)._with_errors_of(metric)
         except InvalidMetric as error:
             raise InvalidMetric(f"{error}{self._advice(metric, tolerance, log)}") from None
         except NotEmbedded as failure:

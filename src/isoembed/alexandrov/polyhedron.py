@@ -16,10 +16,12 @@ from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation, frozen
 from isoembed.metric.glued import GluedMetric
 from isoembed.metric.polyhedral import PolyhedralMetric
+from isoembed.metric.precision import Precision
 from isoembed.metric.repair import Repair
 from isoembed.proof.convex import ConvexCertificate, certify
 from isoembed.space import Space
 from isoembed.surface.convexity import dent_depths
+from isoembed.surface.deviation import vertex_error
 from isoembed.surface.segments import Segments
 from isoembed.surface.surface import Surface
 
@@ -114,6 +116,30 @@ class ConvexPolyhedron(Polyhedron):
         changed = self._with(given=own, core=core)
         changed.__dict__.pop("_certificate", None)  # its distance has a unit
         return super(ConvexPolyhedron, changed)._in_unit_of(given)
+
+    def _with_errors_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
+        """Return the same polyhedron with the errors of the given lengths, within which bends do not count.
+
+        Diagonals of its own have the root mean square error.
+        """
+        error = given.length_error
+        if not error or self.core is None or not self.space.is_euclidean:
+            return self
+        error *= given.mean_length
+        try:
+            known = vertex_error(metric_on(self.core[0]), self.core[1], error)
+        except InvalidMetric:  # triangles without the flat vertices need not form a simplicial complex
+            return self
+        precision = Precision.of_lengths(known / self.metric.mean_length)
+        sigma = None
+        if isinstance(given, PolyhedralMetric) and given.length_errors is not None:
+            index = self.triangulation.edge_indices(given.edges)
+            sigma = np.full(len(self.edges), error)
+            sigma[index[index >= 0]] = given.length_errors[index >= 0]
+            sigma = frozen(sigma)
+        return replace(
+            self, metric=self.metric._knowing(precision=precision), length_errors=sigma, message=""
+        )
 
     @property
     def residual(self) -> float:

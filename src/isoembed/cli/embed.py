@@ -234,8 +234,6 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
     method = configured(name, options.parameter + repair + best_fit + effort, **which)
     if options.length_error is not None and method.takes_boundary:
         raise UsageError(f"--length-error with the method {name!r} needs --boundary plane")
-    if options.length_error is not None and not method.keeps_triangles:
-        raise UsageError(f"--length-error needs a method that keeps the triangles, not {name!r}")
     return method
 
 

@@ -14,8 +14,10 @@ from scipy.special import chdtri, ndtri
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
-from isoembed.metric.precision import rounded_unit, rounding_error
+from isoembed.metric.precision import Precision, rounded_unit, rounding_error
+from isoembed.surface.deviation import largest_vertex_error, vertex_error
 from isoembed.surface.estimate import Estimate
+from isoembed.surface.flat_faces import coplanar_faces
 
 if TYPE_CHECKING:
     from isoembed.metric.glued import GluedMetric
@@ -104,10 +106,24 @@ class MeasuredSurface(Embedding):
     def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same surface in the unit of a metric, with deviations of the scatter if need be."""
         found = super()._in_unit_of(given)
-        if not found._has_scaled_errors:
-            return found
-        larger = found.scatter / found._root_mean_square
-        return found._with(length_errors=frozen(larger * np.asarray(found.metric.length_errors)))
+        if found._has_scaled_errors:
+            larger = found.scatter / found._root_mean_square
+            found = found._with(length_errors=frozen(larger * np.asarray(found.metric.length_errors)))
+        return found._with_flat_faces()
+
+    def _with_flat_faces(self) -> Self:
+        """Return the same surface, with the precision of its vertices if triangles are coplanar within it."""
+        metric, t = self.metric.normalized, self.triangulation
+        if metric.precision is not None or not self._takes_length_errors:
+            return self
+        x, sigma = self.vertices / self.metric.unit, np.asarray(self.length_errors) / self.metric.unit
+        error = float(np.sqrt(np.mean(sigma**2)))
+        if coplanar_faces(t, x, error=largest_vertex_error(metric, error)).max() == t.n_faces - 1:
+            return self
+        precision = Precision.of_lengths(vertex_error(metric, x, error) / metric.mean_length)
+        changed = self._with(metric=self.metric._knowing(precision=precision))
+        changed.__dict__.pop("surface", None)
+        return changed
 
     @property
     def _missed(self) -> Floats:

@@ -14,7 +14,8 @@ from isoembed.surface.surface import Surface
 class Polyhedron(Embedding):
     """Embedding as a convex polyhedron with polygonal faces.
 
-    The `polygons` are convex, each of one or more coplanar triangles.
+    The `polygons` are convex, each of one or more triangles that are coplanar within the errors of rounded
+    coordinates or lengths.
     """
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:

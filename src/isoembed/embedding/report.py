@@ -113,7 +113,7 @@ def _merged(found: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]
 
 
 def _precision(embedding: Embedding) -> dict[str, Any] | None:
-    """Precision of the coordinates from which the lengths were computed, and the resulting bend errors."""
+    """Precision of the coordinates or lengths from which the vertices come, and the resulting bend errors."""
     precision = embedding.metric.precision
     if precision is None:
         return None

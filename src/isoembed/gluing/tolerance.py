@@ -61,17 +61,19 @@ class Tolerance:
             return cls.exact(len(sheets))
         side = min(float(sheet.sides.mean()) for sheet in sheets)
         values = [np.abs(sheet.corners[sheet.corners != 0]) for sheet in sheets]
-        found = _rounding(np.concatenate(values))
+        # Corners with fewer than four digits are exact: their sides are equal, or glued at a given tolerance.
+        fewest = 4 if given is None else 2
+        found = _rounding(np.concatenate(values), fewest)
         if found is not None:  # all have the same number of digits or of decimals
             name, quanta = found
             ends = np.cumsum([some.size for some in values])[:-1]
             units = np.array([some.max(initial=0.0) for some in np.split(quanta, ends)])
         else:
-            alone = [_rounding(some) for some in values]
+            alone = [_rounding(some, fewest) for some in values]
             name = next((one[0] for one in alone if one is not None), "")
             units = np.array([0.0 if one is None else float(one[1].max()) for one in alone])
-        # Sides must have four digits, too: integers far from the origin are exact.
-        if units.max() > 1e-3 * side:
+        # Sides must have as many digits, too: integers far from the origin are exact.
+        if units.max() > 10.0 ** (1 - fewest) * side:
             return cls(np.zeros(len(sheets)), "", given)
         return cls(units, name, given)
 
@@ -113,6 +115,5 @@ class Tolerance:
         return f"{GLUING.same_length:g} of the length, by default"
 
 
-def _rounding(values: Floats) -> tuple[str, Floats] | None:
-    # Corners with fewer than four digits are exact: their sides are equal or not glued.
-    return last_digits(values, 4, PRECISION.written) if values.size else None
+def _rounding(values: Floats, fewest: int) -> tuple[str, Floats] | None:
+    return last_digits(values, fewest, PRECISION.written) if values.size else None

@@ -1,8 +1,8 @@
 """Space and coordinate precision in the title line of a surface file.
 
 Vertices in hyperbolic and spherical space are written in conformal coordinates: Poincare ball or
-stereographic projection.  Vertices computed from rounded coordinates have full precision in the file, so the
-title states the error of the lengths.
+stereographic projection.  Vertices computed from rounded coordinates or lengths have full precision in the
+file, so the title states the error of the lengths.
 """
 
 import re

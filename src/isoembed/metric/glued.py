@@ -252,6 +252,11 @@ class GluedMetric(TriangleMetric):
         made = HalfEdges.of if directed else HalfEdges.without_directions
         return made(self.faces, self.twins, self.face_lengths, self.curvature)
 
+    @property
+    def length_error(self) -> float | None:
+        """Root mean square error of the lengths over their mean, by the `precision` of the sheets."""
+        return None if self.precision is None else self.precision.length_error
+
     def simplicial(self) -> PolyhedralMetric:
         """Metric on a simplicial complex, as required for files.
 

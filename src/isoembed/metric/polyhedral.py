@@ -389,6 +389,13 @@ class PolyhedralMetric(TriangleMetric):
         """Standard deviation over the mean length of lengths that show that they were rounded, else None."""
         return rounding_error(self.lengths)
 
+    @property
+    def length_error(self) -> float | None:
+        """Root mean square error of the lengths over their mean, given or by their digits; None if exact."""
+        if self.length_errors is None:
+            return self.rounding
+        return float(np.sqrt(np.mean((self.length_errors / self.mean_length) ** 2)))
+
     @cached_property
     def face_lengths(self) -> Floats:
         """(F, 3): length of each half-edge."""

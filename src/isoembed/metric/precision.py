@@ -36,7 +36,7 @@ SINGLE = "single precision"
 
 @dataclass(frozen=True)
 class Precision:
-    """Precision of rounded coordinates.
+    """Precision of rounded coordinates, or of those computed from lengths with errors.
 
     Attributes
     ----------
@@ -57,6 +57,11 @@ class Precision:
         a length is that unit divided by the square root of 6.
         """
         return math.sqrt(4.5) * self.length_error
+
+    @classmethod
+    def of_lengths(cls, vertex_error: float) -> Precision:
+        """Precision of vertices computed from lengths with errors, which determine their `vertex_error`."""
+        return cls("measured lengths", vertex_error / math.sqrt(4.5))
 
     def in_means(self, factor: float) -> Precision:
         """Precision relative to a mean edge length smaller by this factor."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.mesh.triangulation import Triangulation
-from isoembed.surface.curvature import FLAT_ANGLE
+from isoembed.surface.flat_faces import coplanar_faces
 from isoembed.surface.measures import face_normals
 from isoembed.surface.surface import Surface
 
@@ -32,8 +32,9 @@ class Frame:
     @classmethod
     def of(cls, surface: Surface) -> Frame:
         """Frame of a surface, in its normalized unit."""
-        bent = np.abs(surface.dihedral_angles) > FLAT_ANGLE + surface.bend_errors
-        return cls(surface.triangulation, surface._normalized, surface.triangulation.boundary_edges | bent)
+        t, x = surface.triangulation, surface._normalized
+        left, right = coplanar_faces(t, x, error=surface._vertex_error)[t.edge_flanks // 3].T
+        return cls(t, x, t.boundary_edges | (left != right))
 
     def hubs(self) -> list[Indices]:
         """Struts at each vertex, counterclockwise seen from outside; empty at vertices without struts.

@@ -70,25 +70,32 @@ def bend_errors(
 ) -> Floats:
     """Bounds on the errors of the dihedral angles, shape (E,), radians.
 
-    They cover rounding of the vertices and, if given, an `error` of each vertex in any direction.  A dihedral
-    angle depends to first order on four vertices: on the third corner of each triangle with the factor 1/h,
-    where h is its height over the edge, and on the ends of the edge with the factors s/h and (1 - s)/h, where
-    the foot of the height divides the edge in the ratio s to 1 - s.
+    They cover rounding of the vertices and, if given, an `error` of each vertex in any direction.
     """
     t = triangulation
     turned = turning_errors(t, vertices, space)
     errors = reduce(np.maximum, (turned[faces] for faces in t.edge_flanks.T // 3))
     if error == 0:
         return errors
-    halfedges = t.edge_flanks
+    return np.maximum(errors, np.minimum(error * bend_rates(t, vertices, error / np.pi), np.pi))
+
+
+def bend_rates(triangulation: Triangulation, vertices: Floats, lowest: float) -> Floats:
+    """Largest changes of the dihedral angles, (E,), by unit displacements of the vertices, to first order.
+
+    A dihedral angle depends on four vertices: on the third corner of each triangle with the factor 1/h,
+    where h is its height over the edge, at least `lowest`, and on the ends of the edge with the factors s/h
+    and (1 - s)/h, where the foot of the height divides the edge in the ratio s to 1 - s.
+    """
+    t, halfedges = triangulation, triangulation.edge_flanks
     across = vertices[t.faces.ravel()[halfedges - halfedges % 3 + (halfedges + 2) % 3]]
     start, along = vertices[t.edges[:, 0]], np.diff(vertices[t.edges], axis=1)[:, 0]
     squares = np.maximum(np.einsum("ij,ij->i", along, along), TINY)[:, None]
     share = np.einsum("ekj,ej->ek", across - start[:, None], along) / squares
     feet = start[:, None] + share[:, :, None] * along[:, None]
-    heights = np.maximum(np.linalg.norm(across - feet, axis=2), error / np.pi)
+    heights = np.maximum(np.linalg.norm(across - feet, axis=2), lowest)
     factors = (1 + np.abs(share) + np.abs(1 - share)) / heights
-    return np.maximum(errors, np.minimum(error * factors.sum(axis=1), np.pi))
+    return cast(Floats, factors.sum(axis=1))
 
 
 def turning_errors(triangulation: Triangulation, vertices: Floats, space: Space = EUCLIDEAN) -> Floats:

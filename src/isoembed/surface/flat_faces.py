@@ -57,7 +57,7 @@ class FlatFaces(TriangleFaces):
 
     Triangles belong to the same face if the dihedral angle between them is below 1e-7 radians.  Slivers that
     rounding may rotate by more join the neighboring face with the smallest dihedral angle.  If the lengths
-    come from rounded coordinates, angles within the effect of the rounding do not count either.
+    have errors or come from rounded coordinates, angles within their effect do not count either.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class FlatFaces(TriangleFaces):
         vertices : ndarray, shape (V, 3)
         space : Space
         error : float
-            Error of the vertices from rounded coordinates.
+            Error of the vertices from rounded coordinates or lengths.
         flat : ndarray of bool, shape (V,)
         """
         faces = frozen(coplanar_faces(triangulation, vertices, space, error))

@@ -34,8 +34,8 @@ class Surface:
         Power of two used as the unit of computations, to avoid under- and overflow.  By default (0) the one
         below the mean edge length.
     vertex_error : float
-        Error of the vertices from rounded coordinates, in the unit of the vertices: bends and dents within
-        its effect do not count.
+        Error of the vertices from rounded coordinates or lengths, in the unit of the vertices: bends and
+        dents within its effect do not count.
     flat_vertices : ndarray of bool, shape (V,), optional
         Vertices inside the faces and edges of a convex polyhedron with polygonal faces.  By default the faces
         are the triangles.
