@@ -112,15 +112,22 @@ class MeasuredSurface(Embedding):
         return found._with_flat_faces()
 
     def _with_flat_faces(self) -> Self:
-        """Return the same surface, with the precision of its vertices if triangles are coplanar within it."""
+        """Return the same surface, with the precision of its vertices if it has polygons within it.
+
+        Smooth surfaces, of which a larger tolerance would merge more triangles, have none.
+        """
         metric, t = self.metric.normalized, self.triangulation
         if metric.precision is not None or not self._takes_length_errors:
             return self
         x, sigma = self.vertices / self.metric.unit, np.asarray(self.length_errors) / self.metric.unit
         error = float(np.sqrt(np.mean(sigma**2)))
-        if coplanar_faces(t, x, error=largest_vertex_error(metric, error)).max() == t.n_faces - 1:
+        most = int(coplanar_faces(t, x, error=largest_vertex_error(metric, error)).max())
+        if most == t.n_faces - 1:
             return self
-        precision = Precision.of_lengths(vertex_error(metric, x, error) / metric.mean_length)
+        known = vertex_error(metric, x, error)
+        if int(coplanar_faces(t, x, error=known).max()) != most:
+            return self
+        precision = Precision.of_lengths(known / metric.mean_length)
         changed = self._with(metric=self.metric._knowing(precision=precision))
         changed.__dict__.pop("surface", None)
         return changed
