@@ -19,7 +19,7 @@ from isoembed import (
 )
 from isoembed.aim.best_fit import BestFit
 from isoembed.aim.measured_lengths import measured_surface
-from isoembed.gallery import Ellipsoid, HarmonicSurface, triangulate
+from isoembed.gallery import Bean, Ellipsoid, HarmonicSurface, triangulate
 from isoembed.surface.alignment import distance
 from johnson_solids import johnson
 from rocks import ERROR, in_millimeters, rock
@@ -178,6 +178,17 @@ def test_no_right_length_is_suspected(seed):
     error = 10.0 ** -(2 + seed / 2) * exact.mean_length
     lengths = exact.lengths + error * np.random.default_rng(seed).standard_normal(len(exact.lengths))
     assert embed(exact.with_lengths(lengths), method=Aim(effort=0), length_errors=error).converged
+
+
+@pytest.mark.parametrize(("seed", "error"), [(0, 1e-3), (1, 1e-2 / 3)])
+def test_what_is_smoothed_is_no_blunder(seed, error):
+    """Residuals of smoothing decrease with mu, and those nearby are as large."""
+    exact = PolyhedralMetric.from_mesh(*triangulate(Bean(), 500))
+    sigma = error * exact.mean_length
+    noise = sigma * np.random.default_rng([seed, 7]).standard_normal(len(exact.lengths))
+    found = embed(exact.with_lengths(exact.lengths + noise), length_errors=sigma)
+    assert found.converged
+    assert "if one length is wrong" not in found.message
 
 
 def test_errors_that_are_larger_than_stated():

@@ -24,6 +24,7 @@ import numpy as np
 
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.arrays import Floats
+from isoembed.embedding.measured import edges_near
 from isoembed.linalg import SingularMatrix
 from isoembed.linalg.work import Budget
 from isoembed.metric.curvature import deficits
@@ -129,10 +130,24 @@ def best_fit(
 
 
 class Outlier(NamedTuple):
-    """An outlier among the lengths, with the excess of its edge on a fit to the others."""
+    """An outlier among the lengths, against a fit to the others.
+
+    Attributes
+    ----------
+    edge : int
+    missed : float
+        Excess of the edge.
+    magnitude : float
+        Magnitude of its studentized residual, times the standard deviation.
+    scatter, nearby : float
+        Standard deviations estimated from all residuals, and from those of edges nearby.
+    """
 
     edge: int
     missed: float
+    magnitude: float
+    scatter: float
+    nearby: float
 
 
 def looks_noisy(metric: PolyhedralMetric, vertices: Floats) -> bool:
@@ -219,31 +234,50 @@ class Fits:
         found = None
         large = np.argsort(-np.abs(r))[:CANDIDATES]
         for e in large[np.abs(r[large]) > np.sqrt(REDUNDANT) * most * error].tolist():
-            column = self._column(fit, e)
-            if column is None:
+            tested = self.tested(fit, e)
+            if tested is None:
                 continue
-            redundancy = column[e]
-            others = r - r[e] / redundancy * column
-            free = max(fit.degrees_of_freedom - column @ column / redundancy, 1.0)
-            deviation = max(error, np.sqrt(others @ others / free))
-            studentized = abs(r[e]) / np.sqrt(redundancy) / deviation
+            deviation = max(error, tested.scatter)
+            studentized = tested.magnitude / deviation
             if studentized > most and deviation < DOUBT * error:
-                found, most = Outlier(e, float(r[e] / redundancy)), studentized
+                found, most = tested, studentized
         return found
 
-    def missed(self, fit: BestFit, edge: int) -> float:
-        """Excess of an edge on a fit to the other lengths; 0 if not determined.  The fit is the last."""
-        column = self._column(fit, edge)
-        r = self._energy.residuals(fit.vertices, self._metric.lengths)
-        return 0.0 if column is None else float(r[edge] / column[edge])
+    def stands_out(self, fit: BestFit, edge: int, limit: float) -> bool:
+        """Whether a residual of the last fit exceeds a limit, in deviations of those nearby."""
+        tested = self.tested(fit, edge)
+        return tested is not None and tested.magnitude > limit * max(tested.scatter, tested.nearby)
 
-    def persists(self, fit: BestFit, outlier: Outlier) -> bool:
+    def tested(self, fit: BestFit, edge: int) -> Outlier | None:
+        """An edge in a fit to the others; None if they do not contradict it.  The fit is the last."""
+        column = self._column(fit, edge)
+        if column is None:
+            return None
+        r = self._energy.residuals(fit.vertices, self._metric.lengths)
+        redundancy = float(column[edge])
+        missed = float(r[edge] / redundancy)
+        squares = (r - missed * column) ** 2
+        near = edges_near(self._metric.triangulation, edge)
+        free = fit.degrees_of_freedom - column @ column / redundancy
+        nearby = len(near) * fit.degrees_of_freedom / len(r)
+        return Outlier(
+            edge,
+            missed,
+            abs(missed) * float(np.sqrt(redundancy)),
+            float(np.sqrt(squares.sum() / max(free, 1.0))),
+            float(np.sqrt(squares[near].sum() / max(nearby, 1.0))),
+        )
+
+    def persists(self, fit: BestFit, outlier: Outlier, limit: float) -> bool:
         """Whether the last fit, with a smaller mu, has as large a residual of a length as the previous one.
 
-        A residual due to smoothing decreases, to two thirds for a third of mu; that of a wrong length does
-        not.
+        A residual due to smoothing decreases, and is like those nearby.  That of a wrong length does not
+        decrease, or exceeds a limit in deviations of those nearby.
         """
-        return abs(self.missed(fit, outlier.edge)) > PERSISTENT * abs(outlier.missed)
+        now = self.tested(fit, outlier.edge)
+        if now is None or abs(now.missed) <= PERSISTENT * abs(outlier.missed):
+            return False
+        return outlier.magnitude > limit * outlier.nearby or now.magnitude >= outlier.magnitude
 
     def _column(self, fit: BestFit, edge: int) -> Floats | None:
         """A column of ``I - H``, None if the other lengths do not contradict this one."""

@@ -33,12 +33,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits, Outlier
+from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits
 from isoembed.aim.levels import goes_by_levels
 from isoembed.aim.smoothing_energy import SmoothingEnergy
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.measured import (
+    MARGIN,
     OUTLIER,
     SCATTERED,
     SIGNIFICANCE,
@@ -161,9 +162,11 @@ def fit_within_errors(
         begin = _start_without(metric, known, begin, recorder)
     else:
         fit = _fit_of_smooth_start(metric, known, begin, recorder, most=np.inf)[0]
-    without, lengths = fit, _lengths(metric, fit)
-    if (known == errors).all() and (e := standing_out(np.abs(lengths - metric.lengths) / errors)) is not None:
-        known[e] = metric.mean_length
+    without, doubt = fit, standing_out(np.abs(_lengths(metric, fit) - metric.lengths) / errors)
+    if doubt is not None and (known == errors).all():
+        if not _stands_out(metric, known, fit, doubt, begin, recorder):
+            return replace(fit, predicted=np.full(len(errors), np.nan))
+        known[doubt] = metric.mean_length
         begin = _start_without(metric, known, begin, recorder)
         without = _fit_of_smooth_start(metric, known, begin, recorder, most=np.inf)[0]
     left_out = known != errors
@@ -231,6 +234,25 @@ def _followed(
     return wrong if _halves(last, fit) else []
 
 
+def _stands_out(
+    metric: PolyhedralMetric,
+    errors: Floats,
+    fit: BestFit,
+    edge: int,
+    start: _Start,
+    recorder: StageRecorder,
+) -> bool:
+    """Whether a residual stands out of those nearby in a fit, or in one with a smaller mu."""
+    energy = start.energy.weighted(root_mean_square(errors) / errors)
+    fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
+    limit = MARGIN * outlier_limit(len(errors))
+    for weight in (fit.weight, fit.weight / np.sqrt(10.0)):
+        fit = fits.fit(fit.vertices, weight)
+        if fits.stands_out(fit, edge, limit):
+            return True
+    return False
+
+
 def _halves(without: BestFit, fit: BestFit) -> bool:
     """Whether a fit without a length has at most half the scatter, with enough degrees of freedom."""
     return without.degrees_of_freedom > FREE and 0 < without.scatter <= fit.scatter / SCATTERED
@@ -259,17 +281,18 @@ def _fit_of_smooth_start(
     vertices, suspect, worst = start.vertices, None, None
     while True:
         fit = fits.fit(vertices, weight)
-        if suspect is not None and fits.persists(fit, suspect):
+        if suspect is not None and fits.persists(fit, suspect, most):
             return fit, suspect.edge
-        if worst is not None and fits.persists(fit, worst):
+        if worst is not None and fits.persists(fit, worst, limit / rms):
             return found[-1], None
         found.append(fit)
         r = energy.residuals(fit.vertices, metric.lengths)
         suspect = fits.outlier(fit, rms, most)
         if fit.noise <= known:
             e = int(np.argmax(np.abs(r)))
-            worst = Outlier(e, fits.missed(fit, e)) if abs(r[e]) > limit else None
-            if worst is None and suspect is None:
+            exceeds = abs(r[e]) > limit
+            worst = fits.tested(fit, e) if exceeds else None
+            if not exceeds and suspect is None:
                 break
         if np.sqrt(np.mean(r**2)) < BELOW_NOISE * rms:
             return fit, None

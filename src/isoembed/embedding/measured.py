@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from scipy.special import chdtri, ndtri
 
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision, rounded_unit, rounding_error
@@ -20,6 +20,7 @@ from isoembed.surface.estimate import Estimate
 from isoembed.surface.flat_faces import coplanar_faces
 
 if TYPE_CHECKING:
+    from isoembed.mesh.triangulation import Triangulation
     from isoembed.metric.glued import GluedMetric
     from isoembed.metric.polyhedral import PolyhedralMetric
     from isoembed.proof.certificate import Certificate
@@ -45,6 +46,17 @@ MARGIN = 1.1
 def outlier_limit(count: int) -> float:
     """Limit that the largest of so many normal errors exceeds once in a thousand, in standard deviations."""
     return float(-ndtri(SIGNIFICANCE / 2 / count))
+
+
+def edges_near(triangulation: Triangulation, edge: int) -> Indices:
+    """Other edges between the vertices at most two edges away from an edge."""
+    near: Mask = np.zeros(triangulation.n_vertices, dtype=bool)
+    near[triangulation.edges[edge]] = True
+    for _ in range(2):
+        near[triangulation.edges[near[triangulation.edges].any(axis=1)]] = True
+    inside = near[triangulation.edges].all(axis=1)
+    inside[edge] = False
+    return np.flatnonzero(inside)
 
 
 def standing_out(off: Floats) -> int | None:
@@ -185,8 +197,12 @@ class MeasuredSurface(Embedding):
 
     @property
     def _doubtful(self) -> int | None:
-        """The edge whose residual stands out of the others of a surface that has converged, if one does."""
-        return standing_out(self._standardized) if self.weight else None
+        """The edge whose residual stands out of the others of a surface that has converged, if one does.
+
+        It is not doubted if fits have not left it out: then its residual is due to smoothing.
+        """
+        e = standing_out(self._standardized) if self.weight else None
+        return e if e is None or self.predicted is None or np.isfinite(self.predicted[e]) else None
 
     @property
     def _follows(self) -> bool:

@@ -117,7 +117,8 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         predicted = None
         if found.predicted is not None:  # of one of two copies at least
             predicted = np.full(t.n_edges, np.nan)
-            left_out = np.isfinite(found.predicted)
+            left_out = np.flatnonzero(np.isfinite(found.predicted))
+            left_out = left_out[np.argsort(found._standardized[left_out])]  # of two, the worse one counts
             predicted[copies[left_out]] = (
                 found.predicted[left_out] * measured.mean_length / metric.mean_length
             )
