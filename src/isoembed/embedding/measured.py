@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from scipy.special import chdtri, ndtri
 
-from isoembed.arrays import Floats, Indices, Mask
+from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.precision import Precision, rounded_unit, rounding_error
@@ -50,13 +50,12 @@ def outlier_limit(count: int) -> float:
 
 def edges_near(triangulation: Triangulation, edge: int) -> Indices:
     """Other edges between the vertices at most two edges away from an edge."""
-    near: Mask = np.zeros(triangulation.n_vertices, dtype=bool)
+    near = np.zeros(triangulation.n_vertices, dtype=bool)
     near[triangulation.edges[edge]] = True
     for _ in range(2):
         near[triangulation.edges[near[triangulation.edges].any(axis=1)]] = True
-    inside = near[triangulation.edges].all(axis=1)
-    inside[edge] = False
-    return np.flatnonzero(inside)
+    inside = np.flatnonzero(near[triangulation.edges].all(axis=1))
+    return inside[inside != edge]
 
 
 def standing_out(off: Floats) -> int | None:
