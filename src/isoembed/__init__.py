@@ -31,8 +31,8 @@ def __getattr__(name: str) -> object:
             raise
         from isoembed.similar_names import did_you_mean
 
-        asked = _in_subpackage(name) or did_you_mean(name, __all__)
-        raise AttributeError(f"module 'isoembed' has no attribute {name!r}{asked}") from None
+        suggestion = _in_subpackage(name) or did_you_mean(name, __all__)
+        raise AttributeError(f"module 'isoembed' has no attribute {name!r}{suggestion}") from None
 
 
 def _in_subpackage(name: str) -> str:

@@ -90,7 +90,7 @@ def embed(
         No such surface was found; the exception holds the best attempt.
     InvalidParameter
         The method is unknown or does not take errors of lengths, the tolerance is not positive, a parameter
-        does not fit the metric, or what is to be resumed was something else.
+        does not fit the metric, or the checkpoint belongs to another computation.
     Interrupted
         On Ctrl-C; a `KeyboardInterrupt` that holds the checkpoint to go on from.
 
@@ -136,10 +136,10 @@ def glue(
     Parameters
     ----------
     polygons : sequence of array_like, Unfolding, or path
-        The corners of each polygon; or what `unfold` returns; or a file as of `isoembed.io.net.read_net`.
+        The corners of each polygon; or the result of `unfold`; or a file as of `isoembed.io.net.read_net`.
     sides, corners, curvature, model, any_surface
-        Of polygons, as of `isoembed.gluing.glue`: which sides are glued, or what the corners are called, and
-        whether the others are a boundary.  Files say it themselves.
+        Of polygons, as of `isoembed.gluing.glue`: the glued sides, or the names of the corners, and whether
+        the other sides form a boundary.  Files contain these.
     tolerance : float, optional
         As of `isoembed.gluing.glue`, of polygons and files.
 
@@ -197,11 +197,11 @@ def unfold(
     Parameters
     ----------
     surface : Embedding, path, or a mesh
-        In R^3: what `embed` returns, a file with vertices, or a mesh as of `embed`.  Its vertices count, not
-        its metric.  How it is cut is said at `isoembed.gluing.unfold`.
+        In R^3: a result of `embed`, a file with vertices, or a mesh as of `embed`.  Its vertices are used,
+        not its metric.  For the cuts see `isoembed.gluing.unfold`.
     cut, keep, objective, within
-        As of `isoembed.gluing.unfold`: edges, by their vertices, that are cut or not; what the net is made
-        for; a rectangle that each sheet fits into.
+        As of `isoembed.gluing.unfold`: edges, by their vertices, to cut or to keep; the objective of the
+        net; a rectangle that contains each sheet.
 
     Returns
     -------
@@ -247,10 +247,10 @@ def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
         from isoembed.io.net import holds_net, read_net
 
         return read_net(given) if holds_net(given) else read_metric(given, any_surface=True)
-    if isinstance(made := getattr(given, "metric", None), PolyhedralMetric) and not hasattr(
+    if isinstance(source_metric := getattr(given, "metric", None), PolyhedralMetric) and not hasattr(
         given, "vertices"
     ):
-        return made  # of a triangulation by `isoembed.smooth.triangulate_metric`
+        return source_metric  # of a triangulation by `isoembed.smooth.triangulate_metric`
     return PolyhedralMetric.from_mesh(**_mesh(given, "metric"))
 
 

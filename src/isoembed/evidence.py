@@ -16,7 +16,7 @@ class Evidence:
         "proved" where a theorem applies and its hypotheses hold by more than the error of the numbers that
         they were verified with; "searched" where a search ended without a result, which proves nothing.
     basis : str
-        The theorem and the inequality that was verified, or what was searched.
+        The theorem and the inequality verified, or the scope of the search.
     """
 
     kind: Literal["proved", "searched"]

@@ -29,7 +29,7 @@ ONLY_EUCLIDEAN = "surfaces with boundary or handles are embedded in R^3 only, wi
 
 
 class Method(ABC):
-    """A way to embed metrics, with its parameters: what `embed` takes as ``method=``.
+    """Embedding method with its parameters, an argument ``method=`` of `embed`.
 
     Derive a frozen dataclass from it.  Its fields, each with a default, are the parameters, which the command
     sets with ``--parameter NAME=VALUE``.  A package makes its method known by an entry point of the group
@@ -44,7 +44,7 @@ class Method(ABC):
     takes_glued : bool
         Whether the metric may be a `GluedMetric`, whose triangles need not be a simplicial complex.
     takes_doubly_covered : bool
-        Whether the metric may be two triangles, of which the surface is one covered twice.
+        Whether the metric may be two triangles, whose surface is a doubly covered triangle.
     takes_curved : bool
         Whether the metric may be of triangles of hyperbolic or spherical space, in which the surface then is.
     takes_boundary : bool
@@ -80,7 +80,7 @@ class Method(ABC):
         tolerance : float
             Largest residual to count as converged.
         log : Log
-            Records the stages; its `Checkpoints` have what an interrupted run kept, to go on from.
+            Records the stages; its `Checkpoints` contain the state of an interrupted run, to resume from.
 
         Returns
         -------
@@ -183,8 +183,8 @@ def solve(
             gaps = link_gaps(metric)
             v = int(np.argmax(gaps))
             if gaps[v] > 0:
-                said = f"{without_link(metric, v)}. {embedding.message[:1].upper()}{embedding.message[1:]}"
-                raise NotEmbedded(said, embedding, Evidence("proved", NO_LINK))
+                message = f"{without_link(metric, v)}. {embedding.message[:1].upper()}{embedding.message[1:]}"
+                raise NotEmbedded(message, embedding, Evidence("proved", NO_LINK))
         raise NotEmbedded(embedding.message, embedding)
     if shown is not None:
         return embedding.with_length_errors(shown)

@@ -19,8 +19,8 @@ MOST = 8  # entries of a repr; a table has all
 def short_repr(cls: Kind) -> Kind:
     """Give a dataclass a repr of one line and a table for notebooks.
 
-    Shown are its fields, or what its method ``_shown`` yields, pairs of a name and a value, but for those
-    that are None, empty or functions; of large arrays the shape.
+    These show its fields, or the pairs of a name and a value from its method ``_shown``, except those that
+    are None, empty or functions; of large arrays the shape.
     """
     cls.__repr__ = _repr  # type: ignore[assignment,misc,method-assign,unused-ignore]
     if "_repr_html_" not in vars(cls):

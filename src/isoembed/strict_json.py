@@ -9,7 +9,7 @@ import numpy as np
 
 
 def plain(value: Any) -> Any:
-    """Convert to what JSON can hold: arrays to lists, and numbers that are not finite to None."""
+    """Convert to JSON types: arrays to lists, and numbers that are not finite to None."""
     if isinstance(value, Mapping):
         return {str(key): plain(each) for key, each in value.items()}
     if isinstance(value, np.ndarray | np.generic):

@@ -20,7 +20,7 @@ def threshold(value: Any, unit: str, meaning: str) -> Any:
     unit : str
         What it is measured in, such as ``"mean edge lengths"``, ``"radians"``, ``"relative"`` or ``"count"``.
     meaning : str
-        One sentence that says what happens at this value.
+        One sentence on the effect of the threshold.
     """
     return field(default=value, metadata={"unit": unit, "meaning": meaning})
 

@@ -65,7 +65,7 @@ def test_shallow_vertices_change_the_lengths_little_and_to_the_better(surface):
 
 def test_the_lengths_are_missed_most_at_centers_which_are_apart(surface):
     changes = ReflectionTrials(surface, never)
-    centers = list(changes._most_missed(4))
+    centers = list(changes._largest_residuals(4))
     squares = surface.residuals**2
     around = [squares[surface.energy.triangulation.incidence[[v]].indices].sum() for v in range(150)]
     assert centers[0] == np.argmax(around)
@@ -104,7 +104,7 @@ def test_pairs_are_two_near_a_center(surface, monkeypatch):
     monkeypatch.setattr(module, "PATCHES", ((1, 2),))
     monkeypatch.setattr(module, "SIDE_RINGS", 1)
     (changes,) = ReflectionTrials(surface, never).pairs()
-    (center,) = ReflectionTrials(surface, never)._most_missed(1)
+    (center,) = ReflectionTrials(surface, never)._largest_residuals(1)
     near = ReflectionTrials(surface, never)._about(center, 2)
     assert changes
     assert all(np.array_equal(change.patch.vertices, near) for change in changes)

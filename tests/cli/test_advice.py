@@ -20,7 +20,7 @@ from isoembed.cli.advice import in_options
         ("merge them with merge=1e-05.", "merge them with --merge 1e-05."),
         ("allow it: tolerance=0.02 moves", "allow it: --tolerance 0.02 moves"),
         ("marginal=True or marginal=False decides", "--marginal or --not-marginal decides"),
-        ("it goes with geometry=", "it goes with --geometry"),
+        ("pass it as geometry=", "pass it as --geometry"),
         ("about 3 and not 0.29; length_errors=3 takes", "about 3 and not 0.29; --length-error 3 takes"),
         ("give length_errors=E; length_errors=0 takes", "give --length-error E; --length-error 0 takes"),
         ("only; isoembed.realizations(embedding) searches", "only; isoembed realizations SURFACE searches"),

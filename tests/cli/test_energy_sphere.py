@@ -76,7 +76,7 @@ def test_a_sphere_in_a_file(report):
     exact = embed_surface(StarSurface.sphere((0.0, 0.0, 0.0), 2.0).data(slice_), vertices=60).energies
     for name in ("area", "brown_york", "hawking"):
         assert abs(found[name] - getattr(exact, name).value) <= found["errors"][name] <= 1e-4 * found[name]
-    assert found["notes"] == ["the slice has no K_ij: it is taken to be time-symmetric"]
+    assert found["notes"] == ["the slice has no K_ij: it is assumed to be time-symmetric"]
     same = report("--geometry", "slice.npz", "--sphere", 0, 0, 0, 2, *FEW)
     assert same == found
 

@@ -91,5 +91,5 @@ def test_the_best_fit(run, few):
     assert (status, err) == (0, "")
     found = strict(out)
     assert found["status"] == "best fit" and os.listdir() == ["fit.vtk"]
-    assert any("not an embedding, but the best fit" in note for note in found["notes"])
+    assert any("a best fit, not an embedding" in note for note in found["notes"])
     assert found["errors"]["brown_york"] > 1e-8

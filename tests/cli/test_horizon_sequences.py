@@ -63,7 +63,7 @@ def test_where_all_are_refused_nothing_is_done(run):
         scaled = {name: values * (1e210 if name[0] == "q" else 1.0) for name, values in arrays.items()}
     np.savez("a.npz", **scaled)
     status, _, err = run("a.npz", "--marginal", "--json")
-    assert status == 2 and "isoembed: error: a.npz: squares of lengths of about" in err
+    assert status == 2 and "isoembed: error: a.npz: products of squared lengths of about" in err
 
 
 @pytest.mark.parametrize(

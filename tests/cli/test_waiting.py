@@ -60,7 +60,7 @@ def test_it_is_held_where_a_command_shows_more(attached, monkeypatch):
     terminal = attached()
     line = Waiting(terminal)
     monkeypatch.setattr(waiting, "PERIOD", 1e-3)
-    with line.held():
+    with line.suspended():
         thread = threading.Thread(target=line.run)
         thread.start()
         assert not terminal.written.wait(0.05)

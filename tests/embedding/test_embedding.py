@@ -312,7 +312,7 @@ def test_what_is_no_embedding_is_refused(function):
         (surface.metric, "PolyhedralMetric"),
         (surface.surface, "Surface"),
     ):
-        with pytest.raises(isoembed.InvalidParameter, match=f"the embedding is a {kind}: give what"):
+        with pytest.raises(isoembed.InvalidParameter, match=f"the embedding is a {kind}: give a result"):
             function(wrong)
 
 

@@ -37,7 +37,7 @@ def test_on_its_own_triangles_an_edge_crosses_nothing():
     tables = tables_of(vertices, faces)
     edges = all_edges(tables)
     paths = drawn(tables, tables, edges)
-    assert paths.halfedges.size == 0 and paths.lost.size == 0
+    assert paths.halfedges.size == 0 and paths.unresolved.size == 0
     assert np.array_equal(paths.lengths, tables.lengths[edges])
     assert mismatch(paths) < 1e-15
     ends = np.column_stack([tables.corners[edges], tables.corners[tables.twins[edges]]])
@@ -89,7 +89,7 @@ def test_over_the_edges_of_a_cube():
         scramble(other, 10, rng, 1e-2)
         edges = all_edges(other)
         paths = drawn(other, tables, edges)
-        assert paths.lost.size == 0 and mismatch(paths) < 1e-13
+        assert paths.unresolved.size == 0 and mismatch(paths) < 1e-13
         assert paths.lengths_on(vertices) == pytest.approx(paths.lengths, rel=1e-12)
         for e in np.flatnonzero(np.abs(paths.lengths - 5**0.5) < 1e-9):
             i, j = paths.point_offsets[e : e + 2]
@@ -186,11 +186,11 @@ def test_a_path_that_goes_astray_is_lost():
     elsewhere = HalfEdges(tables.corners, tables.twins, tables.lengths, turned)
     edges = all_edges(tables)
     paths = drawn(elsewhere, tables, edges)
-    assert np.array_equal(paths.lost, np.flatnonzero(tables.corners[edges] == v))
-    assert paths.lost.size > 0
-    assert np.isnan(paths.distances).sum() == paths.lost.size
+    assert np.array_equal(paths.unresolved, np.flatnonzero(tables.corners[edges] == v))
+    assert paths.unresolved.size > 0
+    assert np.isnan(paths.distances).sum() == paths.unresolved.size
     # It is drawn with its ends alone.
-    e = paths.lost[0]
+    e = paths.unresolved[0]
     assert paths.offsets[e] == paths.offsets[e + 1]
     assert np.array_equal(paths.points(vertices)[paths.point_offsets[e]], vertices[v])
 
@@ -201,7 +201,7 @@ def test_an_edge_without_a_direction_is_lost():
     directions = tables.directions.copy()
     directions[edges[3]] = np.nan
     paths = drawn(tables._replace(directions=directions), tables, edges)
-    assert paths.lost.tolist() == [3]
+    assert paths.unresolved.tolist() == [3]
 
 
 def test_distances_are_those_of_the_final_metric():

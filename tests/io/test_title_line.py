@@ -22,7 +22,7 @@ from isoembed.io import (
     write_metric,
     write_surface,
 )
-from isoembed.io.title_line import title_line, title_said
+from isoembed.io.title_line import title_data, title_line
 from isoembed.space.models import MODELS, to_model
 from regular_in_space import regular_solid
 
@@ -208,8 +208,8 @@ def test_what_is_refused(said, sentence, tmp_path):
 
 def test_the_line_says_what_it_was_given():
     tables = {"curvature": np.array(Spherical(0.1).curvature), "model": "conformal"}
-    assert float(title_said(f"# {title_line(tables)}\n")["curvature"]) == 0.1
-    assert title_line({}) == "" and title_said("# curvature of space") == {}
+    assert float(title_data(f"# {title_line(tables)}\n")["curvature"]) == 0.1
+    assert title_line({}) == "" and title_data("# curvature of space") == {}
 
 
 @pytest.mark.parametrize("ending", SURFACE_ENDINGS)

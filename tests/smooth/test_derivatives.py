@@ -152,7 +152,7 @@ def test_refusals():
         found.vjp(np.ones(3))
     with pytest.raises(InvalidParameter, match="misses its metric by"):
         MetricDerivatives.of(exact(ellipsoid(1, 1, 2), np.eye(3)))
-    with pytest.raises(InvalidParameter, match="in harmonics of degree 40, and the most is 36"):
+    with pytest.raises(InvalidParameter, match="in harmonics of degree 40, and the maximum is 36"):
         MetricDerivatives.of(exact(ellipsoid(1, 1, 1), np.eye(3), 40))
     round_sphere = embed_smooth(ellipsoid(0.5, 0.5, 0.5), space=Spherical(0.1))
     with pytest.raises(InvalidParameter, match=r"surfaces in R\^3, not in Spherical"):

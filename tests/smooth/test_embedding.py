@@ -409,7 +409,7 @@ def test_beyond_smarrs_limit_the_reason_names_the_band(few):
         embed_smooth(KerrNewmanHorizon(1.0, 0.9), vertices=200)
     message = str(refusal.value)
     assert "0.561403 < theta < 2.58019 embeds, 84.6509 % of the area" in message
-    assert message.endswith("; other surfaces were not looked for")
+    assert message.endswith("; other surfaces were not searched for")
     (note,) = refusal.value.__notes__
     assert "Hyperbolic(0.044648388" in note and 'space="hyperbolic"' in note and "best_fit=True" in note
     rough = refusal.value.embedding

@@ -171,7 +171,7 @@ def test_deformations_of_first_order(space):
 @pytest.mark.parametrize("degree", [6, 24])
 def test_a_start_beyond_the_hemisphere_is_refused(degree):
     harmonics, space = Harmonics(degree, degree), Spherical(0.3)
-    with pytest.raises(InvalidParameter, match="begins at points beyond the half of the sphere about"):
+    with pytest.raises(InvalidParameter, match="starting points are not all in the hemisphere about"):
         gauss_newton(induced(A, space), harmonics, 3.0 * linear(harmonics, A), space=space)
 
 

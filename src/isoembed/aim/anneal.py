@@ -66,14 +66,14 @@ def anneal(
     Annealed
         The iterate with the smallest residual.
     """
-    rounding, lost = stagnated(1e-9), 10.0  # residual beyond recovery, in mean edge lengths
+    rounding, diverged = stagnated(1e-9), 10.0  # residual beyond recovery, in mean edge lengths
     found = length_newton(
         system,
         vertices,
         lengths,
         recorder=recorder,
         converged=lambda p, size, _: size <= residual_tolerance or p.moved <= step_tolerance,
-        stalled=lambda p, size, before: rounding(p, size, before) or not size < lost,
+        stalled=lambda p, size, before: rounding(p, size, before) or not size < diverged,
         max_iterations=max_iterations,
     )
     return Annealed(found.best.x, found.least, found.converged)

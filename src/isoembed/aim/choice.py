@@ -52,9 +52,9 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
         return different[0]._with_others(others)
     from isoembed.aim.nearby_realizations import NEAR, SOFTEST, sought  # not needed for convex bodies
 
-    said = sought(SOFTEST, NEAR)
-    found = different[0]._with_others(others, Evidence("searched", said))
-    return found._with_message(f"{found.message}; {said}")
+    evidence = sought(SOFTEST, NEAR)
+    found = different[0]._with_others(others, Evidence("searched", evidence))
+    return found._with_message(f"{found.message}; {evidence}")
 
 
 def _turned_to(answer: Embedding, other: Embedding) -> Embedding:
@@ -73,7 +73,7 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
     from isoembed.aim.realization_search import RealizationSearch
     from isoembed.surface.rigidity import LengthSystem
 
-    metric, said = embedding.metric, sought(MOTIONS, FAR)
+    metric, evidence = embedding.metric, sought(MOTIONS, FAR)
     with log.stage("neighbors") as recorder:
         system = LengthSystem(metric.triangulation, space=metric.space, work=log.work)
         search = RealizationSearch(metric, system, embedding.vertices, recorder, MOTIONS, FAR)
@@ -84,11 +84,11 @@ def with_neighbors(embedding: Embedding, log: Log) -> Embedding:
         other = _like(embedding, vertices)
         if not any(are_identical(other, known) for known in (embedding, *others)):
             others.append(other)
-    found = embedding._with_others(others, Evidence("searched", said))
-    return found._with_message(f"{found.message}; {said}")
+    found = embedding._with_others(others, Evidence("searched", evidence))
+    return found._with_message(f"{found.message}; {evidence}")
 
 
-def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log: Log) -> Embedding:
+def requested(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], log: Log) -> Embedding:
     """The requested realization among those found, with the others attached.
 
     Parameters
@@ -121,13 +121,13 @@ def asked_for(embedding: Embedding, which: str | tuple[tuple[float, ...], ...], 
             found.append(near)
         best = min(found, key=target.distance)
     rest = [surface for surface in found if surface is not best]
-    said = best._with_others(rest, embedding.uniqueness)
+    answer = best._with_others(rest, embedding.uniqueness)
     if which not in ("convex", "smoothest"):
-        said = said._with_message(
-            f"{said.message}; of the realizations found it is the nearest to the given surface, "
+        answer = answer._with_message(
+            f"{answer.message}; of the realizations found it is the nearest to the given surface, "
             f"{target.distance(best):.1e} mean edge lengths from it"
         )
-    return said
+    return answer
 
 
 def _target(embedding: Embedding, vertices: Floats) -> Embedding:

@@ -92,10 +92,10 @@ class ClampedPatch:
         share: float = 0.002,  # relative decrease of the energy
     ) -> tuple[Floats, float]:
         """Local minimum near x and its variable part of the energy, by the Levenberg-Marquardt method."""
-        n, held = len(self.vertices), np.kron(self.stiffness, np.eye(3))
+        n, stiffness = len(self.vertices), np.kron(self.stiffness, np.eye(3))
 
         def step(at: _Terms) -> Curve[_Terms]:
-            matrix = self.edges.hessian(at.directions) + held
+            matrix = self.edges.hessian(at.directions) + stiffness
             pull = self.edges.forces(at.directions, at.residuals)
             gradient = (self.mu * (self.columns.T @ at.rough) + pull).ravel()
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.aim.acceptance import is_accepted
-from isoembed.aim.choice import asked_for, smoothest, with_neighbors
+from isoembed.aim.choice import requested, smoothest, with_neighbors
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron
 from isoembed.aim.pipeline import Decision, Pipeline, State
 from isoembed.aim.problem import Problem
@@ -87,7 +87,7 @@ class AskedFor(Decision):
 
     def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
         which = pipeline.method.which
-        return answer if which is None else asked_for(answer, which, pipeline.log)
+        return answer if which is None else requested(answer, which, pipeline.log)
 
 
 class SmootherWithinErrors(Decision):

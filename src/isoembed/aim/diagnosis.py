@@ -65,8 +65,8 @@ def _curvature(metric: PolyhedralMetric, unlike: bool) -> list[str]:
     lowest, total = deficits(metric).min(), deficits(metric)[negative].sum()
     if -total > 0.05 * 4 * np.pi:  # less may be noise on a convex body
         return [found]
-    said = repair_that_succeeds(metric.normalized, float(rounded_up(-lowest)), PLACED, Log())
-    return [found, f"If the body is convex, {said}, on triangles of its own"] if said else [found]
+    repaired = repair_that_succeeds(metric.normalized, float(rounded_up(-lowest)), PLACED, Log())
+    return [found, f"If the body is convex, {repaired}, on triangles of its own"] if repaired else [found]
 
 
 def _negative(metric: PolyhedralMetric, negative: Mask, regions: int) -> str:

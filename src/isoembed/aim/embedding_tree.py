@@ -69,7 +69,7 @@ def embedding_tree(
     x = np.zeros((triangulation.n_vertices, 3))
     layers = np.full(triangulation.n_vertices, -1)  # until a vertex is placed
     pivots = np.full((triangulation.n_vertices, 2), -1)
-    done = np.zeros(len(faces), dtype=bool)
+    visited = np.zeros(len(faces), dtype=bool)
 
     a, b, c = faces[root]
     x[a], x[b] = _first_edge(r, lengths[face_edges[root, 0]])
@@ -78,7 +78,7 @@ def embedding_tree(
     )[0]
     pivots[c] = a, b
     layers[faces[root]] = 0
-    done[root] = True
+    visited[root] = True
 
     front, layer = np.array([root]), 0
     while len(front):
@@ -87,12 +87,12 @@ def embedding_tree(
         # Half-edges of neighbors across the front; the first one to reach a vertex places it.
         inside = (3 * front[:, None] + np.arange(3)).ravel()
         outside = triangulation.twins[inside]
-        fresh = ~done[outside // 3]
+        fresh = ~visited[outside // 3]
         inside, outside = inside[fresh], outside[fresh]
         _, first = np.unique(outside // 3, return_index=True)
         inside, outside = inside[first], outside[first]
         front = outside // 3
-        done[front] = True
+        visited[front] = True
         new = faces[front, (outside % 3 + 2) % 3]
         _, first = np.unique(np.where(layers[new] >= 0, -1, new), return_index=True)
         first = first[layers[new[first]] < 0]

@@ -193,19 +193,19 @@ class _SoftEquations:
             size = np.sqrt(np.abs(self.constant).max() / bent)
         if not np.isfinite(size).all():
             return []
-        met: list[tuple[float, Floats]] = []
+        found_roots: list[tuple[float, Floats]] = []
         for _ in range(60):  # random starts of the cubic equations
             # At this size, quadratic terms are comparable to the errors.
             value, s = self._least(rng.standard_normal(k) * size * rng.choice((0.5, 1.0, 2.0, 4.0)))
             close = 1e-3 * np.abs(s).max()  # relative distance of equal roots
-            if all(np.abs(s - other).max() > close for _, other in met):
-                met.append((value, s))
-        met.sort(key=lambda pair: pair[0])
+            if all(np.abs(s - other).max() > close for _, other in found_roots):
+                found_roots.append((value, s))
+        found_roots.sort(key=lambda pair: pair[0])
         return [
             self.vertices
             + np.tensordot(s, self.motions, axes=1)
             + np.einsum("i,j,ijvc->vc", s, s, self.followed) / 2
-            for _, s in met[:6]  # the best roots
+            for _, s in found_roots[:6]  # the best roots
         ]
 
     def _evaluated(self, s: Floats) -> tuple[Floats, Floats]:

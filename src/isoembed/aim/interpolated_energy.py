@@ -28,7 +28,7 @@ class InterpolatedEnergy(RegularizedEnergy):
     """The energy of the chosen vertices' positions, (C, 3).
 
     The errors are those of the strains times the coarse edge length around, three for each chosen vertex, so
-    that mu means what it does on a triangulation of these vertices.
+    that mu has the same meaning as on a triangulation of these vertices.
 
     Parameters
     ----------

@@ -42,9 +42,9 @@ LANDED = 1e-4  # mean edge lengths; largest residual after the last step of a su
 QUINTIC = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 
 
-def goes_by_levels(metric: PolyhedralMetric, kept: Mapping[str, NDArray[Any]] | None) -> bool:
+def goes_by_levels(metric: PolyhedralMetric, checkpoint: Mapping[str, NDArray[Any]] | None) -> bool:
     """Whether to use levels: for many vertices in Euclidean space, unless a resumed run abandoned them."""
-    given_up = kept is not None and "split" not in kept
+    given_up = checkpoint is not None and "split" not in checkpoint
     many = metric.triangulation.n_vertices >= LEAST_VERTICES
     return metric.space.is_euclidean and many and not given_up
 
@@ -54,7 +54,7 @@ def pulled_back_by_levels(
     system: LengthSystem,
     start: Floats,
     recorder: StageRecorder,
-    kept: Mapping[str, NDArray[Any]] | None = None,
+    checkpoint: Mapping[str, NDArray[Any]] | None = None,
 ) -> Floats | None:
     """Pull a convex surface back to the vicinity of the lengths of a metric, for Newton's method.
 
@@ -66,7 +66,7 @@ def pulled_back_by_levels(
     start : ndarray, shape (V, 3)
         A convex surface of a nearby metric.
     recorder : StageRecorder
-    kept : mapping of str to ndarray, optional
+    checkpoint : mapping of str to ndarray, optional
         Checkpoint of an interrupted pull-back.
 
     Returns
@@ -81,7 +81,7 @@ def pulled_back_by_levels(
     """
     n = metric.triangulation.n_vertices
     convex = start - start.mean(axis=0)
-    x = None if kept is None else kept.get("split")
+    x = None if checkpoint is None else checkpoint.get("split")
     if x is None:
         x = _guided(metric, system, convex, recorder)
     if x is None:

@@ -133,7 +133,7 @@ class _LocalSearch(SearchState):
     ) -> None:
         super().__init__(energy, system, vertices, lengths, recorder, budget)
         self.realization: Floats | None = None
-        self.asked: Floats | None = None  # last start of Newton's method
+        self.newton_start: Floats | None = None  # last start of Newton's method
         n = energy.triangulation.n_vertices
         self.is_coarse = n <= COARSE
         self.patch_cost = (
@@ -163,8 +163,8 @@ class _LocalSearch(SearchState):
 
     def is_realized(self, x: Floats) -> bool:
         """Whether a realization is found, after trying Newton's method from a new surface."""
-        asked, self.asked = self.asked, x
-        if self.realization is None and x is not asked and self.largest_residual(x) <= NEARLY:
+        newton_start, self.newton_start = self.newton_start, x
+        if self.realization is None and x is not newton_start and self.largest_residual(x) <= NEARLY:
             found = anneal(self.system, x, self.lengths, self.recorder).vertices
             self.keep(found)
             if self.largest_residual(found) <= REALIZED:
@@ -237,10 +237,10 @@ class _LocalSearch(SearchState):
     def chosen(self, x: Floats, disks: csr_array) -> Iterator[int]:
         """Centers of the disks with the largest residuals; none is in the disk of another."""
         squares = self.energy.residuals(x, self.lengths) ** 2
-        missed = disks @ sums_at_ends(self.energy.triangulation, squares / 2)
-        free, count = missed > 1e-4 * squares.sum(), 0  # disks with less of |r|^2 are skipped
+        residual_sums = disks @ sums_at_ends(self.energy.triangulation, squares / 2)
+        free, count = residual_sums > 1e-4 * squares.sum(), 0  # disks with less of |r|^2 are skipped
         free &= np.diff(disks.indptr) <= len(x) / 2  # a larger disk would be the complement
-        for center in np.argsort(-missed, kind="stable").tolist():
+        for center in np.argsort(-residual_sums, kind="stable").tolist():
             if not free[center]:
                 continue
             yield center
@@ -283,14 +283,14 @@ class _LocalSearch(SearchState):
         tried: set[int] = set()
         while not self.is_done(x):
             squares = self.energy.residuals(x, self.lengths) ** 2
-            missed = sums_at_ends(self.energy.triangulation, squares)
-            left = [v for v in np.argsort(-missed, kind="stable").tolist() if v not in tried]
+            residual_sums = sums_at_ends(self.energy.triangulation, squares)
+            left = [v for v in np.argsort(-residual_sums, kind="stable").tolist() if v not in tried]
             self.show(x)
             if left:
                 tried.add(left[0])
                 flipped = [left[0]]
             else:
-                first = int(rng.choice(len(x), p=missed / missed.sum()))
+                first = int(rng.choice(len(x), p=residual_sums / residual_sums.sum()))
                 flipped = [first, int(rng.choice(adjacency[[first]].indices))]
             trial = x
             for v in flipped:

@@ -54,9 +54,9 @@ class Motions:
         squares = np.einsum("me,me->m", rates, rates)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             s = -2 * squares / np.einsum("me,me->m", rates, bends)
-            missed = np.linalg.norm(rates + s[:, None] / 2 * bends, axis=1) / np.sqrt(squares)
+            relative_residuals = np.linalg.norm(rates + s[:, None] / 2 * bends, axis=1) / np.sqrt(squares)
             motions = s[:, None, None] * directions
-        return cls(motions, np.linalg.norm(motions, axis=2).max(axis=1), missed)
+        return cls(motions, np.linalg.norm(motions, axis=2).max(axis=1), relative_residuals)
 
     def __getitem__(self, which: Indices | list[int]) -> Motions:
         return Motions(self.motions[which], self.reach[which], self.defect[which])
@@ -78,11 +78,11 @@ class Motions:
         """Motions without near duplicates, keeping those of least defect; the shortest come first."""
         flat = self.motions.reshape(len(self.motions), self.motions[0].size if len(self.motions) else 0)
         flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
-        kept: list[int] = []
+        selected: list[int] = []
         for i in np.argsort(self.defect, kind="stable"):
-            if not kept or np.abs(flat[kept] @ flat[i]).max() <= 0.9:  # cosine of duplicates
-                kept.append(int(i))
-        return self[[kept[i] for i in np.argsort(self.reach[kept], kind="stable")]]
+            if not selected or np.abs(flat[selected] @ flat[i]).max() <= 0.9:  # cosine of duplicates
+                selected.append(int(i))
+        return self[[selected[i] for i in np.argsort(self.reach[selected], kind="stable")]]
 
     def chosen(self, charts: QuinticResiduals, vertices: Floats) -> Motions:
         """The shortest of these sorted motions, then the others that smooth the surface most."""
@@ -116,12 +116,12 @@ def nearby_motions(
     basis = np.linalg.qr(expansion.rates(softest[:hidden]).T)[0]
     for changes in _changes_about_vertices(expansion):
         for _ in range(5):  # power iteration
-            met = Motions.of(expansion, expansion.motions(changes - changes @ basis @ basis.T))
-            found = found.joined(met.within(distance)).different()
-            met = met[np.flatnonzero(np.isfinite(met.reach) & (met.reach > 0))]
-            if not len(met.reach):
+            motions = Motions.of(expansion, expansion.motions(changes - changes @ basis @ basis.T))
+            found = found.joined(motions.within(distance)).different()
+            motions = motions[np.flatnonzero(np.isfinite(motions.reach) & (motions.reach > 0))]
+            if not len(motions.reach):
                 break
-            changes = -expansion.bends(met.motions, met.motions) / 2
+            changes = -expansion.bends(motions.motions, motions.motions) / 2
         found = found.chosen(charts, expansion.vertices)
     return found
 

@@ -63,24 +63,24 @@ def nearby_realizations(
     """
     triangulation = system.triangulation
     errors = length_residuals(triangulation, vertices, lengths, system.space)
-    best, met = vertices, [vertices] if np.abs(errors).max() <= residual_tolerance else []
+    best, found = vertices, [vertices] if np.abs(errors).max() <= residual_tolerance else []
     for _ in range(4):  # from realization to realization
         expansion = LengthExpansion(system, best, lengths)
         softest = softest_motions(expansion, SOFTEST)
         predicted = predicted_motions(expansion, softest, NEAR).motions
         if not predicted:
-            return met
+            return found
         charts = QuinticResiduals.of(triangulation, best)
-        roughness = charts.roughness(best) if met else np.inf
+        roughness = charts.roughness(best) if found else np.inf
         expected = [charts.roughness(best + motion) for motion in predicted]
         motion = predicted[int(np.argmin(expected)) if min(expected) < roughness else 0]
         neighbor = _realized(system, best, motion, lengths, recorder, residual_tolerance)
         if neighbor is None:
-            return met
+            return found
         if charts.roughness(neighbor) >= roughness:
-            return [*met, neighbor]
-        best, met = neighbor, [neighbor, *met]
-    return met
+            return [*found, neighbor]
+        best, found = neighbor, [neighbor, *found]
+    return found
 
 
 class Predicted(NamedTuple):
@@ -127,8 +127,8 @@ def predicted_motions(
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in motions]
     # Mean edge lengths; shorter motions lead to the surface itself.
     least = APART * max(float(np.abs(expansion.residuals).max()), 1e-9 * unit)
-    kept = [motions[k] for k in np.argsort(reach) if least < reach[k] < near * unit]
-    return Predicted(kept, found.complete)
+    selected = [motions[k] for k in np.argsort(reach) if least < reach[k] < near * unit]
+    return Predicted(selected, found.complete)
 
 
 def _realized(

@@ -50,7 +50,7 @@ def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, 
     """
     if (convex.deficits <= deficit_rounding(convex)).any():
         return None
-    deficits, kept = convex.deficits, log.checkpoints.resume()
+    deficits, checkpoint = convex.deficits, log.checkpoints.resume()
     # Share of the deficits; with less curvature the side of a vertex is determined.
     close = np.minimum(NEWTON_CURVATURE * deficits.max(), 0.1 * deficits)
     with log.stage("polytopes") as recorder:
@@ -60,7 +60,7 @@ def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, 
             deficits,
             recorder,
             lambda here: recorder.keep(**here.arrays()),
-            None if kept is None else Waypoint.of_arrays(kept),
+            None if checkpoint is None else Waypoint.of_arrays(checkpoint),
             close,
             analyses,
         )

@@ -56,11 +56,11 @@ def newton_on_radii(
     near = np.full(deficits.size, NEWTON_CURVATURE * deficits.max())
     if (deficits > rounding).all():
         near = np.minimum(near, 0.3 * deficits)  # share of the deficits at which the path may end
-    kept = log.checkpoints.resume()
+    checkpoint = log.checkpoints.resume()
     with log.stage("radii") as recorder:
         recorder.show(level=f"{given.n_vertices:,} vertices")
         try:
-            begun = None if kept is None else Waypoint.of_arrays(kept)
+            begun = None if checkpoint is None else Waypoint.of_arrays(checkpoint)
             p = follow_path_without_flips(tables, deficits, recorder, analyses, near, begun)
             if p is None:
                 return None

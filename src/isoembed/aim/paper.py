@@ -114,11 +114,13 @@ class Paper(Method):
 
     def run(self, metric: PolyhedralMetric, tolerance: float, log: Log) -> Embedding:
         """Embed the metric; a result beyond the tolerance names the step that failed."""
-        lost = ""
+        failure = ""
         with log.stage("uniformize") as recorder:  # 2.1
             uniform = self.uniformize(metric, recorder)
             if not uniform.converged:
-                lost = f"the curvature did not become uniform (k / kbar is off 1 by {uniform.deviation:.1e})"
+                failure = (
+                    f"the curvature did not become uniform (k / kbar is off 1 by {uniform.deviation:.1e})"
+                )
         with log.stage("embedding tree") as recorder:  # 2.2
             vertices = self.embed_on_sphere(uniform, recorder).vertices
             recorder.show(t=1.0, vertices=vertices)
@@ -132,7 +134,9 @@ class Paper(Method):
             annealed = self.make_convex(system, annealed, uniform.metric.lengths, tolerance, recorder)
             self._show(system, annealed, 1.0, recorder)
             if not annealed.converged:
-                lost = lost or f"the uniform surface could not be annealed (residual {annealed.residual:.1e})"
+                failure = (
+                    failure or f"the uniform surface could not be annealed (residual {annealed.residual:.1e})"
+                )
         with log.stage("pull back") as recorder:  # 2.3
 
             def relax(guess: Floats, t: float) -> Annealed:
@@ -147,12 +151,12 @@ class Paper(Method):
             for t, annealed in way:
                 self._show(system, annealed, t, recorder)
                 if not annealed.converged:
-                    lost = lost or f"the pull-back lost the surface at t = {t:.3g} t_f"
+                    failure = failure or f"the pull-back lost the surface at t = {t:.3g} t_f"
         vertices = standard_position(metric.faces, annealed.vertices)
         embedding = Embedding(metric, vertices, method=self.name, tolerance=tolerance, stages=log.stages)
-        if embedding.converged or not lost:
+        if embedding.converged or not failure:
             return embedding
-        return embedding._with_message(f"{embedding.message}; {lost}")
+        return embedding._with_message(f"{embedding.message}; {failure}")
 
     def uniformize(self, metric: PolyhedralMetric, recorder: StageRecorder) -> Uniformization:
         """Section 2.1: conformal factors to the uniform metric."""

@@ -73,37 +73,37 @@ class State:
 
     def arrays(self) -> dict[str, ArrayLike]:
         """Arrays for a checkpoint: all fields except `answer`."""
-        kept: dict[str, ArrayLike] = {name: getattr(self, name) for name in ("trusted", "searched", "cost")}
+        arrays: dict[str, ArrayLike] = {name: getattr(self, name) for name in ("trusted", "searched", "cost")}
         for name in ("body", "start", "smooth"):
             if getattr(self, name) is not None:
-                kept[name] = getattr(self, name)
+                arrays[name] = getattr(self, name)
         for name in FITS:
             fit = getattr(self, name)
             if fit is not None:
-                kept |= {
+                arrays |= {
                     name: fit.vertices,
                     f"{name} numbers": [fit.weight, fit.noise, fit.score, fit.scatter],
                 }
                 if fit.predicted is not None:
-                    kept[f"{name} predicted"] = fit.predicted
-        return kept | {f"candidate {k}": surface.vertices for k, surface in enumerate(self.candidates)}
+                    arrays[f"{name} predicted"] = fit.predicted
+        return arrays | {f"candidate {k}": surface.vertices for k, surface in enumerate(self.candidates)}
 
     @classmethod
-    def of_arrays(cls, kept: Mapping[str, NDArray[Any]], problem: Problem) -> State:
+    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]], problem: Problem) -> State:
         """The inverse of `arrays`."""
-        known: dict[str, Any] = {name: kept.get(name) for name in ("body", "start", "smooth")}
+        known: dict[str, Any] = {name: arrays.get(name) for name in ("body", "start", "smooth")}
         for name in FITS:
-            if name in kept:
+            if name in arrays:
                 from isoembed.aim.best_fit import BestFit
 
-                fit = BestFit(kept[name], *kept[f"{name} numbers"].tolist())
-                known[name] = replace(fit, predicted=kept.get(f"{name} predicted"))
-        count = sum(name.startswith("candidate ") for name in kept)
+                fit = BestFit(arrays[name], *arrays[f"{name} numbers"].tolist())
+                known[name] = replace(fit, predicted=arrays.get(f"{name} predicted"))
+        count = sum(name.startswith("candidate ") for name in arrays)
         return cls(
-            candidates=tuple(problem.placed(kept[f"candidate {k}"]) for k in range(count)),
-            trusted=bool(kept["trusted"]),
-            searched=bool(kept["searched"]),
-            cost=int(kept["cost"]),
+            candidates=tuple(problem.placed(arrays[f"candidate {k}"]) for k in range(count)),
+            trusted=bool(arrays["trusted"]),
+            searched=bool(arrays["searched"]),
+            cost=int(arrays["cost"]),
             **known,
         )
 
@@ -216,12 +216,12 @@ class Pipeline:
 
     def _resumed(self, keys: set[str]) -> State:
         """The state to resume from; `_goal` is the key of the strategy or decision to resume, until then."""
-        kept = self.checkpoints.resumed
-        self._goal = "" if kept is None or kept.key not in keys else kept.key
-        if kept is None or not self._goal or not kept.state:
+        checkpoint = self.checkpoints.resumed
+        self._goal = "" if checkpoint is None or checkpoint.key not in keys else checkpoint.key
+        if checkpoint is None or not self._goal or not checkpoint.state:
             return INITIAL
-        self.work.factorizations = int(kept.state[SPENT])
-        return State.of_arrays(kept.state, self.problem)
+        self.work.factorizations = int(checkpoint.state[SPENT])
+        return State.of_arrays(checkpoint.state, self.problem)
 
     def _begin(self, key: str, state: State) -> None:
         """Begin a strategy or decision, with a checkpoint unless it is the first or the resumed one."""

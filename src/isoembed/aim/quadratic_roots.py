@@ -74,13 +74,13 @@ def quadratic_roots(constant: Floats, slope: Floats, Q: Floats) -> QuadraticRoot
     for retry in range(3):  # with a new gamma, and a tenth of the corrections
         paths = _Paths(constant, slope, Q, rng)
         ends, t = paths.followed(1e-3 * 0.1**retry)  # relative Newton correction of a step
-        kept = t > 0.99  # otherwise the path was lost
+        converged = t > 0.99  # otherwise the path was lost
         # Threshold on the relative homogenizing coordinate.
-        infinite = kept & (np.abs(ends[:, 0]) <= 1e-6 * np.linalg.norm(ends, axis=1))
-        complete = bool(kept.all()) and not _coincide(ends[(t == 1.0) & ~infinite])
+        infinite = converged & (np.abs(ends[:, 0]) <= 1e-6 * np.linalg.norm(ends, axis=1))
+        complete = bool(converged.all()) and not _coincide(ends[(t == 1.0) & ~infinite])
         if complete:
             break
-    finite = ends[kept & ~infinite]
+    finite = ends[converged & ~infinite]
     return QuadraticRoots(finite[:, 1:] / finite[:, :1], int(infinite.sum()), complete)
 
 

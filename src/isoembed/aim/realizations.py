@@ -72,18 +72,18 @@ class Realizations:
         found, searched = len(self.surfaces), int(self.searched.sum())
         region = f"within {self.distance:g} mean edge lengths of the surface"
         if not found:
-            said = f"no realization of these lengths was found {region}"
+            message = f"no realization of these lengths was found {region}"
         else:
-            said = (
+            message = (
                 f"{found} realization{'s' if found > 1 else ''} of these lengths found {region}, with "
                 f"searches from {searched} of them, breadth first and smoothest first"
             )
-        said += f"; {self.evidence.basis}. Not searched: farther surfaces"
+        message += f"; {self.evidence.basis}. Not searched: farther surfaces"
         if found > searched:
-            said += f", the surroundings of {found - searched} of those found"
+            message += f", the surroundings of {found - searched} of those found"
         if self.unsolved:
-            said += f", and {self.unsolved} cases of a flexible surface or unsolved equations"
-        return f"{said}; there may be others nearby that are not predicted"
+            message += f", and {self.unsolved} cases of a flexible surface or unsolved equations"
+        return f"{message}; there may be others nearby that are not predicted"
 
     @property
     def evidence(self) -> Evidence:

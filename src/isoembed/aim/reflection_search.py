@@ -80,12 +80,12 @@ class _ReflectionSearch(SearchState):
 
     turn: tuple[Floats, float] | None = None
     pass_over = 0
-    _asked = np.inf  # residual at the last start of Newton's method
+    _newton_residual = np.inf  # residual at the last start of Newton's method
 
     @property
     def is_done(self) -> bool:
         """Whether a realization is found or the budget is exhausted."""
-        return self.missed <= REALIZED or self.exhausted
+        return self.residual <= REALIZED or self.exhausted
 
     def balanced_penalty(self, x: Floats) -> float:
         """The mu that balances the two terms of the energy."""
@@ -95,11 +95,13 @@ class _ReflectionSearch(SearchState):
 
     def keep(self, x: Floats) -> float:
         """Keep a surface, and the one that Newton's method finds from it."""
-        missed = super().keep(x)
-        if missed <= min(NEARLY, 0.5 * self._asked):  # decrease of the residual before another attempt
-            self._asked = missed
+        residual = super().keep(x)
+        if residual <= min(
+            NEARLY, 0.5 * self._newton_residual
+        ):  # decrease of the residual before another attempt
+            self._newton_residual = residual
             super().keep(anneal(self.system, x, self.lengths, self.recorder).vertices)
-        return missed
+        return residual
 
     def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
         """The minimum of the energy, with a limited number of factorizations."""

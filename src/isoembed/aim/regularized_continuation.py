@@ -51,7 +51,7 @@ def regularized_continuation(
     start: Floats,
     lengths: Callable[[float], Floats],
     recorder: StageRecorder,
-    kept: Mapping[str, NDArray[Any]] | None = None,
+    checkpoint: Mapping[str, NDArray[Any]] | None = None,
 ) -> Continued:
     """Follow a path of metrics from an embedded one at t = 1, then release the penalty.
 
@@ -63,7 +63,7 @@ def regularized_continuation(
     lengths : callable
         Lengths at t, shape (E,), in units of about the mean edge length.
     recorder : StageRecorder
-    kept : mapping of str to ndarray, optional
+    checkpoint : mapping of str to ndarray, optional
         Checkpoint of an interrupted pull-back.
 
     Returns
@@ -76,7 +76,7 @@ def regularized_continuation(
         recorder.keep(x=x, **state)
         recorder.show(vertices=x[-1])
 
-    x, mu = guided(energy, start, lengths, recorder, kept, keep)
+    x, mu = guided(energy, start, lengths, recorder, checkpoint, keep)
     given, close = lengths(0.0), NEARLY * energy.unit
     found, residual = release_penalty(energy.finer(x), x, given, mu, recorder)
     if residual > close:  # edges too long for quintics
@@ -91,13 +91,13 @@ def guided(
     start: Floats,
     lengths: Callable[[float], Floats],
     recorder: StageRecorder,
-    kept: Mapping[str, NDArray[Any]] | None = None,
+    checkpoint: Mapping[str, NDArray[Any]] | None = None,
     keep: Callable[..., None] = lambda *_, **__: None,
 ) -> tuple[Floats, float]:
     """Follow a path of metrics to its end, then release K; return the surface and the last mu.
 
     Parameters as for `regularized_continuation`; `keep` takes the surfaces reached, in order, and the other
-    contents of `kept`.
+    contents of `checkpoint`.
     """
     given, released = lengths(0.0), 0
     # Mean edge lengths^2; larger values would smooth edges away.
@@ -105,9 +105,9 @@ def guided(
     known: list[tuple[float, Floats]] = []
     steps = np.linspace(1, 0, 6 + 1).tolist()  # from t = 1 to t = 0
     usual = len(steps) + len(LETTING_GO) + 2 + 4  # usually four steps of the release
-    if kept is not None:
-        mu, known = float(kept["mu"]), list(zip(kept["t"].tolist(), kept["x"], strict=True))
-        released = int(kept["released"])
+    if checkpoint is not None:
+        mu, known = float(checkpoint["mu"]), list(zip(checkpoint["t"].tolist(), checkpoint["x"], strict=True))
+        released = int(checkpoint["released"])
         steps = [t for t in steps if t < known[-1][0]]
 
     def reached() -> None:

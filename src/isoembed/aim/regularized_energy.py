@@ -203,13 +203,13 @@ class RegularizedEnergy:
 
     def quiet_triangle(self, vertices: Floats, lengths: Floats) -> Indices:
         """The corners, (3,), of the triangle with the smallest residuals, among the larger half."""
-        faces, missed = self.triangulation.faces, np.abs(self.residuals(vertices, lengths))
+        faces, residuals = self.triangulation.faces, np.abs(self.residuals(vertices, lengths))
         areas = face_areas(faces, vertices)
-        around = missed[self.triangulation.face_edges].sum(axis=1)
+        around = residuals[self.triangulation.face_edges].sum(axis=1)
         return np.asarray(faces[np.argmin(np.where(areas < np.median(areas), np.inf, around))])
 
     def newton_factor(
-        self, vertices: Floats, lengths: Floats, mu: float, tensions: Floats, held: HeldTriangle
+        self, vertices: Floats, lengths: Floats, mu: float, tensions: Floats, clamped: HeldTriangle
     ) -> SymmetricFactor:
         """Factor ``J^T J + S + mu R^T R``, half the Hessian in Euclidean space.
 
@@ -221,7 +221,7 @@ class RegularizedEnergy:
             It is not positive definite to working precision.
         """
         rows = edge_rows(self.triangulation, vertices, lengths)
-        return self._newton_system.penalized(rows, mu, tensions=tensions, held=held)
+        return self._newton_system.penalized(rows, mu, tensions=tensions, clamped=clamped)
 
     def solved(self, vertices: Floats, lengths: Floats, gradient: Floats, mu: float, w: float) -> Floats:
         """Solve the equations of `solver` for one gradient; raises SingularMatrix."""

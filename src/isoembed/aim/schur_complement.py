@@ -66,7 +66,7 @@ class Condensation:
         self.residuals = energy.residuals(vertices, lengths)
         self.tensions = self.residuals / lengths
         self.rows = edge_rows(energy.triangulation, vertices, lengths)
-        self.held = HeldTriangle.of(vertices, energy.quiet_triangle(vertices, lengths))
+        self.clamped = HeldTriangle.of(vertices, energy.quiet_triangle(vertices, lengths))
         try:
             self._factor = self._factored()
         except SingularMatrix:
@@ -74,7 +74,7 @@ class Condensation:
             self._factor = self._factored()
 
     def _factored(self) -> SymmetricFactor:
-        return self.energy.newton_factor(self.vertices, self.lengths, self.mu, self.tensions, self.held)
+        return self.energy.newton_factor(self.vertices, self.lengths, self.mu, self.tensions, self.clamped)
 
     def solve(self, forces: Floats) -> Floats:
         """Motions, (V, 3, k), caused by forces, (V, 3, k)."""
@@ -132,7 +132,7 @@ class CondensedPatch:
         surface, inside = self.surface, self.inside
         rows = surface.rows[inside]
         matrix = self.stiffness - self.edges.hessian(rows, surface.tensions[inside])
-        for corner, block in zip(*surface.held, strict=True):  # nothing holds what moves far
+        for corner, block in zip(*surface.clamped, strict=True):  # vertices that move far are not clamped
             for place in np.flatnonzero(self.vertices == corner):
                 own = slice(3 * place, 3 * place + 3)
                 matrix[own, own] -= block

@@ -28,7 +28,7 @@ class SearchState:
     ----------
     nearest : ndarray, shape (V, 3)
         The surface kept with the smallest residual.
-    missed : float
+    residual : float
         Its largest residual, in mean edge lengths.
     """
 
@@ -43,7 +43,7 @@ class SearchState:
     ) -> None:
         self.energy, self.system, self.lengths = energy, system, lengths
         self.recorder, self.budget = recorder, budget
-        self.nearest, self.missed = vertices, self.largest_residual(vertices)
+        self.nearest, self.residual = vertices, self.largest_residual(vertices)
 
     @property
     def exhausted(self) -> bool:
@@ -56,12 +56,12 @@ class SearchState:
 
     def keep(self, x: Floats) -> float:
         """Keep a surface if its largest residual is the smallest so far; return the residual."""
-        missed = self.largest_residual(x)
-        if missed < self.missed:
-            self.nearest, self.missed = x, missed
-        return missed
+        residual = self.largest_residual(x)
+        if residual < self.residual:
+            self.nearest, self.residual = x, residual
+        return residual
 
     def show(self, x: Floats) -> None:
         """Report a surface and the progress of the search to the listener."""
-        done = 1.0 if self.budget.exhausted else self.budget.spent / self.budget.limit
-        self.recorder.show(vertices=x, residual=self.largest_residual(x), done=done)
+        fraction = 1.0 if self.budget.exhausted else self.budget.spent / self.budget.limit
+        self.recorder.show(vertices=x, residual=self.largest_residual(x), done=fraction)

@@ -72,15 +72,15 @@ class SplitNewton:
         self, x: Floats, quintics: QuinticResiduals, mu: float, recorder: StageRecorder
     ) -> Floats:
         """The next x by a Gauss-Newton step on ``|r|^2 + mu |R R x|^2``."""
-        held = 0.1 * mu  # share of mu for rough motions in the preconditioner
-        linear, r = self._linearized(x, held, recorder)
+        damping = 0.1 * mu  # share of mu for rough motions in the preconditioner
+        linear, r = self._linearized(x, damping, recorder)
         J, P = linear.J, self.P
 
         def product(d: Floats) -> Floats:
             return J.forces(J.rates(d)) + mu * quintics.pull(d)
 
         def precondition(d: Floats) -> Floats:
-            return (d - J.forces(linear.solve(J.rates(d)))) / held + P @ self._smooth(P.transposed(d))
+            return (d - J.forces(linear.solve(J.rates(d)))) / damping + P @ self._smooth(P.transposed(d))
 
         gradient = J.forces(r) + mu * quintics.pull(x)
         solved = 1e-3 if len(x) >= MANY else SOLVED

@@ -108,9 +108,9 @@ def _smoothest_first(
     for i in order[: np.searchsorted(np.sort(roughness), smoothest)]:
         end = together + motions[i]
         expected = charts.roughness(x + end)
-        apart = _missed(expansion, together) + _missed(expansion, motions[i])
+        apart = _residual_norm(expansion, together) + _residual_norm(expansion, motions[i])
         # Ratio of the residual of the combination to the sum of residuals.
-        if expected < smoothest and (not count or _missed(expansion, end) <= 1.5 * apart):
+        if expected < smoothest and (not count or _residual_norm(expansion, end) <= 1.5 * apart):
             together, smoothest, count = end, expected, count + 1
     found = [StartPoint(roughness[i], x + motions[i]) for i in order]
     return [StartPoint(smoothest, x + together), *found] if count > 1 else found
@@ -119,9 +119,9 @@ def _smoothest_first(
 def _is_plausible(expansion: LengthExpansion, motion: Floats) -> bool:
     """Whether the residual at the end of a motion is small compared with its second-order terms."""
     bent = float(np.linalg.norm(expansion.bends(motion, motion)))
-    return _missed(expansion, motion) <= 0.7 * bent / 2  # share of the second-order terms
+    return _residual_norm(expansion, motion) <= 0.7 * bent / 2  # share of the second-order terms
 
 
-def _missed(expansion: LengthExpansion, motion: Floats) -> float:
+def _residual_norm(expansion: LengthExpansion, motion: Floats) -> float:
     """Norm of the residual at the end of a motion."""
     return float(np.linalg.norm(expansion.residuals_at(motion)))

@@ -220,7 +220,7 @@ class FitOfNoise(Strategy):
 
         state = with_best_fit(state, pipeline, np.inf)
         fit = state.fit
-        if fit is None or fit.noise > UNLIKE or not missed(state, pipeline):
+        if fit is None or fit.noise > UNLIKE or not is_unsolved(state, pipeline):
             return state
         return replace(state, answer=fitted_surface(fit, pipeline.problem))
 
@@ -271,11 +271,11 @@ class GuidedPath(Strategy):
 
         problem = pipeline.problem
         pipeline.log.expect(GUIDED)
-        kept = pipeline.checkpoints.resume()
-        if kept is not None and "guided" in kept:
-            guided = Continued(kept["smooth"], kept["guided"])
+        checkpoint = pipeline.checkpoints.resume()
+        if checkpoint is not None and "guided" in checkpoint:
+            guided = Continued(checkpoint["smooth"], checkpoint["guided"])
         else:
-            guided = self._followed(started(state), pipeline, kept)
+            guided = self._followed(started(state), pipeline, checkpoint)
         with pipeline.log.stage("polish") as recorder:
             recorder.keep(guided=guided.vertices, smooth=guided.smooth)
             found = problem.annealed(guided.vertices, recorder)
@@ -283,7 +283,7 @@ class GuidedPath(Strategy):
         state = with_smoother(state.adding(found, smooth=guided.smooth), found, pipeline)
         return replace(state, cost=pipeline.work.factorizations)
 
-    def _followed(self, start: Floats, pipeline: Pipeline, kept: Arrays | None) -> Continued:
+    def _followed(self, start: Floats, pipeline: Pipeline, checkpoint: Arrays | None) -> Continued:
         """End of the path, close enough to the lengths for Newton's method."""
         from isoembed.aim.levels import goes_by_levels, pulled_back_by_levels
         from isoembed.aim.regularized_continuation import Continued, log_linear, regularized_continuation
@@ -291,14 +291,14 @@ class GuidedPath(Strategy):
 
         problem, metric = pipeline.problem, pipeline.problem.metric
         with pipeline.log.stage("guided pull back") as recorder:
-            if goes_by_levels(metric, kept):
+            if goes_by_levels(metric, checkpoint):
                 with suppress(SingularMatrix, InvalidMetric):  # coarse vertices on needle-shaped triangles
-                    found = pulled_back_by_levels(metric, problem.system, start, recorder, kept)
+                    found = pulled_back_by_levels(metric, problem.system, start, recorder, checkpoint)
                     if found is not None:
                         return Continued(found, found)
-                kept = None
+                checkpoint = None
             path = log_linear(metric, start)
-            return regularized_continuation(problem.energy(start), start, path, recorder, kept)
+            return regularized_continuation(problem.energy(start), start, path, recorder, checkpoint)
 
 
 class LocalSearch(Strategy):
@@ -313,7 +313,7 @@ class LocalSearch(Strategy):
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
         is_euclidean = pipeline.problem.metric.space.is_euclidean
-        return is_euclidean and pipeline.method.effort > 0 and missed(state, pipeline)
+        return is_euclidean and pipeline.method.effort > 0 and is_unsolved(state, pipeline)
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         from isoembed.aim.local_search import COARSE, local_search, misses_locally
@@ -342,14 +342,14 @@ class BestFitting(Strategy):
     key = "best fit"
 
     def applies(self, state: State, pipeline: Pipeline) -> bool:
-        return state.fit is None and missed(state, pipeline)
+        return state.fit is None and is_unsolved(state, pipeline)
 
     def run(self, state: State, pipeline: Pipeline) -> State:
         from isoembed.aim.anneal import POLISH_STEPS
 
-        asked = pipeline.method.best_fit
+        requested = pipeline.method.best_fit
         return with_best_fit(
-            state, pipeline, np.inf if asked else pipeline.patch_budget(state) - POLISH_STEPS
+            state, pipeline, np.inf if requested else pipeline.patch_budget(state) - POLISH_STEPS
         )
 
 
@@ -420,7 +420,7 @@ def with_best_fit(state: State, pipeline: Pipeline, most: float) -> State:
     return state.adding(problem.surface(fit.vertices), polished, fit=fit)
 
 
-def missed(state: State, pipeline: Pipeline) -> bool:
+def is_unsolved(state: State, pipeline: Pipeline) -> bool:
     """Whether no candidate is accepted."""
     return not is_accepted(smoothest(state.candidates, pipeline.problem.is_convex, searched=False))
 
@@ -433,14 +433,14 @@ def with_smoother(state: State, surface: Embedding, pipeline: Pipeline) -> State
     if not is_near(surface):
         return state
     with pipeline.log.stage("neighbors") as recorder:
-        met = nearby_realizations(
+        neighbors = nearby_realizations(
             problem.system,
             surface.vertices,
             problem.metric.lengths,
             recorder,
             residual_tolerance=REALIZED,
         )
-    return state.adding(*map(problem.surface, met), searched=True)
+    return state.adding(*map(problem.surface, neighbors), searched=True)
 
 
 STRATEGIES = (

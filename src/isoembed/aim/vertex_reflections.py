@@ -86,7 +86,7 @@ class ReflectionTrials:
         tried: set[tuple[int, int]] = set()
         for centers, rings in patches:
             changes: list[ReflectionTrial] = []
-            for center in self._most_missed(centers):
+            for center in self._largest_residuals(centers):
                 if (center, rings) in tried:
                     continue
                 tried.add((center, rings))
@@ -99,11 +99,11 @@ class ReflectionTrials:
         changes: list[ReflectionTrial] = []
         for v in self._shallow():
             changes += self._relaxed(v, RINGS, [(v,)])
-        taken = np.zeros(len(self.surface.vertices), dtype=bool)
+        occupied = np.zeros(len(self.surface.vertices), dtype=bool)
         apart = []
         for change in self._promising(changes):
-            if not taken[change.patch.vertices].any():
-                taken[change.patch.vertices] = True
+            if not occupied[change.patch.vertices].any():
+                occupied[change.patch.vertices] = True
                 apart.append(change)
         return apart
 
@@ -141,11 +141,11 @@ class ReflectionTrials:
             found = np.union1d(found, adjacency[found].indices)
         return found
 
-    def _most_missed(self, count: int) -> Iterator[int]:
+    def _largest_residuals(self, count: int) -> Iterator[int]:
         """The vertices with the largest residuals, none near another."""
-        missed = sums_at_ends(self.surface.energy.triangulation, self.surface.residuals**2)
-        free = np.ones(len(missed), dtype=bool)
-        for center in np.argsort(-missed, kind="stable").tolist():
+        residual_sums = sums_at_ends(self.surface.energy.triangulation, self.surface.residuals**2)
+        free = np.ones(len(residual_sums), dtype=bool)
+        for center in np.argsort(-residual_sums, kind="stable").tolist():
             if free[center]:
                 yield center
                 free[self._about(center, SIDE_RINGS)] = False
@@ -189,12 +189,12 @@ def shallow(
         `isoembed.surface.rigidity.length_residuals` at a minimum of their squares.
     """
     r, x, moved = residuals, vertices, vertices + moves
-    taken, changed = np.zeros((2, len(x)))
+    removed, changed = np.zeros((2, len(x)))
     for a, b in (triangulation.edges.T, triangulation.edges.T[::-1]):
         apart = np.linalg.norm(moved[a] - x[b], axis=1)
         d = (apart - lengths) * (apart + lengths) / (2 * lengths) - r
-        taken -= np.bincount(a, r * d, minlength=len(x))
+        removed -= np.bincount(a, r * d, minlength=len(x))
         changed += np.bincount(a, d**2, minlength=len(x))
     least, most = PROMISE
-    promised = np.flatnonzero((taken > least * (r @ r)) & (taken < most * (r @ r)))
+    promised = np.flatnonzero((removed > least * (r @ r)) & (removed < most * (r @ r)))
     return promised[np.argsort(changed[promised], kind="stable")]

@@ -175,9 +175,11 @@ def _fans(tables: HalfEdges, boundary: Indices, points: Floats) -> HalfEdges:
     fans = HalfEdges(corners, twins, lengths, np.zeros(a.size), space.curvature)
     set_directions(fans.views)
     # The half-edges of the boundary keep their directions.
-    kept = np.flatnonzero((b == (a + 1) % n) & (np.arange(a.size) < front.size))
+    boundary_sides = np.flatnonzero((b == (a + 1) % n) & (np.arange(a.size) < front.size))
     offset = np.empty(n)
-    offset[corners[kept]] = tables.directions[boundary[a[kept]]] - fans.directions[kept]
+    offset[corners[boundary_sides]] = (
+        tables.directions[boundary[a[boundary_sides]]] - fans.directions[boundary_sides]
+    )
     return fans._replace(directions=fans.directions + offset[corners])
 
 

@@ -214,11 +214,11 @@ def _start(p: Polytope, number: int, deficits: Floats) -> Waypoint:
 
     The deficits sum to 4 pi - k A, but for k < 0 the sum of the curvatures tends to at most 4 pi with growing
     radii: a target with a larger sum makes the radii diverge.  Curvatures of equal radii do not approach
-    multiples of the deficits, but the deficits of plane triangles with the chords as sides, some of which may
-    be negative.  Starts with larger radii first make them proportional: curvatures of other large radii are
-    those of discretely conformal triangles, among which there are some with any multiple of the deficits
-    (Bobenko, Pinkall and Springborn, Discrete conformal maps and ideal hyperbolic polyhedra, Geometry and
-    Topology 19, 2015).
+    multiples of the deficits, but the deficits of plane triangles with the chords as sides, and some of
+    these may be negative.  Starts with larger radii first make them proportional: curvatures of other large
+    radii are those of discretely conformal triangles, which realize every multiple of the deficits (Bobenko,
+    Pinkall and Springborn, Discrete conformal maps and ideal hyperbolic polyhedra, Geometry and Topology 19,
+    2015).
     """
     here = Waypoint(p, number, NEWTON_CURVATURE)
     if p.tables.curvature >= 0:
@@ -334,9 +334,9 @@ def _path(
         here = replace(here, step=step, target=target)
         recorder.iterations += 1
         # Newton's method begins after 70 % of the work.
-        done = np.log(max(epsilon, NEWTON_CURVATURE)) / np.log(NEWTON_CURVATURE) * 0.7
+        progress = np.log(max(epsilon, NEWTON_CURVATURE)) / np.log(NEWTON_CURVATURE) * 0.7
         shown = min(shown, epsilon)
-        recorder.show(t=shown, residual=float(np.abs(p.curvatures).max()), done=float(done))
+        recorder.show(t=shown, residual=float(np.abs(p.curvatures).max()), done=float(progress))
         yield p
 
 

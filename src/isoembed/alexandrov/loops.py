@@ -18,14 +18,14 @@ def built(corners: ConstInt[::1], twins: ConstInt[::1], lengths: ConstReal[::1],
     """Unit vectors from the apex, shape (V, 3), by placing pyramid after pyramid, breadth first."""
     x: Real[:, ::1] = np.zeros((r.shape[0], 3))
     placed: Flag[::1] = np.zeros(r.shape[0], dtype=np.bool_)
-    seen: Flag[::1] = np.zeros(corners.shape[0] // 3, dtype=np.bool_)
+    visited: Flag[::1] = np.zeros(corners.shape[0] // 3, dtype=np.bool_)
     queue: Int[::1] = np.empty(corners.shape[0] // 3, dtype=np.int64)
     foot = _foot(0, corners, twins, lengths, r)
     side = sqrt(max(r[corners[0]] * r[corners[0]] - foot * foot, 0.0))
     x[corners[0], 0], x[corners[0], 2] = -foot, side
     x[corners[twins[0]], 0], x[corners[twins[0]], 2] = lengths[0] - foot, side
     placed[corners[0]] = placed[corners[twins[0]]] = True
-    queue[0], seen[0] = 0, True
+    queue[0], visited[0] = 0, True
     first: Int = 0
     last: Int = 1
     while first < last:
@@ -38,8 +38,8 @@ def built(corners: ConstInt[::1], twins: ConstInt[::1], lengths: ConstReal[::1],
         for turn in range(3):
             e = following(h) if turn == 0 else preceding(h) if turn == 1 else h
             t = twins[e]
-            if not seen[t // 3]:
-                seen[t // 3] = True
+            if not visited[t // 3]:
+                visited[t // 3] = True
                 queue[last] = t
                 last += 1
     for v in range(r.shape[0]):

@@ -126,8 +126,8 @@ class Alexandrov(Method):
         level = repair_level(given.deficits, least)
         if level is None or self.repair:
             return ""
-        said = repair_that_succeeds(metric, level, tolerance, log)
-        return said and f"; if deficits of {level:.1e} or less are noise, {said}"
+        repaired = repair_that_succeeds(metric, level, tolerance, log)
+        return repaired and f"; if deficits of {level:.1e} or less are noise, {repaired}"
 
 
 def repair_that_succeeds(
@@ -220,18 +220,18 @@ class _Search:
             core, removal = remove_flat_vertices(original, self.flat)
             recorder.iterations = int(self.flat.sum())
         belongs = {"deficits": given.deficits, "flat": self.flat}
-        kept = log.checkpoints.resume(**belongs)
+        checkpoint = log.checkpoints.resume(**belongs)
         with log.stage("polytope") as recorder:
             order = core.order_in_memory()
             curved = np.flatnonzero(~self.flat)[order]
             tables = core.in_order(order)
-            watch = _Watch.resumed(kept)
+            watch = _Watch.resumed(checkpoint)
             path = follow_path(
                 tables,
                 given.deficits[curved],
                 recorder,
                 lambda here: recorder.keep(**here.arrays(), **watch.arrays(here.polytope), **belongs),
-                None if kept is None else Waypoint.of_arrays(kept),
+                None if checkpoint is None else Waypoint.of_arrays(checkpoint),
             )
             body = tetrahedron(tables) if self.by_lengths and order.size == 4 else None
             found = _polyhedron(tables, path, watch, log.work) if body is None else body
@@ -309,12 +309,12 @@ class _Watch:
     nearest: Polytope | None = None
 
     @classmethod
-    def resumed(cls, kept: Mapping[str, NDArray[Any]] | None) -> _Watch:
+    def resumed(cls, checkpoint: Mapping[str, NDArray[Any]] | None) -> _Watch:
         """Record restored from the result of `arrays`, if given."""
-        if kept is None:
+        if checkpoint is None:
             return cls()
-        nearest = Polytope.of_arrays(kept, NEAREST) if f"{NEAREST}radii" in kept else None
-        return cls(float(kept["thin"]), nearest)
+        nearest = Polytope.of_arrays(checkpoint, NEAREST) if f"{NEAREST}radii" in checkpoint else None
+        return cls(float(checkpoint["thin"]), nearest)
 
     def arrays(self, here: Polytope) -> dict[str, ArrayLike]:
         """Arrays for a checkpoint, in addition to those of this polytope."""

@@ -166,19 +166,19 @@ def newton(
         Curvatures at which the iteration may end.
     """
     state, fresh = pinned(p, analyses), True
-    forcing, done, creeping = LOOSEST, False, 0
+    forcing, converged, creeping = LOOSEST, False, 0
     for _ in range(MAX_STEPS):
         if enough is not None and (np.abs(p.curvatures) <= enough).all():
             return state
         largest = float(np.abs(p.curvatures).max())
         # Tolerances in radians and relative to the smallest deficit; 1e-13 is rounding.
-        done = largest <= min(1e-9, max(1e-4 * float(deficits.min()), 1e-13))
+        converged = largest <= min(1e-9, max(1e-4 * float(deficits.min()), 1e-13))
         size = float(np.linalg.norm(p.curvatures))
         if size == 0:
             break
         dr, iterations = state.solve(p.curvatures, forcing)
         renew = iterations > STALE
-        tries = 0 if renew and not fresh else 1 if done else 8
+        tries = 0 if renew and not fresh else 1 if converged else 8
         search = LineSearch(DECREASE, shortest=2.0 ** (1 - tries))
         for fraction in search.parameters():
             q = Polytope.over(p.tables, p.radii + fraction * dr)
@@ -190,7 +190,7 @@ def newton(
                 state = replace(state, polytope=p)
                 break
         else:
-            if done:  # the rounding floor
+            if converged:  # the rounding floor
                 break
             if fresh:
                 return None
@@ -198,9 +198,9 @@ def newton(
             continue
         recorder.iterations += 1
         recorder.show(t=0.0, residual=float(np.abs(p.curvatures).max()))
-        if creeping == 3 and not done:  # large flat faces are retriangulated at each step by n^2 flips
+        if creeping == 3 and not converged:  # large flat faces are retriangulated at each step by n^2 flips
             return None
-    return state if done else None
+    return state if converged else None
 
 
 def forcing_term(ratio: float, loosest: float) -> float:

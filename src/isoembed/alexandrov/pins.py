@@ -43,5 +43,5 @@ def rough_directions(p: Polytope, dissection: Dissection) -> Floats:
 
 def _closes(points: Floats, i: Indices, j: Indices, lengths: Floats) -> bool:
     """Whether most edges, including those not used in the construction, nearly have their lengths."""
-    missed = np.abs(np.linalg.norm(points[i] - points[j], axis=1) - lengths)
-    return bool(np.quantile(missed / lengths, 0.9) < 0.01)
+    residuals = np.abs(np.linalg.norm(points[i] - points[j], axis=1) - lengths)
+    return bool(np.quantile(residuals / lengths, 0.9) < 0.01)

@@ -154,9 +154,9 @@ def _simplicial(tables: HalfEdges) -> Iterator[HalfEdges]:
     if not edges.size:
         yield tables.copy()
     for h in edges[:8]:  # multiple edges that are kept in turn
-        mesh, kept = tables.copy(), np.zeros(tables.corners.size, dtype=np.bool_)
-        kept[[h, tables.twins[h]]] = True
-        remove_multi_edges(mesh, kept)
+        mesh, fixed = tables.copy(), np.zeros(tables.corners.size, dtype=np.bool_)
+        fixed[[h, tables.twins[h]]] = True
+        remove_multi_edges(mesh, fixed)
         yield mesh
 
 

@@ -1,6 +1,6 @@
 """Tetrahedra from six lengths.
 
-Four cone points have many triangulations, one of which is that of the tetrahedron.  It is searched by flips
+Four cone points have many triangulations, including that of the tetrahedron.  It is searched by flips
 from the Delaunay triangulation: any tetrahedron found is a convex body, which is unique.
 """
 

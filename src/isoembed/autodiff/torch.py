@@ -45,12 +45,12 @@ def realization(surface: Embedding) -> Callable[..., torch.Tensor]:
                 if given.dtype != torch.float64:
                     raise TypeError(f"the {name} are {given.dtype}, not torch.float64")
             rows = lengths.detach().cpu().numpy().reshape(-1, lengths.shape[-1])
-            held = boundary.detach().cpu().numpy()
+            boundary_data = boundary.detach().cpu().numpy()
             if lengths.requires_grad or boundary.requires_grad:
-                ctx.surfaces = [known.linearized(row, held) for row in rows]
+                ctx.surfaces = [known.linearized(row, boundary_data) for row in rows]
                 found = [each.vertices for each in ctx.surfaces]
             else:
-                found = [known(row, held) for row in rows]
+                found = [known(row, boundary_data) for row in rows]
             shape = (*lengths.shape[:-1], n, 3)
             return torch.from_numpy(np.array(found).reshape(shape)).to(lengths.device)
 

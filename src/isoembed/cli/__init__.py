@@ -92,18 +92,20 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> None:  # type: ignore[override]
         """Exit with an error message, which suggests the most similar choice for a mistyped one."""
         if unknown := re.match(r"argument (.*?): invalid choice: '(.*?)' \(choose from (.*)\)", message):
-            what, given, choices = unknown.groups()
+            argument, given, choices = unknown.groups()
             question = did_you_mean(given, [*re.findall(r"[^', ]+", choices), "--help"])
-            if what == "COMMAND" and given == "help":
+            if argument == "COMMAND" and given == "help":
                 question = ": of a command, isoembed COMMAND --help; of all, isoembed --help"
-            if what == "COMMAND" and Path(given).suffix:
+            if argument == "COMMAND" and Path(given).suffix:
                 question = f"; to embed a file: isoembed embed {given}"
-            message = f"unknown command {given!r}{question}" if what == "COMMAND" else f"{message}{question}"
+            message = (
+                f"unknown command {given!r}{question}" if argument == "COMMAND" else f"{message}{question}"
+            )
         if message.endswith("required: -o/--output") and len(self.words) > 1:
             message += self._without_option(self.words[-1])
         if typed := re.fullmatch(r"(argument .*?): invalid (float|int) value: (.*)", message):
-            what, kind, given = typed.groups()
-            message = f"{what}: {given} is not a {'whole ' if kind == 'int' else ''}number"
+            argument, kind, given = typed.groups()
+            message = f"{argument}: {given} is not a {'whole ' if kind == 'int' else ''}number"
             if re.fullmatch(r"'[\d.]+,\d+'", given):
                 message += ": write a point for the comma"
         print_error(f"{message} (see '{self.prog} --help')")
@@ -216,8 +218,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return interruption.status
     except MemoryError as error:
         memory = sys.modules.get("isoembed.linalg.memory")  # too little memory may be left to load it
-        said = memory is not None and isinstance(error, memory.OutOfMemory)
-        known = "" if said else "there is not enough memory for this"
+        out_of_memory = memory is not None and isinstance(error, memory.OutOfMemory)
+        known = "" if out_of_memory else "there is not enough memory for this"
         print_error(": ".join(part for part in (known, str(error)) if part))
         return WRONG
 

@@ -16,7 +16,7 @@ from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures,
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
 from isoembed.cli.summary import bending, failed_status, measure, summary
-from isoembed.cli.waiting import held
+from isoembed.cli.waiting import suspended
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
 from isoembed.io.files import Writer, ending
@@ -39,7 +39,7 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     add_quiet_option(parser)
 
 
-def asked_for(options: argparse.Namespace, **beside: Collection[str]) -> Outputs:
+def requested_outputs(options: argparse.Namespace, **beside: Collection[str]) -> Outputs:
     """Output files of `add_output_options`, checked before the computation.
 
     Parameters
@@ -82,7 +82,7 @@ def answer(
     ----------
     options : argparse.Namespace
     outputs : Outputs
-        Output files, from `asked_for`.
+        Output files, from `requested_outputs`.
     solve : callable
         Takes a listener and embeds.
     describe : callable
@@ -98,11 +98,11 @@ def answer(
     int
         Exit status.
     """
-    seen = film(options)
-    embedding, failure = solved(options, solve, seen)
+    recorder = film(options)
+    embedding, failure = solved(options, solve, recorder)
     if failure is None or options.keep:
         beside["output"] = lambda path: surface_writer(path, embedding)
-        beside |= picture_writers(options, embedding, seen)
+        beside |= picture_writers(options, embedding, recorder)
 
     @cache
     def whole() -> Mapping[str, Any]:  # expensive: only on request
@@ -175,13 +175,13 @@ def solved(
     """Embed with a live view; return the surface, or the best attempt and the failure."""
     try:
         watched = not options.quiet and sys.stderr is not None and sys.stderr.isatty()
-        with held(options), bar() if watched else nullcontext() as view:
-            return solve(heard_by(view, seen)), None
+        with suspended(options), bar() if watched else nullcontext() as view:
+            return solve(listener_of(view, seen)), None
     except NotEmbedded as error:
         return error.embedding, error
 
 
-def heard_by(*listeners: Listener | None) -> Listener | None:
+def listener_of(*listeners: Listener | None) -> Listener | None:
     """Combined listener; None if there is none."""
     there = [listener for listener in listeners if listener is not None]
 

@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         check_answer(output, (*SURFACE_ENDINGS, *PICTURE_ENDINGS), options.surface)
     errors = length_errors(options)
     assert errors is not None
-    surface = _held(options, read_surface(options.surface, merge=options.merge))
+    surface = _with_boundary(options, read_surface(options.surface, merge=options.merge))
     sensitivity = Sensitivity(surface)
     try:
         found = sensitivity.deviation_bound(errors) if options.bound else sensitivity.deviation(errors)
@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     return NOT_EMBEDDED if obstacle else OK
 
 
-def _held(options: argparse.Namespace, surface: Embedding) -> Embedding:
+def _with_boundary(options: argparse.Namespace, surface: Embedding) -> Embedding:
     """Surface with its boundary condition; raises UsageError if the option is missing or superfluous."""
     condition, t = options.boundary, surface.triangulation
     if t.is_closed != (condition is None):

@@ -11,7 +11,7 @@ import numpy as np
 import isoembed
 from isoembed.aim.acceptance import are_identical, is_realization
 from isoembed.arrays import Floats
-from isoembed.cli.answer import add_output_options, answer, asked_for, heard_by
+from isoembed.cli.answer import add_output_options, answer, listener_of, requested_outputs
 from isoembed.cli.interruption import Checkpoints, add_checkpoint_options, checkpoint_file
 from isoembed.cli.length_error import add_length_error_option, length_errors
 from isoembed.cli.numbers import read_numbers
@@ -152,13 +152,13 @@ def run(options: argparse.Namespace) -> int:
                 raise UsageError(f"the mesh {path} as --{name} is for a single input")
         return embed_files(options, _method(options))
     refuse_given(options, OF_RUNS, "is for several files, whose --output is a folder")
-    outputs = asked_for(options)
+    outputs = requested_outputs(options)
     [source] = options.inputs
     left = checkpoint_file(options, outputs, source)
     method = _method(options)
     errors = length_errors(options)
-    kept = read_checkpoint(options.resume) if options.resume else None
-    checkpoints = Checkpoints(left, kept)
+    checkpoint = read_checkpoint(options.resume) if options.resume else None
+    checkpoints = Checkpoints(left, checkpoint)
     metric, own_vertices = read_with_vertices(
         source, merge=options.merge, space=options.space, any_surface=True, length_errors=errors
     )
@@ -180,8 +180,8 @@ def run(options: argparse.Namespace) -> int:
             metric,
             method=method,
             tolerance=options.tolerance,
-            progress=heard_by(progress, checkpoints.listen),
-            resume=kept,
+            progress=listener_of(progress, checkpoints.listen),
+            resume=checkpoint,
         )
         if own_vertices is not None and "which" in parameters(type(method)) and options.which is None:
             _note_given_surface(found, own_vertices, source)

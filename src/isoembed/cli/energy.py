@@ -208,7 +208,7 @@ def _smooth(options: argparse.Namespace, outputs: Outputs, data: SurfaceData, nu
     found = surface.wang_yau if options.wang_yau else None
     shown = found if isinstance(found, WangYau) else surface
     if options.band:
-        why = "the whole surface embeds" if surface.embedding.converged else "the best fit was asked for"
+        why = "the whole surface embeds" if surface.embedding.converged else "the best fit was requested"
         print_error(f"{options.band} is not written: {why}")
     report = embedded_report(surface, found)
     try:
@@ -288,8 +288,8 @@ def _sphere(options: argparse.Namespace) -> SurfaceData:
 
 def _decided(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
     """Data of a surface, classified as horizon or not, as far as the options decide."""
-    said = marginal(options)
-    return classify_surface(data) if said is None else classify_horizon(data, said)
+    is_marginal = marginal(options)
+    return classify_surface(data) if is_marginal is None else classify_horizon(data, is_marginal)
 
 
 def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
@@ -305,7 +305,7 @@ def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
         given[name] = _on_nodes(data.metric, read_numbers(path), name, path)
     data = replace(data, **given)  # type: ignore[arg-type] # by the names of fields
     if data.momentum is not None and data.mean_curvature is None:
-        raise UsageError("the momentum is of use only with the mean curvature: give --mean-curvature, too")
+        raise UsageError("the momentum requires the mean curvature: give --mean-curvature, too")
     return _decided(options, data)
 
 

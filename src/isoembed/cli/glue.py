@@ -8,7 +8,7 @@ from typing import Any
 
 import isoembed
 from isoembed.alexandrov.solid import Solid
-from isoembed.cli.answer import add_output_options, answer, asked_for
+from isoembed.cli.answer import add_output_options, answer, requested_outputs
 from isoembed.cli.outputs import written
 from isoembed.cli.screen import UsageError, print_aside
 from isoembed.cli.status import OK
@@ -57,7 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Glue the net and embed it; return the exit status."""
-    outputs = asked_for(options, metric=METRIC_ENDINGS)
+    outputs = requested_outputs(options, metric=METRIC_ENDINGS)
     net = read_net(options.input, tolerance=options.tolerance)
 
     def metric(path: Path) -> Writer:

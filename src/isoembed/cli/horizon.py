@@ -127,10 +127,12 @@ def run(options: argparse.Namespace) -> int:
             print_json({"status": status, "name": _found_name(options), **error.report})
         return NOT_EMBEDDED
     axis = tuple(options.axis) if options.axis else None
-    asked = HorizonOptions(
+    horizon_options = HorizonOptions(
         number, options.wang_yau, axis, marginal(options), reference(options), options.multipoles
     )
-    tasks = [HorizonTask(horizon, asked) for horizon in horizons.values() if isinstance(horizon, Moment)]
+    tasks = [
+        HorizonTask(horizon, horizon_options) for horizon in horizons.values() if isinstance(horizon, Moment)
+    ]
     outcomes = run_tasks(tasks, chunk=len(tasks))
     reports, drawn, files = [], dict[Path, Result](), list[Path]()
     for stem, horizon in horizons.items():

@@ -12,7 +12,7 @@ from typing import Any
 
 from isoembed.cli.screen import print_error
 from isoembed.cli.status import NOT_EMBEDDED, OK, WRONG
-from isoembed.cli.waiting import held
+from isoembed.cli.waiting import suspended
 from isoembed.io import FileError
 from isoembed.runs import Outcome, Result, Shard, Store, Task, Wish, Workers, run
 from isoembed.runs.cluster import dask_workers
@@ -106,7 +106,7 @@ def carried_out(
     mine = [task for k, task in enumerate(tasks) if k // size % shard.of == shard.number - 1]
     tally = Tally(len(mine))
     try:
-        with held(options), _executor(options) as executor, _view(tally, quiet=options.quiet) as show:
+        with suspended(options), _executor(options) as executor, _view(tally, quiet=options.quiet) as show:
             wish = Wish(again=options.force, retry=options.retry)
             for outcome in run(tasks, store=store, executor=executor, chunk=size, shard=shard, wish=wish):
                 tally.add(outcome)
@@ -163,8 +163,8 @@ def _view(tally: Tally, *, quiet: bool) -> Iterator[Callable[[], None]]:
 
         def show() -> None:
             without = len(tally.failures)
-            said = f"{without:,} without an answer" if without else ""
-            progress.update(line, completed=tally.done, description=said)
+            description = f"{without:,} without an answer" if without else ""
+            progress.update(line, completed=tally.done, description=description)
 
         yield show
 

@@ -34,7 +34,7 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
         metavar="K",
         help="with --thickness: position of the neutral axis of a bend, from 0 (inside) to 1 (default 0.5)",
     )
-    for name, said in (
+    for name, text in (
         (
             "thickness",
             "thickness of board, foam or metal: adds clearance between faces and bend allowance at folds",
@@ -47,7 +47,7 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
         ("dash", "length of the cuts of a perforated fold (default 3)"),
         ("gap", "minimum distance between the cuts of a perforated fold (default 1)"),
     ):
-        parser.add_argument(f"--{name}", type=on_paper, metavar="MM", help=said)
+        parser.add_argument(f"--{name}", type=on_paper, metavar="MM", help=text)
 
 
 def on_paper(text: str) -> float:

@@ -121,16 +121,16 @@ def add_vertices_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_marginal_options(parser: argparse.ArgumentParser, what: str, otherwise: str) -> None:
+def add_marginal_options(parser: argparse.ArgumentParser, quantity: str, otherwise: str) -> None:
     """Add the options that decide whether a surface is a horizon."""
     decision = parser.add_mutually_exclusive_group()
     decision.add_argument(
-        "--marginal", action="store_true", help=f"{what}: it is a horizon, k^2 = p^2 ({otherwise})"
+        "--marginal", action="store_true", help=f"{quantity}: it is a horizon, k^2 = p^2 ({otherwise})"
     )
     decision.add_argument(
         "--not-marginal",
         action="store_true",
-        help=f"{what}: it is not a horizon; k and p are taken as they are",
+        help=f"{quantity}: it is not a horizon; k and p are taken as they are",
     )
 
 

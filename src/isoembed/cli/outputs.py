@@ -54,19 +54,19 @@ class Outputs(dict[str, Path]):
         FileError
             Some files could not be written; the message names them, and those written.
         """
-        done, failures = [], []
+        written, failures = [], []
         for name, path in self.items():
             if name in writers:
                 try:
                     write_atomically({path: writers[name](path)})
-                    done.append(path)
+                    written.append(path)
                 except FileError as error:
                     failures.append(str(error))
                 except MemoryError:
                     failures.append(f"cannot write {path}: there is not enough memory for it")
         if failures:
-            raise FileError("; ".join([*failures, *(f"{path} is written" for path in done)]))
-        return done
+            raise FileError("; ".join([*failures, *(f"{path} is written" for path in written)]))
+        return written
 
 
 def check_folder(path: Path) -> None:

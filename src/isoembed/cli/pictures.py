@@ -105,7 +105,7 @@ def film(options: argparse.Namespace) -> Film | None:
 def picture_writers(
     options: argparse.Namespace,
     embedding: Embedding,
-    seen: Film | None = None,
+    film: Film | None = None,
     given: Mapping[str, Quantity] = EMPTY,
     caption: str = "",
 ) -> dict[str, Callable[[Path], Writer]]:
@@ -116,7 +116,7 @@ def picture_writers(
 
     @cache
     def frames() -> Sequence[Frame]:
-        return () if seen is None else seen.frames(embedding)
+        return () if film is None else film.frames(embedding)
 
     return {
         "picture": lambda path: picture_writer(

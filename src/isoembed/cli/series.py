@@ -126,7 +126,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         refuse_given(options, (*OF_HORIZONS, *OF_RUNS), "needs HORIZONS")
         results = list(store)
-        tally = _told(results)
+        tally = _tally(results)
     status, written = tally.exit_status, list[str]()
     if results is not None:  # other shards may still be running
         written, missing = _products(folder, results, film=options.film)
@@ -141,14 +141,14 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json({**tally.report, "folder": str(options.output), "files": written})
     else:
-        said = [str(tally)]
+        lines = [str(tally)]
         if written:
-            said.append(f"in {options.output}: {', '.join(written)}")
-        print_aside("\n".join([*said, elapsed(options)]))
+            lines.append(f"in {options.output}: {', '.join(written)}")
+        print_aside("\n".join([*lines, elapsed(options)]))
     return status
 
 
-def _told(results: Sequence[Result]) -> Tally:
+def _tally(results: Sequence[Result]) -> Tally:
     """Counts of stored results; failures are printed as after a computation."""
     tally = Tally(len(results))
     for result in results:
@@ -160,11 +160,11 @@ def _told(results: Sequence[Result]) -> Tally:
 def _tasks(options: argparse.Namespace) -> list[HorizonTask]:
     """Tasks for the requested horizons."""
     axis = None if options.axis is None else tuple(options.axis)
-    what = HorizonOptions(
+    horizon_options = HorizonOptions(
         vertices(options), options.wang_yau, axis, marginal(options), reference(options), options.multipoles
     )
     listed = moments(seen_by_all(options, options.horizons), _geometry(options), surface=options.surface)
-    return [HorizonTask(moment, what) for moment in listed]
+    return [HorizonTask(moment, horizon_options) for moment in listed]
 
 
 def _geometry(options: argparse.Namespace) -> str | ThreeGeometry | None:

@@ -109,9 +109,15 @@ def run(options: argparse.Namespace) -> int:
     check_answer(output, (*SHEET_ENDINGS, *NET_ENDINGS), options.file)
     given = {name: getattr(options, "solid_size" if name == "size" else name) for name in DRAWING}
     drawing = {name: value for name, value in given.items() if value is not None}
-    told = [*drawing, *given_fields(options), *(["objective pages"] if options.objective == "pages" else [])]
-    if told and ending(output) in NET_ENDINGS:
-        raise UsageError(f"--{told[0].replace('_', '-')} is for nets on pages ({' '.join(SHEET_ENDINGS)})")
+    drawing_options = [
+        *drawing,
+        *given_fields(options),
+        *(["objective pages"] if options.objective == "pages" else []),
+    ]
+    if drawing_options and ending(output) in NET_ENDINGS:
+        raise UsageError(
+            f"--{drawing_options[0].replace('_', '-')} is for nets on pages ({' '.join(SHEET_ENDINGS)})"
+        )
     if (material := material_of(options)) is not None:
         drawing["material"] = material
     surface = read_surface(options.file, merge=options.merge)
@@ -139,29 +145,29 @@ def run(options: argparse.Namespace) -> int:
     is_open = f"; open: {rims} of {sum(map(len, boundaries))} edges" if boundaries else ""
     if ending(output) in NET_ENDINGS:
         writer = net_writer(output, unfolding)
-        said = f"{unfolding}{is_open}"
+        text = f"{unfolding}{is_open}"
     else:
         pages = drawn(unfolding, **drawing)
         writer = drawing_writer(output, unfolding, pages)
-        said = str(pages.net)
+        text = str(pages.net)
         if len(pages.net.sheets) > len(unfolding.sheets):
             uncut, _, _ = str(unfolding).partition(",")
-            said = (
-                f"{uncut} cut into {len(pages.net.sheets)} islands that fit on pages,{said.partition(',')[2]}"
+            text = (
+                f"{uncut} cut into {len(pages.net.sheets)} islands that fit on pages,{text.partition(',')[2]}"
             )
         sizes = " x ".join(f"{float(f'{size:.3g}'):g}" for size in pages.scale * extents)
-        said += f"{is_open}; solid {sizes} mm, {pages.scale:.4g} mm a unit"
+        text += f"{is_open}; solid {sizes} mm, {pages.scale:.4g} mm a unit"
         if pages.scale * extents.max() < LEAST and not options.quiet:
             print_error(f"the solid is {sizes} mm large: is the scale right?", "note")
         paper, net_pages = Paper.of(options.paper or "A4"), pages.pages - bool(options.numbers)
         if paper.is_roll:
-            said += f"; {pages.height:.0f} mm of a roll of {paper.width:g} mm"
+            text += f"; {pages.height:.0f} mm of a roll of {paper.width:g} mm"
         else:
-            said += f"; {net_pages} page{'' if net_pages == 1 else 's'} of {paper.name}"
+            text += f"; {net_pages} page{'' if net_pages == 1 else 's'} of {paper.name}"
         if options.numbers:
-            said += " and a drawing of the solid"
+            text += " and a drawing of the solid"
     write_atomically({output: writer})
-    print_aside(f"{said}\n{written(options, output)}")
+    print_aside(f"{text}\n{written(options, output)}")
     return OK
 
 

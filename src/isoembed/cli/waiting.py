@@ -23,7 +23,7 @@ class Waiting:
     def __init__(self, stream: TextIO) -> None:
         self._stream, self._began = stream, time.monotonic()
         self._over, self._lock = threading.Event(), threading.RLock()
-        self._held = self._shown = False
+        self._suspended = self._shown = False
 
     def run(self) -> None:
         """Update the line until `end`."""
@@ -31,7 +31,7 @@ class Waiting:
         while not self._over.wait(pause):
             pause = PERIOD
             with self._lock:
-                if not self._held and not self._over.is_set():
+                if not self._suspended and not self._over.is_set():
                     self._write(f"{ERASED}{self._text()}")
                     self._shown = True
 
@@ -51,15 +51,15 @@ class Waiting:
         self.erase()
 
     @contextmanager
-    def held(self) -> Iterator[None]:
+    def suspended(self) -> Iterator[None]:
         """Suspend the line during a block with its own display."""
         with self._lock:
-            self._held = True
+            self._suspended = True
             self.erase()
         try:
             yield
         finally:
-            self._held = False
+            self._suspended = False
 
     def _write(self, text: str) -> None:
         with suppress(OSError, ValueError):  # the terminal may be closed
@@ -81,10 +81,10 @@ class _Above:
         return getattr(self._stream, name)
 
 
-def held(options: argparse.Namespace) -> AbstractContextManager[None]:
+def suspended(options: argparse.Namespace) -> AbstractContextManager[None]:
     """Suspend the status line during a block with its own display."""
     line: Waiting | None = options.waiting
-    return nullcontext() if line is None else line.held()
+    return nullcontext() if line is None else line.suspended()
 
 
 @contextmanager

@@ -249,10 +249,10 @@ def _sentence(obstacle: str, same: bool | None, apart: str, bounds: list[float])
         return f"{apart}, but not proven to be near exact surfaces with the same lengths, because {obstacle}"
     if same:
         return "proven to be the same exact surface"
-    what = "two exact surfaces with these lengths" if same is False else "exact surfaces, one or two"
+    relation = "two exact surfaces with these lengths" if same is False else "exact surfaces, one or two"
     angle, integral = (f"{1.005 * bound:.3g}" for bound in bounds)  # not rounded down
     return (
-        f"proven to be {what}, {apart}, whose dihedral angles differ by at most {angle} radians, and "
+        f"proven to be {relation}, {apart}, whose dihedral angles differ by at most {angle} radians, and "
         f"int H dA by at most {integral}"
     )
 

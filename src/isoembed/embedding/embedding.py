@@ -45,7 +45,7 @@ def checked_embedding(given: Any) -> Embedding:
     """Return the argument if it is an embedding; raises InvalidParameter otherwise."""
     if not isinstance(given, Embedding):
         raise InvalidParameter(
-            f"the embedding is a {type(given).__name__}: give what isoembed.embed returns, or "
+            f"the embedding is a {type(given).__name__}: give a result of isoembed.embed, or "
             "isoembed.read of a surface"
         )
     return given
@@ -451,7 +451,7 @@ class Embedding:
             return 0.0
 
     @property
-    def _missed(self) -> Floats:
+    def _smoothed_parts(self) -> Floats:
         """Normalized lengths minus those of the surface, (E,), if it is a fit; else zeros."""
         return np.zeros(len(self.edges))
 
@@ -467,7 +467,7 @@ class Embedding:
     def _sentence(self) -> str:
         """Sentence on the residual, possible crumpling, and other realizations."""
         e, surface = int(np.argmax(self.residuals)), self.surface
-        said = (
+        sentence = (
             f"the lengths {'are within' if self.converged else 'miss'} the tolerance {self.tolerance:.0e}: "
             f"the largest residual is {self.residual:.1e} of the mean edge length, "
             f"at edge {e} {self.metric.edges[e].tolist()}"
@@ -475,17 +475,17 @@ class Embedding:
         inverted = int(surface.inverted_vertices.sum())
         partially = int(surface.partially_inverted_vertices.sum())
         if (inverted or partially) and surface.rough_edges.any():
-            said += (
+            sentence += (
                 f"; {inverted} inverted and {partially} partially inverted vertices: the surface may be "
                 "crumpled"
             )
         if len(self.others) < 3:
-            return said + "".join(self._beside(other) for other in self.others)
+            return sentence + "".join(self._beside(other) for other in self.others)
         distances = [self.distance(other) for other in self.others]
         kinds = ", ".join(f"{n} {kind}" for kind, n in Counter(map(self._kind, self.others)).items())
         return (
-            f"{said}; these lengths have {len(distances)} other realizations too, {min(distances):.1g} to "
-            f"{max(distances):.1g} mean edge lengths from this one: {kinds}"
+            f"{sentence}; these lengths have {len(distances)} other realizations too, {min(distances):.1g} "
+            f"to {max(distances):.1g} mean edge lengths from this one: {kinds}"
         )
 
     @property
@@ -514,15 +514,15 @@ class Embedding:
 
     def _beside(self, other: Embedding) -> str:
         """Clause on the distance and the shape of another realization."""
-        said = (
+        sentence = (
             f"; these lengths have another realization too, {self.distance(other):.1g} mean edge lengths "
             f"from this one and {self._kind(other)}"
         )
         mirrored = mirrored_dents(self.metric, self.mean_curvature, other.mean_curvature)
         if mirrored:
             these = "one dent of one is a bump" if mirrored == 1 else f"{mirrored} dents of one are bumps"
-            said += f", a mirror choice: {these} of the other"
-        return said
+            sentence += f", a mirror choice: {these} of the other"
+        return sentence
 
     if not TYPE_CHECKING:  # checkers refuse the old names
 

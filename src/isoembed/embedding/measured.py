@@ -77,7 +77,7 @@ class MeasuredSurface(Embedding):
     It has converged if its residuals pass two tests: as a whole, `chi_square` is at most `chi_square_limit`,
     and no single one stands out (Baarda's test).  That says that its lengths agree with those given, not that
     no other surface does.  As the fit follows the errors in part, true lengths fail less often than stated.
-    Deviations include what the quantities change, to first order, if all lengths are met.  If the
+    Deviations include the first-order changes of the quantities if all lengths were exact.  If the
     errors are those of the last digit, which the surface is too close to the lengths to test, and the scatter
     is more than twice as large, but less than 1 / 200 of an edge, `length_errors` are scaled to it.
 
@@ -144,7 +144,7 @@ class MeasuredSurface(Embedding):
         return changed
 
     @property
-    def _missed(self) -> Floats:
+    def _smoothed_parts(self) -> Floats:
         """Parts of the lengths that the fit has smoothed away, by which its quantities may be off."""
         return self.metric.normalized.lengths - self.surface._lengths
 
@@ -284,26 +284,26 @@ class MeasuredSurface(Embedding):
         return f"{found}: on the nearest surface {test}; {remedy}{rougher if self.others else ''}"
 
     def _doubts(self) -> str:
-        """Clauses on what the tests do not tell: errors that are understated, a length that stands out."""
-        said, larger = "", f"{self.scatter * self.metric.mean_length:.2g}"
+        """Clauses on what the tests leave open: understated errors, a length that stands out."""
+        clauses, larger = "", f"{self.scatter * self.metric.mean_length:.2g}"
         if self._follows:
-            said = (
+            clauses = (
                 "; the surface follows the lengths so closely that they do not tell whether the errors are "
                 "right"
             )
             if self._understates:
-                said += (
+                clauses += (
                     f": it is rough, or the errors are larger, about {larger} if it is smooth, which "
                     f"length_errors={larger} takes as given"
                     f"{' and the deviations are of' if self._has_scaled_errors else ''}"
                 )
         e = self._doubtful
         if e is not None:
-            said += (
+            clauses += (
                 f"; if one length is wrong, it is probably that of {self._named(e, in_percent=False)}, "
                 "though too few others contradict it to tell"
             )
-        return said
+        return clauses
 
     @property
     def _rounding(self) -> float | None:

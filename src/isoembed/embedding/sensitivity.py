@@ -294,7 +294,7 @@ class Sensitivity:
             self._normalized,
             sigma,
             shared,
-            self.embedding._missed,
+            self.embedding._smoothed_parts,
         )
         return found.scaled(self._metric.unit)
 
@@ -316,15 +316,15 @@ class Sensitivity:
         sigma = checked_errors(self._metric, errors)
         shared, sigma = shared_errors(self._metric.lengths, sigma), sigma / self._metric.unit
         metric, x = self._metric.normalized, self._normalized
-        t, missed = metric.triangulation, self.embedding._missed
+        t, smoothed_parts = metric.triangulation, self.embedding._smoothed_parts
         if t.is_sphere:
             try:
                 derivatives = self._closed
             except SingularMatrix:
                 derivatives = None
-            found = IntegralDeviation.of(metric, x, sigma, shared, missed, derivatives)
+            found = IntegralDeviation.of(metric, x, sigma, shared, smoothed_parts, derivatives)
         else:
-            found = IntegralDeviation.of_sheet(self._derivatives, t, x, sigma, shared, missed)
+            found = IntegralDeviation.of_sheet(self._derivatives, t, x, sigma, shared, smoothed_parts)
         return found.scaled(self._metric.unit)
 
     def deviation_bound(self, errors: ArrayLike) -> DeviationBound:

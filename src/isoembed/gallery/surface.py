@@ -178,7 +178,7 @@ class Surface(ClosedForm):
 
 
 class SurfaceWithAxes(Surface):
-    """A surface with three semi-axes, the longest of which is its unit of length."""
+    """Surface with three semi-axes; the longest one is the unit of length."""
 
     axes: Triple
 

@@ -89,7 +89,7 @@ class Lines:
     unit : float
         Unit of the last digit of the coordinates, mm; 0 if they have full double precision.
     kerf : float
-        Beam width, by half of which the outlines were offset, mm.
+        Beam width, mm; the outlines were offset by half of it.
     error : float
         Rounding error of the points of the solid, mm.
     any_surface : bool

@@ -58,14 +58,14 @@ def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
     is_cut = np.zeros(len(twins), dtype=np.bool_)
     is_cut[found["cut"]] = True
     is_cut |= is_cut[faces.twins]
-    kept = list(dict.fromkeys(found["keep"]))
+    kept_edges = list(dict.fromkeys(found["keep"]))
     for k, s in enumerate(found["keep"]):
         if is_cut[s]:
             a, b = keep[k]
             raise InvalidParameter(f"keep[{k}] ({a}, {b}) is in cut, too")
-    if len(forest(faces, np.array(kept, dtype=np.int64))) < len(kept):
+    if len(forest(faces, np.array(kept_edges, dtype=np.int64))) < len(kept_edges):
         raise InvalidParameter(_around(faces, found["keep"], keep))
-    return is_cut, np.array(kept, dtype=np.int64)
+    return is_cut, np.array(kept_edges, dtype=np.int64)
 
 
 def _pair(edge: Any, name: str) -> tuple[int, int]:
@@ -101,12 +101,12 @@ def forest(faces: Faces, order: Indices) -> Indices:
 def _around(faces: Faces, sides: Sequence[int], keep: Edges) -> str:
     """Clause about the first kept edge that closes a ring."""
     for k in range(len(sides)):
-        kept = np.unique(sides[: k + 1])
-        if len(forest(faces, kept)) < len(kept):
+        boundary = np.unique(sides[: k + 1])
+        if len(forest(faces, boundary)) < len(boundary):
             break
     a, b = keep[k]
     left = np.bincount(faces.corners, minlength=1) - np.bincount(
-        faces.corners[np.concatenate([kept, faces.twins[kept]])], minlength=faces.corners.max() + 1
+        faces.corners[np.concatenate([boundary, faces.twins[boundary]])], minlength=faces.corners.max() + 1
     )
     around = next((v for v in (a, b) if left[v] == 0), None)
     where = "closes a ring of faces" if around is None else f"joins all faces around vertex {around}"

@@ -83,9 +83,9 @@ def true_faces(triangulation: Triangulation, vertices: Floats, error: float = 0.
     sides: list[int] = []
     first, last, points = [0], [], []
     for way in ways:
-        kept = [k for k, h in enumerate(way) if not straight[start[h]]]
-        sides += [way[k] for k in kept]
-        last += [way[k - 1] for k in (*kept[1:], kept[0])]
+        corners = [k for k, h in enumerate(way) if not straight[start[h]]]
+        sides += [way[k] for k in corners]
+        last += [way[k - 1] for k in (*corners[1:], corners[0])]
         first.append(len(sides))
         around = vertices[start[sides[first[-2] :]]]
         points.append(flattened(around - around[0], upward[faces[way[0] // 3]]))

@@ -51,13 +51,13 @@ class LineGraph:
 
     def without(self, left_out: Collection[int]) -> LineGraph:
         """Graph without some faces; sides shared with them become part of the outline."""
-        kept = [f for f in range(len(self.faces)) if f not in left_out]
-        place = {f: k for k, f in enumerate(kept)}
+        remaining = [f for f in range(len(self.faces)) if f not in left_out]
+        place = {f: k for k, f in enumerate(remaining)}
         lines = {(place[f], k): line for (f, k), line in self.lines.items() if f in place}
         twins = {
             (place[f], k): (place[g], m) for (f, k), (g, m) in self.twins.items() if f in place and g in place
         }
-        return LineGraph(self.points, [self.faces[f] for f in kept], lines, twins, self.loose)
+        return LineGraph(self.points, [self.faces[f] for f in remaining], lines, twins, self.loose)
 
     @classmethod
     def of(cls, lines: Sequence[Line], near: float) -> LineGraph:
@@ -165,7 +165,7 @@ def _check_crossings(points: Floats, edges: np.ndarray) -> None:
         crossing &= turns(u, v, points[a]) * turns(u, v, points[b]) < 0
         if crossing.any():
             one, other = edges[sorted((e, int(others[np.argmax(crossing)])))]
-            raise InvalidMetric(f"the lines {_said(points[one])} and {_said(points[other])} cross")
+            raise InvalidMetric(f"the lines {_formatted(points[one])} and {_formatted(points[other])} cross")
 
 
 def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:
@@ -188,7 +188,7 @@ def _without_ends(points: Floats, edges: dict[Side, Line]) -> dict[Side, Line]:
                 loose.append(u)
     for edge in removed:
         if edges[edge].purpose == FOLD and any(around[v] for v in edge):
-            raise InvalidMetric(f"the fold {_said(points[[*edge]])} ends inside a sheet")
+            raise InvalidMetric(f"the fold {_formatted(points[[*edge]])} ends inside a sheet")
     return {edge: line for edge, line in edges.items() if edge in around[edge[0]]}
 
 
@@ -220,5 +220,5 @@ def _at(point: Floats) -> str:
     return f"[{point[0]:.6g}, {point[1]:.6g}]"
 
 
-def _said(ends: Floats) -> str:
+def _formatted(ends: Floats) -> str:
     return f"from {_at(ends[0])} to {_at(ends[1])}"

@@ -81,7 +81,7 @@ def sides_of(
         if not wrong and abs(ours - theirs) > most + rounding:
             wrong = (
                 f"side {k} of polygon {p} has length {ours!r}, but side {m} of polygon {q}, which joins the "
-                f"same corners {a!r} and {b!r}, has {theirs!r}: more than the {tolerance.said(most)}"
+                f"same corners {a!r} and {b!r}, has {theirs!r}: more than the {tolerance.limit_text(most)}"
             )
     if wrong:
         raise UnequalLengths(wrong, difference)

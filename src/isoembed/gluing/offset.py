@@ -70,9 +70,9 @@ def moved_sides(
         points += [outline[k] + shift for shift in found]
         begins[k] = len(points) - 1
     result = np.array(points)
-    kept = ((result[ends] - result[begins]) * along).sum(axis=1) > 0
-    if not kept.all():
-        k = int(np.argmin(kept))
+    forward = ((result[ends] - result[begins]) * along).sum(axis=1) > 0
+    if not forward.all():
+        k = int(np.argmin(forward))
         notch = f", as in a notch; it {REMEDY}" if moved[k] > 0 else ""
         raise InvalidParameter(
             f"side {k} of {name} vanishes: an offset of {moved[k]:.4g} is too large{notch}"

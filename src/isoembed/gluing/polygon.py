@@ -78,10 +78,10 @@ class Polygon:
         turned = signed_area(_checked(corners, space, index, "not simple")) < 0
         if turned:
             corners = np.roll(corners[::-1], 1, axis=0)
-        return cls._made(corners, space, turned)
+        return cls._create(corners, space, turned)
 
     @classmethod
-    def _made(cls, corners: Floats, space: Space, turned: bool) -> Polygon:
+    def _create(cls, corners: Floats, space: Space, turned: bool) -> Polygon:
         arcs = np.concatenate([[0.0], np.cumsum(side_lengths(corners, space))])
         return cls(frozen(corners), space, turned, frozen(arcs))
 
@@ -94,12 +94,12 @@ class Polygon:
             The polygon intersects itself.
         """
         _checked(corners, self.space, index, "no longer simple when corrected")
-        return Polygon._made(corners.copy(), self.space, self.turned)
+        return Polygon._create(corners.copy(), self.space, self.turned)
 
     def turned_over(self) -> Polygon:
         """Mirror image of the polygon, with the same corner 0."""
         corners = np.roll((self.corners * [-1.0, 1.0])[::-1], 1, axis=0)
-        return Polygon._made(corners, self.space, not self.turned)
+        return Polygon._create(corners, self.space, not self.turned)
 
     @property
     def n(self) -> int:
@@ -149,13 +149,13 @@ class Polygon:
         return np.where(part == 0, start, between)
 
 
-def _checked(corners: Floats, space: Space, index: int, what: str) -> Floats:
+def _checked(corners: Floats, space: Space, index: int, description: str) -> Floats:
     """Shape of an outline, as from `shape_of`; raises an error if it intersects itself."""
     shape = shape_of(corners, space)
     first, second = meeting_sides(shape)
     if first >= 0:
         raise InvalidMetric(
-            f"polygon {index} is {what}: sides {min(first, second)} and {max(first, second)} meet"
+            f"polygon {index} is {description}: sides {min(first, second)} and {max(first, second)} meet"
         )
     return shape
 

@@ -203,7 +203,7 @@ def _check_lengths(runs: list[tuple[Run, Run]], tolerance: Tolerance) -> None:
         one, other = runs[wrong[0]]
         raise UnequalLengths(
             f"sides[{wrong[0]}] glues {one.name}, of length {one.length!r}, to {other.name}, of length "
-            f"{other.length!r}: more than the {tolerance.said(most(one, other))}",
+            f"{other.length!r}: more than the {tolerance.limit_text(most(one, other))}",
             max(differences),
         )
 

@@ -65,19 +65,19 @@ def found_sheets(
     """
     if objective not in get_args(Objective):
         raise InvalidParameter(f"objective is {objective!r}, not one of {', '.join(get_args(Objective))}")
-    is_cut, kept = chosen
+    is_cut, edges = chosen
     anything = len(steps), np.full(2, np.inf)
-    _check_kept(faces, kept, anything, "join overlap")
+    _check_kept(faces, edges, anything, "join overlap")
     if objective == "faces":
-        return joined(faces, kept, *anything)
+        return joined(faces, edges, *anything)
     limits = 2 if objective == "strips" else len(steps), room
-    _check_kept(faces, kept, (limits[0], anything[1]), "join do not form a strip")
-    _check_kept(faces, kept, limits, "join do not fit in the rectangle")
+    _check_kept(faces, edges, (limits[0], anything[1]), "join do not form a strip")
+    _check_kept(faces, edges, limits, "join do not fit in the rectangle")
     lengths = np.linalg.norm(steps, axis=1)
     directions = steps / lengths[:, None]
     rng = np.random.default_rng(UNFOLDING.seed)
     free = ~is_cut
-    free[kept] = False
+    free[edges] = False
 
     def start(by_length: bool) -> Indices:
         if by_length:
@@ -88,7 +88,7 @@ def found_sheets(
         return order[free[order]]
 
     def tried(order: Indices) -> Sheets:
-        return joined(faces, np.concatenate([kept, order]), *limits)
+        return joined(faces, np.concatenate([edges, order]), *limits)
 
     def cost(found: Sheets) -> float:
         return float(lengths[found[1] >= 0].sum()) if objective == "length" else len(np.unique(found[2]))
@@ -98,7 +98,7 @@ def found_sheets(
     best = tried(order)
     least = cost(best)
     # Without overlaps, faces would be joined to trees, along long sides if the cuts are to be short.
-    tree = forest(faces, np.concatenate([kept, order]))
+    tree = forest(faces, np.concatenate([edges, order]))
     bound = float(len(faces.first) - 1 - len(tree))
     if objective == "length":
         bound = float(lengths.sum() - 2 * lengths[tree].sum()) * (1 + 1e-12)

@@ -101,7 +101,7 @@ class Tolerance:
         # The error is uniformly distributed over a unit of the last digit, and a side has two endpoints.
         return Precision(name, float(self.errors(difference).max()) / math.sqrt(6))
 
-    def said(self, most: float) -> str:
+    def limit_text(self, most: float) -> str:
         """Description of the tolerance, for messages."""
         return f"tolerance {most:.2g} ({self.source})"
 

@@ -51,19 +51,19 @@ def clip_ears(points: ConstReal[:, ::1], triangles: Int[:, ::1]):
     for k in range(n):
         blunt[k] = corner_turn(points, before[k], k, after[k]) <= 0
     suspects: Int[::1] = np.flatnonzero(blunt)
-    made: Int = 0
+    count: Int = 0
     v: Int = 0
     refused: Int = 0
-    while made < n - 3:
-        if refused > n - made:
+    while count < n - 3:
+        if refused > n - count:
             return False
         a, b = before[v], after[v]
         if blunt[v] or not _empty(a, v, b, points, suspects, blunt):
             v = b
             refused += 1
             continue
-        triangles[made, 0], triangles[made, 1], triangles[made, 2] = a, v, b
-        made += 1
+        triangles[count, 0], triangles[count, 1], triangles[count, 2] = a, v, b
+        count += 1
         refused = 0
         after[a], before[b] = b, a
         # angles only decrease
@@ -71,7 +71,7 @@ def clip_ears(points: ConstReal[:, ::1], triangles: Int[:, ::1]):
         blunt[b] = blunt[b] and corner_turn(points, before[b], b, after[b]) <= 0
         v = after[b]  # skipping b avoids fans
     a, b = before[v], after[v]
-    triangles[made, 0], triangles[made, 1], triangles[made, 2] = a, v, b
+    triangles[count, 0], triangles[count, 1], triangles[count, 2] = a, v, b
     return corner_turn(points, a, v, b) > 0
 
 

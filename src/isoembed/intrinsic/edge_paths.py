@@ -43,7 +43,7 @@ class EdgePaths:
     distances: Floats
 
     @property
-    def lost(self) -> Indices:
+    def unresolved(self) -> Indices:
         """Indices of the paths that were not found."""
         return np.flatnonzero(np.isnan(self.distances))
 
@@ -125,15 +125,19 @@ def edge_paths(original: HalfEdges, final: HalfEdges, polygons: Polygons, halfed
     counts, meet = follow(first, angles, lengths, goals, polygons.views)
     # in radians, tried in turn
     for tilt in (1e-11, -1e-11, 1e-10, -1e-10, 1e-9, -1e-9, 1e-8, -1e-8, 1e-7, -1e-7):
-        lost = np.flatnonzero(np.isnan(meet.real))
-        if lost.size == 0:
+        missing = np.flatnonzero(np.isnan(meet.real))
+        if missing.size == 0:
             break
         # Along an edge the path missed its end in a triangle as thin as the rounding error of its direction.
-        first[lost], angles[lost] = set_out(
-            original.views, final.views, polygons.views, halfedges[lost], tilt
+        first[missing], angles[missing] = set_out(
+            original.views, final.views, polygons.views, halfedges[missing], tilt
         )
-        counts[lost], meet[lost] = follow(
-            first[lost], angles[lost], lengths[lost], goals[lost], polygons.views
+        counts[missing], meet[missing] = follow(
+            first[missing],
+            angles[missing],
+            lengths[missing],
+            goals[missing],
+            polygons.views,
         )
     offsets = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
     crossings, parameters = cross_all(first, angles, offsets, meet, polygons.views)

@@ -102,10 +102,10 @@ def insert_vertices(tables: HalfEdges, removal: Removal, kept: Mask) -> Restored
     number = np.full(r.core.size + r.removed.size, -1, dtype=np.int64)  # in the core
     number[r.core] = np.arange(r.core.size)
     laid = lay_out(tables, kept)
-    faces, barycentric, axis, lost = locate(tables.views, laid.views, r, number)
-    if lost >= 0:
+    faces, barycentric, axis, unlocated = locate(tables.views, laid.views, r, number)
+    if unlocated >= 0:
         raise InvalidMetric(
-            f"vertex {lost}, which is flat, is not found again: the triangles around it are too thin"
+            f"vertex {unlocated}, which is flat, is not found again: the triangles around it are too thin"
         )
     order, near = r.removed[::-1].copy(), r.anchors[::-1].copy()
     if order.size and _is_triangle(tables):

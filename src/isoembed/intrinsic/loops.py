@@ -68,15 +68,15 @@ def breadth_first(corners: ConstInt[::1], twins: ConstInt[::1]):
     n = corners.shape[0] // 6 + 2
     leaving: Int[::1] = leaving_halfedges(corners, n)
     order: Int[::1] = np.empty(n, dtype=np.int64)
-    met: Flag[::1] = np.zeros(n, dtype=np.bool_)
-    order[0], met[0] = 0, True
+    visited: Flag[::1] = np.zeros(n, dtype=np.bool_)
+    order[0], visited[0] = 0, True
     count = 1
     for k in range(n):
         start = h = leaving[order[k]]
         while True:
             v = corners[twins[h]]
-            if not met[v]:
-                met[v] = True
+            if not visited[v]:
+                visited[v] = True
                 order[count] = v
                 count += 1
             h = twins[preceding(h)]
@@ -158,12 +158,12 @@ def total_angle(h: cython.longlong, mesh: Mesh) -> cython.double:
 
 def set_directions(mesh: Mesh):
     """Compute directions relative to the lowest half-edge at each vertex."""
-    seen: Flag[::1] = np.zeros(mesh.corners.shape[0], dtype=np.bool_)
+    visited: Flag[::1] = np.zeros(mesh.corners.shape[0], dtype=np.bool_)
     for start in range(mesh.corners.shape[0]):
         h = start
         angle = 0.0
-        while not seen[h]:
-            seen[h] = True
+        while not visited[h]:
+            visited[h] = True
             mesh.directions[h] = angle
             angle += corner_angle(h, mesh)
             h = mesh.twins[preceding(h)]

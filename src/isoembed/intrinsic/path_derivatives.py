@@ -34,9 +34,9 @@ def path_derivatives(paths: EdgePaths) -> csr_array:
     tables = paths.tables
     if tables.curvature != 0:
         raise InvalidParameter(f"the triangles have the curvature {tables.curvature:g}, not 0")
-    if paths.lost.size:
-        lost = int(paths.lost[0])
-        raise InvalidParameter(f"the path of edge {lost} {paths.ends[lost].tolist()} has not been found")
+    if paths.unresolved.size:
+        edge = int(paths.unresolved[0])
+        raise InvalidParameter(f"the path of edge {edge} {paths.ends[edge].tolist()} has not been found")
     counts = np.diff(paths.offsets)
     pointers = np.concatenate([[0], np.cumsum(np.where(counts == 0, 1, 2 * counts + 3))])
     columns, values = np.zeros(pointers[-1], dtype=np.int64), np.ones(pointers[-1])

@@ -63,13 +63,13 @@ def remove_vertices(mesh: Mesh, flat: ConstFlag[::1], removal):
         left = 0
         for k in range(remaining.shape[0]):
             v = remaining[k]
-            gone: cython.bint = False
+            is_removed: cython.bint = False
             if rounds[v] != number and degree(carried.leaving[v], twins, most) <= most:
                 h = _untie(v, mesh, carried)
                 if h != NONE:
                     _note(h, mesh, notes, count)
-                    gone = retriangulate_star(h, mesh, carried.leaving, alive, moved, stack)
-            if not gone:
+                    is_removed = retriangulate_star(h, mesh, carried.leaving, alive, moved, stack)
+            if not is_removed:
                 remaining[left] = v
                 left += 1
                 continue

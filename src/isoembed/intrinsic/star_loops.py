@@ -229,8 +229,8 @@ def _around_tip(z: ConstComplex[::1], far: Real, width: Real, curvature: Real):
         points: Complex[::1] = np.zeros(n + 2, dtype=np.complex128)
         for k in range(n + 1):
             i = first + k
-            seen = 0j - toward(tip, z[i % n], curvature)
-            points[k + 1] = turning * seen if i >= n else seen
+            direction = 0j - toward(tip, z[i % n], curvature)
+            points[k + 1] = turning * direction if i >= n else direction
         worst: Real = _best_cut(points, curvature)[1]
         if worst > most:
             best, most, best_points = first, worst, points

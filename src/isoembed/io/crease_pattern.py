@@ -135,18 +135,18 @@ def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str)
     every = [
         [start + corner for corner in face] for start, own in zip(first, faces, strict=False) for face in own
     ]
-    known, any_surface = _precision(document.get("precision"), name), said_any_surface(document, name)
+    known, any_surface = _precision(document.get("precision"), name), declared_any_surface(document, name)
     net = glue_rounded([points[face] for face in every], pairs, known, tolerance, any_surface)
     folded = fold_up(points, every, angles, meeting_tolerance(points))
     return with_places(net, every, folded)
 
 
-def said_any_surface(document: Mapping[str, Any], name: str) -> bool:
+def declared_any_surface(document: Mapping[str, Any], name: str) -> bool:
     """Whether the unglued sides of the net in the named file are a boundary."""
-    said = document.get("any_surface", False)
-    if not isinstance(said, bool):
-        raise FileError(f"{name}: any_surface is {str(said)[:40]}, not true or false")
-    return said
+    value = document.get("any_surface", False)
+    if not isinstance(value, bool):
+        raise FileError(f"{name}: any_surface is {str(value)[:40]}, not true or false")
+    return value
 
 
 def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
@@ -172,14 +172,14 @@ def _is_fold(fold: Any, n: int) -> bool:
     return inside and is_number(angle) and abs(angle) <= 180
 
 
-def _precision(said: Any, name: str) -> Precision | None:
+def _precision(value: Any, name: str) -> Precision | None:
     """Precision stored in the named file, if any."""
-    if said is None:
+    if value is None:
         return None
-    error = said.get("length_error") if isinstance(said, dict) else None
-    if not is_number(error) or not 0 < error < math.inf or not isinstance(said.get("name"), str):
-        raise FileError(f"{name}: the precision is {str(said)[:40]}, not a name and a length_error")
-    return Precision(said["name"], float(error))
+    error = value.get("length_error") if isinstance(value, dict) else None
+    if not is_number(error) or not 0 < error < math.inf or not isinstance(value.get("name"), str):
+        raise FileError(f"{name}: the precision is {str(value)[:40]}, not a name and a length_error")
+    return Precision(value["name"], float(error))
 
 
 def with_places(net: Net, faces: Sequence[Sequence[int]], folded: tuple[Floats, Indices] | None) -> Net:

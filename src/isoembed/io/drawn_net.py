@@ -241,8 +241,8 @@ def _mates(
                 by_key.setdefault(value, []).append(side)
         found = [(some[0], some[1]) for some in by_key.values() if len(some) == 2]
         pairs.extend(found)
-        done = {side for pair in found for side in pair}
-        left = [side for side in left if side not in done]
+        matched = {side for pair in found for side in pair}
+        left = [side for side in left if side not in matched]
 
     numbered = _numbered(sheets, drawing.numbers, left, tolerance)
     _check_twice(numbered)

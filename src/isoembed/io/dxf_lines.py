@@ -30,7 +30,7 @@ DAMAGED = (ValueError, KeyError, IndexError, AttributeError, TypeError, Overflow
 """Exceptions raised by ezdxf for damaged files, besides its own."""
 
 
-def ezdxf_for(what: str) -> Any:
+def ezdxf_for(purpose: str) -> Any:
     """The package ezdxf.
 
     Raises
@@ -41,7 +41,7 @@ def ezdxf_for(what: str) -> Any:
     try:
         import ezdxf
     except ImportError:
-        raise FileError(f"{what} needs ezdxf: pip install ezdxf; .svg needs nothing") from None
+        raise FileError(f"{purpose} needs ezdxf: pip install ezdxf; .svg needs nothing") from None
     return ezdxf
 
 
@@ -154,5 +154,5 @@ def _angle(entity: Any) -> float | None:
     """Fold angle of an entity in degrees, if any."""
     if not entity.has_xdata(APPLICATION):
         return None
-    said = [tag.value for tag in entity.get_xdata(APPLICATION)]
-    return next((float(b) for a, b in pairwise(said) if a == "angle"), None)
+    angles = [tag.value for tag in entity.get_xdata(APPLICATION)]
+    return next((float(b) for a, b in pairwise(angles) if a == "angle"), None)

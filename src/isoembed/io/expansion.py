@@ -26,12 +26,12 @@ def largest_expansion(stored: int) -> int:
     return EXPANSION.spare + EXPANSION.ratio * stored
 
 
-def check_expansion(what: str, size: int, stored: int) -> None:
+def check_expansion(name: str, size: int, stored: int) -> None:
     """Raise an error if data expand too far.
 
     Parameters
     ----------
-    what : str
+    name : str
         Name of the data, for the message.
     size, stored : int
         Sizes in bytes, expanded and stored.
@@ -41,4 +41,4 @@ def check_expansion(what: str, size: int, stored: int) -> None:
     FileError
     """
     if size > (most := largest_expansion(stored)):
-        raise FileError(f"{what} expands from {stored} to more than {most} bytes, too many for a surface")
+        raise FileError(f"{name} expands from {stored} to more than {most} bytes, too many for a surface")

@@ -84,8 +84,8 @@ def check_ending(
     if (found := of(path)) not in known:
         if of is input_ending and not Path(path).exists() and (similar := _similar(Path(path))):
             raise FileError(f"there is no file {path}{similar}")
-        what = f"the ending {found!r}" if found else "no ending"
-        raise FileError(f"{path} has {what}, not one of {' '.join(known)}{did_you_mean(found, known, 0.7)}")
+        actual = f"the ending {found!r}" if found else "no ending"
+        raise FileError(f"{path} has {actual}, not one of {' '.join(known)}{did_you_mean(found, known, 0.7)}")
 
 
 def _similar(path: Path) -> str:

@@ -101,12 +101,12 @@ def _frames(document: Frame, name: str) -> Iterator[Frame]:
         raise FileError(f"{name}: its file_frames are not a list of frames")
     frames = [document, *others]
     for k, frame in enumerate(frames):
-        inherited, at, seen = dict(frame), k, {k}
+        inherited, at, visited = dict(frame), k, {k}
         while at > 0 and frames[at].get("frame_inherit") is True:
             at = frames[at].get("frame_parent", 0)
-            if isinstance(at, bool) or not isinstance(at, int) or not 0 <= at < len(frames) or at in seen:
+            if isinstance(at, bool) or not isinstance(at, int) or not 0 <= at < len(frames) or at in visited:
                 raise FileError(f"{name}: frame {k} inherits from frame {at!r}, which it cannot")
-            seen.add(at)
+            visited.add(at)
             inherited = frames[at] | inherited
         yield inherited
 
@@ -134,7 +134,7 @@ def write(path: Path, tables: Tables) -> None:
         explained = FLAT_ANGLE + bend_errors(Triangulation(faces), vertices, error=error)
         angles[np.abs(angles) <= np.degrees(explained)] = 0.0
     letters = np.where(angles == 0, "F", np.where(angles < 0, "M", "V"))
-    said = {
+    metadata = {
         "file_spec": 1.2,
         "file_creator": f"isoembed {__version__}",
         "file_classes": ["singleModel"],
@@ -152,7 +152,7 @@ def write(path: Path, tables: Tables) -> None:
         **{f"vertices_isoembed:{key}": value for key, value in at_vertices(tables).items()},
     }
     with path.open("w", encoding="utf-8") as file:
-        for key, value in said.items():
+        for key, value in metadata.items():
             file.write(("{" if key == "file_spec" else ", ") + f"{dumps(key)}: {dumps(value)}")
         for key, array in arrays.items():
             file.write(f", {dumps(key)}: ")

@@ -97,12 +97,12 @@ class _Document:
         else:
             below = {c for k in range(len(nodes)) for c in _list(self.entry("nodes", k), "children")}
             roots = [k for k in range(len(nodes)) if k not in below]
-        waiting, seen = [(k, np.eye(4)) for k in reversed(roots)], 0
+        waiting, count = [(k, np.eye(4)) for k in reversed(roots)], 0
         while waiting:
             k, above = waiting.pop()
             node = self.entry("nodes", k)
-            seen += 1
-            if seen > len(nodes):
+            count += 1
+            if count > len(nodes):
                 raise ValueError("its nodes are not a tree")
             matrix = above @ _matrix(node)
             if "mesh" in node:
@@ -113,7 +113,7 @@ class _Document:
         """Points and triangles of a primitive; empty for points and lines."""
         primitive = _object(primitive, "a primitive")
         mode = primitive.get("mode", TRIANGLES)
-        attributes = _object(primitive.get("attributes"), "what a primitive has at its vertices")
+        attributes = _object(primitive.get("attributes"), "the vertex data of a primitive")
         if mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in attributes:
             return np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
         points = self.accessor(attributes["POSITION"], "VEC3", 3).astype(np.float64)
@@ -138,12 +138,14 @@ class _Document:
         if "sparse" in accessor:
             sparse = _object(accessor["sparse"], f"sparse of {name}")
             few = _natural(sparse, "count", name)
-            where, what = (_object(sparse.get(key), f"{key} of {name}") for key in ("indices", "values"))
+            where, substitutes = (
+                _object(sparse.get(key), f"{key} of {name}") for key in ("indices", "values")
+            )
             rows = self.view(where, _dtype(where, name), few, 1, name).astype(np.int64).ravel()
             if few and rows.max() >= count:
                 raise ValueError(f"{name} has {count} numbers, and a substitute for number {rows.max()}")
             values = values.copy()
-            values[rows] = self.view(what, dtype, few, columns, name)
+            values[rows] = self.view(substitutes, dtype, few, columns, name)
         if accessor.get("normalized") and dtype.kind != "f":
             return np.maximum(values / np.iinfo(dtype).max, -1.0)
         return values
@@ -244,9 +246,9 @@ def _list(part: Object, key: str) -> list[Any]:
     return rows
 
 
-def _object(value: Any, what: str) -> Object:
+def _object(value: Any, name: str) -> Object:
     if not isinstance(value, dict):
-        raise ValueError(f"{what} is not an object")
+        raise ValueError(f"{name} is not an object")
     return value
 
 

@@ -183,13 +183,13 @@ def write_metric(path: str | os.PathLike[str], metric: PolyhedralMetric) -> None
 
 def metric_of(tables: Tables) -> PolyhedralMetric:
     """Metric of the arrays of a file."""
-    said = {key: tables[key] for key in ("curvature",) if key in tables}
+    options = {key: tables[key] for key in ("curvature",) if key in tables}
     errors = tables.get("length_errors")
     if "lengths" in tables:
         given = tables["faces"], tables["lengths"], tables.get("edges")
-        metric = PolyhedralMetric(*given, length_errors=errors, **said)
+        metric = PolyhedralMetric(*given, length_errors=errors, **options)
     else:
-        metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **said)
+        metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **options)
         if errors is not None:
             metric = metric.with_length_errors(errors)
     if "rounding_error" in tables:
@@ -226,19 +226,19 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
             raise FileError(f"{name} holds lengths: merging applies to files with vertices only")
         return tables
     merge = 0.0 if merge is None and repeated else merge
-    said = {key: tables[key] for key in ("curvature", "precision", "rounding_error") if key in tables}
+    options = {key: tables[key] for key in ("curvature", "precision", "rounding_error") if key in tables}
     vertices, triangles = triangle_mesh(
         tables["vertices"],
         tables["faces"],
         merge,
-        space=Space(said.get("curvature", 0.0)),
+        space=Space(options.get("curvature", 0.0)),
         leave_out=True,
         repeated=repeated,
-        error=Precision("", said["rounding_error"]).vertex_error if "rounding_error" in said else 0.0,
+        error=Precision("", options["rounding_error"]).vertex_error if "rounding_error" in options else 0.0,
     )
     if len(vertices) == len(tables["vertices"]):  # none was merged or omitted
-        said |= {key: tables[key] for key in CURVATURES if key in tables}
-    return {"vertices": vertices, "faces": triangles, **said}
+        options |= {key: tables[key] for key in CURVATURES if key in tables}
+    return {"vertices": vertices, "faces": triangles, **options}
 
 
 def _in_space(tables: Tables, name: str) -> Tables:

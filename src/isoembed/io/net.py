@@ -27,8 +27,8 @@ from isoembed.io.crease_pattern import (
     crease_pattern,
     creased_net,
     creases,
+    declared_any_surface,
     read_crease_pattern,
-    said_any_surface,
     solid_entries,
 )
 from isoembed.io.drawn_net import drawn_net
@@ -182,8 +182,8 @@ def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net
             return creased_net(entries, tolerance, name)
         shapes = [_polygon(polygon, f"polygon {p}", **surface) for p, polygon in enumerate(polygons)]
         glued = _list(entries[how], f"{how} of {name}")
-        told: dict[str, Any] = {how: glued, **surface, "any_surface": said_any_surface(entries, name)}
-        return glue(shapes, tolerance=tolerance, **told)
+        options: dict[str, Any] = {how: glued, **surface, "any_surface": declared_any_surface(entries, name)}
+        return glue(shapes, tolerance=tolerance, **options)
     if tolerance is not None:
         raise InvalidParameter(f"{name} holds {form}, which is exact: a tolerance is for polygons")
     _entries(document, name, (form,), tuple(surface))
@@ -227,15 +227,15 @@ def _entries(
 
 def _surface(document: Mapping[str, Any], name: str) -> dict[str, Any]:
     """``curvature`` and ``model`` of a net, if given."""
-    said = {key: document[key] for key in ("curvature", "model") if key in document}
-    if "curvature" in said:
+    options = {key: document[key] for key in ("curvature", "model") if key in document}
+    if "curvature" in options:
         try:
-            Space(said["curvature"])
+            Space(options["curvature"])
         except InvalidParameter as error:
             raise FileError(f"{name}: {error}") from None
-    if "model" in said and said["model"] not in MODELS:
-        raise FileError(f"{name}: the model is {said['model']!r}, none of {', '.join(MODELS)}")
-    return said
+    if "model" in options and options["model"] not in MODELS:
+        raise FileError(f"{name}: the model is {options['model']!r}, none of {', '.join(MODELS)}")
+    return options
 
 
 def _polygon(given: Any, name: str, curvature: float = 0.0, model: Model = "ambient") -> Any:

@@ -14,7 +14,7 @@ from isoembed.io.text_scan import (
     plain,
     triangles,
 )
-from isoembed.io.title_line import title_line, title_said
+from isoembed.io.title_line import title_data, title_line
 
 CONTINUED = re.compile(r"\\\r?\n")
 
@@ -28,7 +28,7 @@ def read(file: InputFile) -> Tables:
         A line is invalid; the message names it.
     """
     mesh = _read_plain(file.data) or _read_any(file, file.data.decode("utf-8-sig", errors="replace"))
-    return {**mesh, **title_said(file.head)}
+    return {**mesh, **title_data(file.head)}
 
 
 def _read_plain(data: bytes) -> Tables | None:

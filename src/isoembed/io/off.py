@@ -15,7 +15,7 @@ from isoembed.io.text_scan import (
     plain,
     triangles,
 )
-from isoembed.io.title_line import title_line, title_said
+from isoembed.io.title_line import title_data, title_line
 from isoembed.typed_numbers import EXPONENT
 
 HEADERS = tuple(f"{st}{c}{n}OFF" for st in ("", "ST") for c in ("", "C") for n in ("", "N"))
@@ -34,7 +34,7 @@ def read(file: InputFile) -> Tables:
     if mesh is None:
         content = file.data.decode("utf-8-sig", errors="replace")
         mesh = _read_any(file, EXPONENT.sub("e", content))
-    return {**mesh, **title_said(file.head)}
+    return {**mesh, **title_data(file.head)}
 
 
 def _read_plain(data: bytes) -> Tables | None:

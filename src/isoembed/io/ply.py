@@ -19,7 +19,7 @@ from isoembed.io.format import CURVATURES, Format, at_vertices, by_size
 from isoembed.io.input_file import InputFile
 from isoembed.io.strips import strip_triangles
 from isoembed.io.text_scan import LONGEST
-from isoembed.io.title_line import title_line, title_said
+from isoembed.io.title_line import title_data, title_line
 
 Columns = NDArray[Any]
 
@@ -137,7 +137,7 @@ def read(file: InputFile) -> Tables:
     )
     points = np.array(vertices, dtype=np.float64).reshape(-1, len(names))
     fields = dict(zip(names[3:], points.T[3:], strict=True))
-    return {"vertices": points[:, :3], "faces": faces, **fields, **title_said(file.head)}
+    return {"vertices": points[:, :3], "faces": faces, **fields, **title_data(file.head)}
 
 
 def write(path: Path, tables: Tables) -> None:

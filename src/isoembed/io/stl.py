@@ -13,7 +13,7 @@ from isoembed.io.format import Format
 from isoembed.io.input_file import InputFile
 from isoembed.io.loops import scan_stl
 from isoembed.io.text_scan import lines, numbers
-from isoembed.io.title_line import title_line, title_said
+from isoembed.io.title_line import title_data, title_line
 from isoembed.surface.measures import face_normals
 
 CORNER = "  vertex %r %r %r\n"
@@ -50,7 +50,7 @@ def read(file: InputFile) -> Tables:
         raise FileError(f"{file} is not a readable STL file: a vertex is not three numbers")
     if corners != 3 * facets:
         raise FileError(f"{file} is not a readable STL file: it has {facets} facets, but {corners} corners")
-    return {**_apart(values.reshape(-1, 3)), **title_said(file.head)}
+    return {**_apart(values.reshape(-1, 3)), **title_data(file.head)}
 
 
 def write(path: Path, tables: Tables) -> None:

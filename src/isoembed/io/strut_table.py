@@ -246,7 +246,7 @@ def _with_points(written: Sequence[tuple[str, str]]) -> list[str]:
     ]
 
 
-def _number(written: str, what: str) -> float:
+def _number(written: str, problem: str) -> float:
     try:
         value = float(written)
     except ValueError:
@@ -255,7 +255,7 @@ def _number(written: str, what: str) -> float:
         begin = NUMBER.match(written)
         rest = written[begin.end() :].strip() if begin else ""
         unclear = f": what {_short(rest)} means is unclear" if rest else ""
-        raise FileError(f"{what}, not a positive finite number{unclear}")
+        raise FileError(f"{problem}, not a positive finite number{unclear}")
     return value
 
 
@@ -388,12 +388,12 @@ def _cuts(three: Collection[int], beside: dict[int, set[int]]) -> bool:
     """Whether a frame falls apart without three hubs: then they are around a part of it, and no face."""
     left = beside.keys() - set(three)
     reached = [next(iter(left))] if left else []
-    seen = set(reached)
+    visited = set(reached)
     while reached:
-        onward = beside[reached.pop()] & left - seen
-        seen |= onward
+        onward = beside[reached.pop()] & left - visited
+        visited |= onward
         reached += onward
-    return len(seen) < len(left)
+    return len(visited) < len(left)
 
 
 def _turned_alike(

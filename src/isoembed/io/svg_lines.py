@@ -78,7 +78,7 @@ def read_svg_lines(file: InputFile) -> Lines:
     reader = _Reader(str(file), {e.get("id", ""): e for e in root.iter()})
     try:
         reader.walk(root, _Style(_view(root)), 0)
-        said = [reader.millimeters(root, key) for key in ("data-kerf", "data-error")]
+        declared = [reader.millimeters(root, key) for key in ("data-kerf", "data-error")]
     except (ValueError, OverflowError) as error:
         if isinstance(error, FileError):
             raise
@@ -91,8 +91,8 @@ def read_svg_lines(file: InputFile) -> Lines:
         tuple(reader.lines),
         tuple(reader.numbers),
         unit * scale * math.sqrt(reader.steps),
-        kerf=said[0],
-        error=said[1],
+        kerf=declared[0],
+        error=declared[1],
         any_surface=root.get("data-any-surface") is not None,
     )
 
@@ -157,14 +157,14 @@ class _Reader:
 
     def _styled(self, element: Element, style: _Style) -> _Style:
         pairs = (part.partition(":") for part in element.get("style", "").split(";"))
-        said = {key.strip(): value.strip() for key, _, value in pairs if value.strip()}
+        properties = {key.strip(): value.strip() for key, _, value in pairs if value.strip()}
 
         def of(key: str) -> str | None:
-            return said.get(key, element.get(key))
+            return properties.get(key, element.get(key))
 
         matrix = _times(style.matrix, _transform(element.get("transform", ""), self.name))
         if not (np.abs(matrix) < LARGEST).all():
-            raise FileError(f"{self.name}: the transformations of {_said(element)} are too large")
+            raise FileError(f"{self.name}: the transformations of {_described(element)} are too large")
         label = _label(element)
         size = re.match(NUMBER, of("font-size") or "")
         return _Style(
@@ -238,7 +238,7 @@ def _label(element: Element) -> str:
     return next((name for name in names if name in LAYERS or name == NUMBERS), "")
 
 
-def _said(element: Element) -> str:
+def _described(element: Element) -> str:
     return f"{_name(element)} {element.get('id', '')}".strip()
 
 
@@ -258,7 +258,7 @@ def _length(element: Element, key: str) -> float:
     text = element.get(key, "0").strip()
     found = re.fullmatch(rf"({NUMBER})\s*([a-zA-Z]*)", text)
     if not found or found[2].lower() not in UNITS:
-        raise ValueError(f"{key} of {_said(element)} is {text[:40]!r}, not a length")
+        raise ValueError(f"{key} of {_described(element)} is {text[:40]!r}, not a length")
     return number(found[1]) * (UNITS[found[2].lower()] / PIXEL if found[2] else 1.0)
 
 

@@ -29,7 +29,7 @@ def title_line(tables: Tables) -> str:
     return ""
 
 
-def title_said(text: str) -> Tables:
+def title_data(text: str) -> Tables:
     """Entries encoded by a `title_line` in a text; empty if there is none."""
     if found := SPACE.search(text):
         return {"curvature": found[1], "model": found[2]}

@@ -19,7 +19,7 @@ from isoembed.io.input_file import InputFile
 from isoembed.io.loops import words_end
 from isoembed.io.strips import strip_triangles
 from isoembed.io.text_scan import LONGEST, numbers
-from isoembed.io.title_line import title_line, title_said
+from isoembed.io.title_line import title_data, title_line
 from isoembed.version import __version__
 
 HEADER = "# vtk DataFile Version"
@@ -67,8 +67,8 @@ def read(file: InputFile) -> Tables:
     """Read vertices, their curvatures, and faces; other data are ignored."""
     mesh = read_polydata(file)
     data = {name: mesh.fields[name] for name in CURVATURES if name in mesh.fields}
-    said = {**title_said(file.head), **single(mesh.whole)}
-    return {"vertices": mesh.points, "faces": mesh.polygons, **data, **said}
+    metadata = {**title_data(file.head), **single(mesh.whole)}
+    return {"vertices": mesh.points, "faces": mesh.polygons, **data, **metadata}
 
 
 def single(whole: Mapping[str, Floats]) -> Tables:
@@ -151,7 +151,7 @@ def polygons(
     corners: NDArray,
     ends: NDArray,
     n_points: int,
-    what: str = "cells",
+    noun: str = "cells",
     types: NDArray | None = None,
 ) -> Polygons:
     """Polygons from concatenated corners; the k-th polygon ends before ``ends[k]``.
@@ -175,7 +175,7 @@ def polygons(
         good = np.fromiter(there, bool, len(ends)) & (sizes == [len(row) for row in rows])
     if not good.all():
         raise FileError(
-            f"{file}: number {np.argmin(good)} of the {what} is not made of the {n_points} points"
+            f"{file}: number {np.argmin(good)} of the {noun} is not made of the {n_points} points"
         )
     if types is not None:
         if len(types) != len(rows):
@@ -238,17 +238,19 @@ class _Source:
             raise FileError(f"{self.file}{where} ends early")
         return words.pop(0)
 
-    def natural(self, words: list[str], what: str) -> int:
+    def natural(self, words: list[str], quantity: str) -> int:
         word = self.word(words)
         if not word.isdecimal() or len(word) > LONGEST:
-            raise FileError(f"{self.file}: {word[:20]!r} is not a number of {what}")
+            raise FileError(f"{self.file}: {word[:20]!r} is not a number of {quantity}")
         return int(word)
 
-    def numbers(self, count: int, type_name: str, what: str) -> NDArray[Any]:
+    def numbers(self, count: int, type_name: str, quantity: str) -> NDArray[Any]:
         """The next numbers of the given type."""
         if type_name.lower() not in NUMBERS:
-            raise FileError(f"{self.file}: the {what} are of the type {type_name[:20]!r}, which is not known")
-        there, wanted = len(self.data) - self.at, f"{count} numbers of the {what}"
+            raise FileError(
+                f"{self.file}: the {quantity} are of the type {type_name[:20]!r}, which is not known"
+            )
+        there, wanted = len(self.data) - self.at, f"{count} numbers of the {quantity}"
         if self.binary:
             kind = np.dtype(NUMBERS[type_name.lower()])
             if count * kind.itemsize > there:
@@ -265,16 +267,16 @@ class _Source:
             try:
                 values = np.array([float(word.decode("ascii", "backslashreplace")) for word in words])
             except ValueError as error:
-                raise FileError(f"{self.file}: among the {what}, {first_line(error)}") from None
+                raise FileError(f"{self.file}: among the {quantity}, {first_line(error)}") from None
             if len(values) != count:  # control characters
                 raise FileError(f"{self.file} has {len(values)} of {wanted}")
         self.at += end
         return values
 
-    def floats(self, count: int, type_name: str, what: str, components: int = 1) -> Floats:
+    def floats(self, count: int, type_name: str, quantity: str, components: int = 1) -> Floats:
         """The next `count` tuples of numbers, as rows if there are several components."""
         with np.errstate(invalid="ignore"):  # some bit patterns are NaN
-            values = self.numbers(components * count, type_name, what).astype(np.float64)
+            values = self.numbers(components * count, type_name, quantity).astype(np.float64)
         return values if components == 1 else values.reshape(count, components)
 
     def cells(self, words: list[str], key: str) -> tuple[Indices, Indices]:

@@ -23,7 +23,7 @@ from isoembed.io.files import FileError, Tables, first_line
 from isoembed.io.format import CURVATURES, Format, at_vertices, flattened, of_the_whole
 from isoembed.io.input_file import InputFile
 from isoembed.io.text_scan import numbers
-from isoembed.io.title_line import title_line, title_said
+from isoembed.io.title_line import title_data, title_line
 from isoembed.io.vtk import POLYGON, TRIANGLE, Polygons, joined, polygons, single
 
 CODES = {
@@ -175,13 +175,13 @@ def read_pieces(
     ) as error:
         if isinstance(error, FileError | InvalidMetric):
             raise
-        what = file.ending[1:].upper()
-        raise FileError(f"{file} is not a readable {what} file: {first_line(error)}") from None
+        format_name = file.ending[1:].upper()
+        raise FileError(f"{file} is not a readable {format_name} file: {first_line(error)}") from None
     points = np.concatenate(vertices)
     data = {
         name: np.concatenate(parts) for name, parts in fields.items() if sum(map(len, parts)) == len(points)
     }
-    return {"vertices": points, "faces": joined(faces), **data, **title_said(file.head), **whole}
+    return {"vertices": points, "faces": joined(faces), **data, **title_data(file.head), **whole}
 
 
 def _cells(file: InputFile, source: Source, piece: ElementTree.Element, n_points: int) -> Polygons:
@@ -210,24 +210,24 @@ def write_piece(path: Path, tables: Tables, names: tuple[str, str], cells: Seque
         Concatenated corners of the cells, their end offsets, and optionally the cell types.
     """
     points = np.asarray(tables["vertices"])
-    kind, what = names
-    said = f"<!-- {line} -->\n" if (line := title_line(tables)) else ""
+    kind, element = names
+    comment = f"<!-- {line} -->\n" if (line := title_line(tables)) else ""
     with path.open("w", encoding="ascii") as file:
         file.write(
             f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="0.1" byte_order="LittleEndian" '
-            f'header_type="UInt32" compressor="vtkZLibDataCompressor">\n{said}<{kind}>\n'
+            f'header_type="UInt32" compressor="vtkZLibDataCompressor">\n{comment}<{kind}>\n'
         )
         if whole := of_the_whole(tables):
             file.write("<FieldData>\n")
             for name, value in whole.items():
                 file.writelines(_element(name, value, ' NumberOfTuples="1"'))
             file.write("</FieldData>\n")
-        file.write(f'<Piece NumberOfPoints="{len(points)}" NumberOf{what}="{len(cells[1])}">\n<Points>\n')
+        file.write(f'<Piece NumberOfPoints="{len(points)}" NumberOf{element}="{len(cells[1])}">\n<Points>\n')
         file.writelines(_element("Points", points, ' NumberOfComponents="3"'))
-        file.write(f"</Points>\n<{what}>\n")
+        file.write(f"</Points>\n<{element}>\n")
         for name, array in zip(CELLS, cells, strict=False):
             file.writelines(_element(name, array))
-        file.write(f"</{what}>\n<PointData>\n")
+        file.write(f"</{element}>\n<PointData>\n")
         for name, array in at_vertices(tables).items():
             shape = f' NumberOfComponents="{array.shape[1]}"' if array.ndim > 1 else ""
             file.writelines(_element(name, array, shape))

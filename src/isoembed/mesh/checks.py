@@ -15,7 +15,7 @@ from isoembed.mesh.components import components
 LARGEST = 2**62  # fits into 64 bits; gaps among the indices are rejected anyway
 
 
-def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indices:
+def index_array(values: ArrayLike, columns: int, item: str, part: str) -> Indices:
     """Read an (n, columns) table of vertex indices.
 
     Parameters
@@ -24,7 +24,7 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indice
         Table as given.
     columns : int
         Number of indices per row.
-    what, part : str
+    item, part : str
         Names of a row ("face") and of its entries ("corners"), for messages.
 
     Returns
@@ -36,28 +36,28 @@ def index_array(values: ArrayLike, columns: int, what: str, part: str) -> Indice
     InvalidMetric
         The table is empty, a row has the wrong length, or an entry is not a nonnegative integer.
     """
-    rows = values if isinstance(values, np.ndarray) and values.ndim else _rows(values, what)
+    rows = values if isinstance(values, np.ndarray) and values.ndim else _rows(values, item)
     if len(rows) == 0:
-        raise InvalidMetric(f"there are no {what}s")
+        raise InvalidMetric(f"there are no {item}s")
     if not isinstance(rows, np.ndarray):
         for k, row in enumerate(rows):
             if np.ndim(row) != 1 or len(row) != columns:
-                raise InvalidMetric(f"{what} {k} has {np.size(row)} {part} {row!r}, not {columns}")
-            _check_entries(row, what, k)
+                raise InvalidMetric(f"{item} {k} has {np.size(row)} {part} {row!r}, not {columns}")
+            _check_entries(row, item, k)
     table = np.asarray(rows)
     if table.ndim != 2 or table.shape[1] != columns:
         if table.ndim == 2:
             shown = table[0].tolist() if table.shape[1] < 10 else ""
             hint = ": it looks transposed" if len(table) == columns else ""
             raise InvalidMetric(
-                f"{what} 0 has {table.shape[1]} {part} {shown}".rstrip() + f", not {columns}{hint}"
+                f"{item} 0 has {table.shape[1]} {part} {shown}".rstrip() + f", not {columns}{hint}"
             )
-        raise InvalidMetric(f"the {what}s have shape {table.shape}, not (n, {columns})")
+        raise InvalidMetric(f"the {item}s have shape {table.shape}, not (n, {columns})")
     if table.dtype.kind not in "iuf":
         raise InvalidMetric(
-            f"{what} 0 refers to vertex {table[0, 0].item()!r}: vertex indices must be whole numbers"
+            f"{item} 0 refers to vertex {table[0, 0].item()!r}: vertex indices must be whole numbers"
         )
-    return _natural(table.ravel(), what, lambda k: k // columns).reshape(-1, columns)
+    return _natural(table.ravel(), item, lambda k: k // columns).reshape(-1, columns)
 
 
 def polygon_corners(faces: ArrayLike) -> tuple[Indices, Indices]:
@@ -99,25 +99,25 @@ def polygon_corners(faces: ArrayLike) -> tuple[Indices, Indices]:
     return _natural(corners, "face", lambda k: int(np.searchsorted(ends, k, side="right"))), sizes
 
 
-def _check_entries(row: Any, what: str, k: int) -> None:
+def _check_entries(row: Any, item: str, k: int) -> None:
     """Raise an error if entries of a row are not numbers, or too large."""
     for index in row:
         if isinstance(index, bool) or not isinstance(index, numbers.Real):
             raise InvalidMetric(
-                f"{what} {k} refers to vertex {index!r}: vertex indices must be whole numbers"
+                f"{item} {k} refers to vertex {index!r}: vertex indices must be whole numbers"
             )
         if isinstance(index, int) and abs(index) > LARGEST:
-            raise InvalidMetric(f"{what} {k} refers to vertex {index}: the index is too large")
+            raise InvalidMetric(f"{item} {k} refers to vertex {index}: the index is too large")
 
 
-def _rows(values: ArrayLike, what: str) -> list[Any]:
+def _rows(values: ArrayLike, item: str) -> list[Any]:
     try:
         return list(values)  # type: ignore[arg-type]
     except TypeError:
-        raise InvalidMetric(f"the {what}s are {values!r}, not a list") from None
+        raise InvalidMetric(f"the {item}s are {values!r}, not a list") from None
 
 
-def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
+def _natural(indices: NDArray, item: str, row: Callable[[int], int]) -> Indices:
     """Convert indices to integers, or raise an error at the first invalid one; `row` maps it to its row."""
     checks = [
         (indices < 0, "vertex indices must not be negative"),
@@ -130,24 +130,24 @@ def _natural(indices: NDArray, what: str, row: Callable[[int], int]) -> Indices:
     for bad, why in checks:
         if bad.any():
             k = int(np.argmax(bad))
-            raise InvalidMetric(f"{what} {row(k)} refers to vertex {indices[k]}: {why}")
+            raise InvalidMetric(f"{item} {row(k)} refers to vertex {indices[k]}: {why}")
     return np.ascontiguousarray(indices, dtype=np.int64)
 
 
-def real_array(given: ArrayLike, what: str, quantity: str) -> Floats:
+def real_array(given: ArrayLike, item: str, quantity: str) -> Floats:
     """Float copy of an array of real numbers; raises an error at the first invalid entry."""
     try:
         values = np.asarray(given)
     except ValueError:  # rows of different sizes
         sizes = [np.size(row) for row in given]  # type: ignore[union-attr]
         k = next(k for k, size in enumerate(sizes) if size != sizes[0])
-        raise InvalidMetric(f"{what} {k} has {sizes[k]} {quantity}s, {what} 0 has {sizes[0]}") from None
+        raise InvalidMetric(f"{item} {k} has {sizes[k]} {quantity}s, {item} 0 has {sizes[0]}") from None
     if values.dtype.kind not in "iuf":
         for k, row in enumerate(given if np.ndim(given) else [given]):  # type: ignore[arg-type]
             for value in np.ravel(np.array(row, dtype=object)):
                 number = isinstance(value, numbers.Real) and not isinstance(value, bool | np.bool_)
                 if not number or abs(value) > sys.float_info.max:
-                    raise InvalidMetric(f"{what} {k} has {quantity} {value!r}, not a finite number")
+                    raise InvalidMetric(f"{item} {k} has {quantity} {value!r}, not a finite number")
     return values.astype(np.float64)
 
 

@@ -120,10 +120,10 @@ def pinched(corners: ConstInt[::1], twins: ConstInt[::1], n: Int):
             first[v] = h
     for v in range(n):
         h = first[v]
-        met = 0
-        while met == 0 or h != first[v]:
-            met += 1
+        count = 0
+        while count == 0 or h != first[v]:
+            count += 1
             h = twins[h + 2 if h % 3 == 0 else h - 1]
-        if met != degrees[v]:
+        if count != degrees[v]:
             return v
     return -1

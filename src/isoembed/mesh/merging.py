@@ -65,5 +65,5 @@ def without_repetitions(corners: Indices, sizes: Indices) -> tuple[Indices, Indi
     pairs = np.sort(face * n + corners)
     distinct = pairs[np.insert(pairs[1:] != pairs[:-1], 0, True)]
     left = np.bincount(distinct // n, minlength=len(sizes)) >= 3
-    kept = differs & left[face]
-    return corners[kept], np.bincount(face[kept], minlength=len(sizes))[left], left
+    selected = differs & left[face]
+    return corners[selected], np.bincount(face[selected], minlength=len(sizes))[left], left

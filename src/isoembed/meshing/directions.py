@@ -23,9 +23,9 @@ def directions_of(surface: Surface, points: ArrayLike) -> Floats:
     u = known[cKDTree(surface._points(known)).query(x)[1]]
     size = float(np.abs(x).max(initial=0.0))
     for _ in range(20):  # Newton steps
-        missed, normals = x - surface._points(u), surface._normals(u)
-        if np.abs(missed).max(initial=0.0) <= 1e-12 * size:  # the point is on the surface
+        residuals, normals = x - surface._points(u), surface._normals(u)
+        if np.abs(residuals).max(initial=0.0) <= 1e-12 * size:  # the point is on the surface
             return u
-        u = surface._moved(u, missed - np.einsum("ij,ij->i", missed, normals)[:, None] * normals)
-    k = int(np.abs(missed).max(axis=1).argmax())
+        u = surface._moved(u, residuals - np.einsum("ij,ij->i", residuals, normals)[:, None] * normals)
+    k = int(np.abs(residuals).max(axis=1).argmax())
     raise ValueError(f"point {k}, {(surface._unit * x[k]).tolist()}, is not on {surface!r}")

@@ -66,15 +66,15 @@ def relaxed(
     """
     corners = mesh.corners
     moved: Real[:, ::1] = np.array(u)
-    done: Flag[::1] = np.zeros(u.shape[0], dtype=np.bool_)
+    settled: Flag[::1] = np.zeros(u.shape[0], dtype=np.bool_)
     step: Real[::1] = np.empty(3)
     room: Real[:, ::1] = np.empty((2, 3))
     v: Int
     f: Int
     for first in range(corners.shape[0]):
         v = corners[first]
-        if moving[v] and not done[v]:
-            done[v] = True
+        if moving[v] and not settled[v]:
+            settled[v] = True
             _set_step(first, u, mesh, density, optimal, factor, step, room)
             for c in range(3):
                 moved[v, c] += step[c]
@@ -197,7 +197,7 @@ def joined(tails: ConstInt[::1], twin: ConstInt[::1], halfedges: ConstInt[::1], 
 
 
 def flip_halfedges(faces: Int[:, ::1], twin: Int[::1], halfedges: ConstInt[::1]):
-    """Flip half-edges, no two of which share a triangle, in place."""
+    """Flip half-edges, in different triangles, in place."""
     for h in halfedges:
         g = twin[h]
         f, c, e, d = h // 3, h % 3, g // 3, g % 3
@@ -243,7 +243,7 @@ def surroundings(faces: ConstInt[:, ::1], twin: ConstInt[::1], seeds: ConstInt[:
     vertices: Int[::1] = np.empty(n, dtype=np.int64)
     triangles: Int[::1] = np.empty(faces.shape[0], dtype=np.int64)
     seen_vertices: Flag[::1] = np.zeros(n, dtype=np.bool_)
-    seen: Flag[::1] = np.zeros(faces.shape[0], dtype=np.bool_)
+    visited: Flag[::1] = np.zeros(faces.shape[0], dtype=np.bool_)
     n_vertices: Int = 0
     begin: Int = 0
     end: Int = seeds.shape[0]
@@ -251,7 +251,7 @@ def surroundings(faces: ConstInt[:, ::1], twin: ConstInt[::1], seeds: ConstInt[:
     f: Int
     for k in range(seeds.shape[0]):
         triangles[k] = seeds[k]
-        seen[seeds[k]] = True
+        visited[seeds[k]] = True
     for _ in range(rings + 1):
         last = end
         for row in range(begin, last):
@@ -265,8 +265,8 @@ def surroundings(faces: ConstInt[:, ::1], twin: ConstInt[::1], seeds: ConstInt[:
                 h = first
                 while True:
                     f = h // 3
-                    if not seen[f]:
-                        seen[f] = True
+                    if not visited[f]:
+                        visited[f] = True
                         triangles[end] = f
                         end += 1
                     h = twin[3 * f + (h + 2) % 3]

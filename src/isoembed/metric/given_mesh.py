@@ -303,8 +303,8 @@ def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> Indi
 
 def _renumbered(points: Floats, triangles: Indices, given: Indices) -> tuple[Floats, Indices]:
     """Vertices in triangles, renumbered; reports those that were not in the given faces either."""
-    kept = np.bincount(triangles.ravel(), minlength=len(points)) > 0
-    if kept.all():
+    used = np.bincount(triangles.ravel(), minlength=len(points)) > 0
+    if used.all():
         return points, triangles
     unused = np.bincount(given, minlength=len(points)) == 0
     if unused.any():
@@ -312,7 +312,7 @@ def _renumbered(points: Floats, triangles: Indices, given: Indices) -> tuple[Flo
             f"{_count(unused.sum(), 'vertex is', 'vertices are')} in no face, and left out; the first is "
             f"vertex {np.argmax(unused)}"
         )
-    return points[kept], (np.cumsum(kept) - 1)[triangles]
+    return points[used], (np.cumsum(used) - 1)[triangles]
 
 
 def _count(number: int, one: str, more: str) -> str:

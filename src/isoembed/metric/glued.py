@@ -110,10 +110,10 @@ class GluedMetric(TriangleMetric):
             return metric
         metric.triangulation.check_sphere()
         twins = metric.triangulation.twins
-        return cls._made(metric.faces, twins, metric.face_lengths, metric.space, precision=metric.precision)
+        return cls._create(metric.faces, twins, metric.face_lengths, metric.space, precision=metric.precision)
 
     @classmethod
-    def _made(
+    def _create(
         cls,
         faces: Indices,
         twins: Indices,
@@ -133,7 +133,7 @@ class GluedMetric(TriangleMetric):
         self._set(faces, twins, _matched(twins, face_lengths), space)
 
     def _with(self, face_lengths: Floats, space: Space) -> GluedMetric:
-        return GluedMetric._made(self.faces, self.twins, face_lengths, space, self.seams, self.precision)
+        return GluedMetric._create(self.faces, self.twins, face_lengths, space, self.seams, self.precision)
 
     def _set(
         self,
@@ -227,7 +227,7 @@ class GluedMetric(TriangleMetric):
         """
         space = Space(tables.curvature)
         _check_triangles(tables.faces, tables.face_lengths, space)
-        return cls._made(tables.faces, tables.twins, tables.face_lengths, space)
+        return cls._create(tables.faces, tables.twins, tables.face_lengths, space)
 
     @property
     def tables(self) -> tuple[NDArray, ...]:
@@ -249,8 +249,8 @@ class GluedMetric(TriangleMetric):
 
     def half_edges(self, directed: bool = True) -> HalfEdges:
         """Copy of the triangles as half-edge tables for flips, with or without directions."""
-        made = HalfEdges.of if directed else HalfEdges.without_directions
-        return made(self.faces, self.twins, self.face_lengths, self.curvature)
+        constructor = HalfEdges.of if directed else HalfEdges.without_directions
+        return constructor(self.faces, self.twins, self.face_lengths, self.curvature)
 
     @property
     def length_error(self) -> float | None:

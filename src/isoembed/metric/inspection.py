@@ -268,10 +268,10 @@ def _warnings(
             ),
         ),
     )
-    for kind, where, severity, what, text in found:
+    for kind, where, severity, noun, text in found:
         if where.any():
             worst = int(np.argmax(np.where(where, severity, -np.inf)))
-            yield Caution(kind, int(where.sum()), f"{what}: {where.sum()}; the worst: {text(worst)}")
+            yield Caution(kind, int(where.sum()), f"{noun}: {where.sum()}; the worst: {text(worst)}")
     ratio = float(metric.lengths.max() / metric.lengths.min())
     if ratio > 1000.0:  # edges so uneven get a warning
         yield Caution(

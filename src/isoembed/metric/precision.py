@@ -18,7 +18,7 @@ class PrecisionThresholds:
 
     fewest: int = threshold(5, "digits", "Coordinates with fewer digits are more likely exact than rounded.")
     bits: int = threshold(12, "bits", "Coordinates with fewer bits, such as small integers, are exact.")
-    most: int = threshold(9, "digits", "Coordinates with more digits are as good as doubles.")
+    most: int = threshold(9, "digits", "Coordinates with more digits are as accurate as doubles.")
     written: int = threshold(
         11, "digits", "Largest number of digits of single precision with eight decimals."
     )

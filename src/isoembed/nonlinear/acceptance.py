@@ -50,7 +50,7 @@ FULL_STEPS = LineSearch(-np.inf, 1.0)
 
 
 def contraction(share: float) -> LineSearch:
-    """Full steps, each of which must reduce the value to less than `share` of it."""
+    """Full steps that each reduce the value to less than a fraction `share`."""
     return LineSearch(1 - share, 1.0)
 
 

@@ -51,11 +51,11 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
         low = -(k + 1) * layout.height
         lines += _marks(layout.width, layout.height, low)
         of = f", page {k + 1} of {layout.pages}" if layout.pages > 1 else ""
-        said = (
+        text = (
             f"outside of the solid{of}; {layout.scale:.4g} mm a unit; print at 100 %: the ruler is "
             f"{RULER} mm long"
         )
-        notes.append(_line_of_words(said, layout.width, low))
+        notes.append(_line_of_words(text, layout.width, low))
         y, end = low + 3.2 * NOTE, MARGIN + RULER
         ticks = np.arange(MARGIN, end + 1, TICK)
         lines += [_line(MARGIN, y, end, y), *(_line(x, y, x, y + 0.6 * NOTE) for x in ticks)]
@@ -63,10 +63,10 @@ def foot(layout: Layout, kinds: Sequence[str]) -> tuple[list[Floats], list[tuple
         if narrow * NOTE < LEGIBLE:
             continue
         for kind in kinds:
-            x, said = LEGEND[kind]
+            x, text = LEGEND[kind]
             x = end + narrow * (x - end)
             legend.append((kind, _line(x, y, x + narrow * SAMPLE, y)))
-            notes.append(_after(said, x + narrow * SAMPLE, y, narrow * NOTE))
+            notes.append(_after(text, x + narrow * SAMPLE, y, narrow * NOTE))
     return lines, legend, notes
 
 
@@ -79,10 +79,10 @@ def foot_of_drawing(layout: Layout) -> Label:
     )
 
 
-def _line_of_words(said: str, width: float, low: float) -> Label:
+def _line_of_words(text: str, width: float, low: float) -> Label:
     """Centered text at the foot of a page with the given lower edge, as large as fits."""
-    size = min(NOTE, (width - 2 * MARGIN) / (WIDTH * len(said)))
-    return Label(said, width / 2, low + 1.6 * NOTE, 0.0, size)
+    size = min(NOTE, (width - 2 * MARGIN) / (WIDTH * len(text)))
+    return Label(text, width / 2, low + 1.6 * NOTE, 0.0, size)
 
 
 def _marks(width: float, height: float, low: float) -> list[Floats]:

@@ -144,7 +144,7 @@ def _best(found: Sequence[_Partition], room: Floats) -> list[_Partition]:
     longer and an open island no larger.
     """
     fewest = min(one.islands for one in found)
-    kept = []
+    candidates = []
     for islands in (fewest, fewest + 1):
         some = [one for one in found if one.islands == islands]
         if not some:
@@ -155,8 +155,8 @@ def _best(found: Sequence[_Partition], room: Floats) -> list[_Partition]:
         for k in order.tolist():
             if len(useful) < KEPT and not (supports[useful] <= supports[k] + 1e-12).all(axis=(1, 2)).any():
                 useful.append(k)
-        kept += [some[k] for k in useful]
-    return kept
+        candidates += [some[k] for k in useful]
+    return candidates
 
 
 def _flat(cuts: tuple[Any, ...]) -> Iterator[Fold]:

@@ -81,15 +81,15 @@ def labels(
     numbered = [(str(number), rims[p][k]) for number, pair in enumerate(sides, 1) for p, k in pair]
     numbered.sort(key=lambda entry: float(np.hypot(*(entry[1][1] - entry[1][0]))))  # shortest sides first
     lines, creases = Pieces(2, chain.from_iterable(rims)), Pieces(2, chain.from_iterable(folds))
-    taken = Pieces(4)
+    occupied = Pieces(4)
     found = []
     for text, ends in numbered:
         one = (
-            _fitting(text, ends, SIZE, LEGIBLE, (lines, creases, taken))
-            or _fitting(text, ends, LEGIBLE, LEAST, (lines, taken))
+            _fitting(text, ends, SIZE, LEGIBLE, (lines, creases, occupied))
+            or _fitting(text, ends, LEGIBLE, LEAST, (lines, occupied))
             or _beside(text, ends, 0.5, LEAST)
         )
-        taken.add(one.box)
+        occupied.add(one.box)
         found.append(one)
     return found
 

@@ -68,8 +68,8 @@ class Material:
             value = getattr(self, name)
             least = "above 0" if name in positive else "of at least 0"
             if not is_number(value) or not 0 <= value < math.inf or (name in positive and value == 0):
-                said = f"{value:g}" if is_number(value) else repr(value)
-                raise InvalidParameter(f"{name} is {said}, not a number {least}")
+                text = f"{value:g}" if is_number(value) else repr(value)
+                raise InvalidParameter(f"{name} is {text}, not a number {least}")
         if self.allowance and self.joints == "tabs":
             raise InvalidParameter(
                 f"an allowance of {self.allowance:g} mm is for joints='stitches' or joints='none'"

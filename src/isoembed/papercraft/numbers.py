@@ -43,12 +43,12 @@ def face_numbers(
     """
     if lines is None:
         lines = chain.from_iterable(np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces)
-    drawn, taken = Pieces(2, lines), Pieces(4, (one.box for one in labels))
+    drawn, occupied = Pieces(2, lines), Pieces(4, (one.box for one in labels))
     found = []
     for k, (face, number) in enumerate(zip(faces, numbers, strict=True)):
-        one = _inside(f"F{number}", *_middles(face, is_seen and partial(is_seen, k)), (drawn, taken))
+        one = _inside(f"F{number}", *_middles(face, is_seen and partial(is_seen, k)), (drawn, occupied))
         if one is not None:
-            taken.add(one.box)
+            occupied.add(one.box)
         found.append(one)
     return found
 

@@ -72,15 +72,15 @@ def _placed(sizes: Floats, order: Sequence[int], room: Floats, turning: bool) ->
                 for x, y, across, down in free[page]
                 if wide <= across * (1 + SLACK) and high <= down * (1 + SLACK)
             ]
-        _, _, turn, taken = min(places)
-        free[page] = _without(free[page], taken)
-        corners[k], pages[k], turned[k] = taken[:2], page, turn
+        _, _, turn, occupied = min(places)
+        free[page] = _without(free[page], occupied)
+        corners[k], pages[k], turned[k] = occupied[:2], page, turn
     return corners, pages, turned
 
 
-def _without(free: Sequence[Rectangle], taken: Rectangle) -> list[Rectangle]:
+def _without(free: Sequence[Rectangle], occupied: Rectangle) -> list[Rectangle]:
     """Maximal free rectangles outside an occupied one."""
-    left, top, right, bottom = taken[0], taken[1], taken[0] + taken[2], taken[1] + taken[3]
+    left, top, right, bottom = occupied[0], occupied[1], occupied[0] + occupied[2], occupied[1] + occupied[3]
     found: set[Rectangle] = set()
     for x, y, wide, high in free:
         if x >= right or left >= x + wide or y >= bottom or top >= y + high:

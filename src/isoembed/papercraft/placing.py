@@ -116,8 +116,8 @@ def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
     given = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
     for name, value in given:
         if not is_number(value) or not 0 < value < np.inf:
-            said = f"{value:g}" if is_number(value) else repr(value)
-            raise InvalidParameter(f"{name} is {said}, not a positive finite number of mm")
+            text = f"{value:g}" if is_number(value) else repr(value)
+            raise InvalidParameter(f"{name} is {text}, not a positive finite number of mm")
     if len(given) == 2:
         raise InvalidParameter(
             f"give either a scale, here {scale:g} mm, or a size, here {size:g} mm, not both"

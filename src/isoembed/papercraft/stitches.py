@@ -44,8 +44,8 @@ def stitches(
             clear = _clear(outlines[p], k, here, 1.5 * inset) if inset else np.ones(count, dtype=np.bool_)
             fit &= clear if len(places) == 0 else clear[::-1]  # the sides have opposite directions
             places.append(here)
-        for (p, _), here, kept in zip(pair, places, (fit, fit[::-1]), strict=True):
-            found[p].append(here[kept])
+        for (p, _), here, span in zip(pair, places, (fit, fit[::-1]), strict=True):
+            found[p].append(here[span])
     return [np.concatenate([np.empty((0, 2)), *some]) for some in found]
 
 

@@ -65,8 +65,8 @@ def svg(drawing: Drawing) -> str:
             '<?xml version="1.0" encoding="UTF-8"?>',
             f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="{INKSCAPE}" '
             f'width="{width:g}mm" height="{height:g}mm" viewBox="0 0 {width:g} {height:g}" '
-            f"{_said('kerf', drawing.kerf)}{_said('error', drawing.error)}"
-            f'{_said("any-surface", drawing.any_surface)}style="background: white">',
+            f"{_attribute('kerf', drawing.kerf)}{_attribute('error', drawing.error)}"
+            f'{_attribute("any-surface", drawing.any_surface)}style="background: white">',
             *layers,
             "</svg>\n",
         ]
@@ -92,7 +92,7 @@ def _dashes(kind: str) -> str:
     return f'stroke-dasharray="{DASHES[kind]}"' if kind in DASHES else ""
 
 
-def _said(name: str, millimeters: float) -> str:
+def _attribute(name: str, millimeters: float) -> str:
     return f'data-{name}="{millimeters:.6g}" ' if millimeters else ""
 
 

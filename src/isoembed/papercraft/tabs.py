@@ -38,7 +38,7 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
     """
     rims = (np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines)
     segments, others = Pieces(2, chain.from_iterable(rims)), Pieces(4)
-    made: dict[Side, Floats] = {}
+    shapes: dict[Side, Floats] = {}
     for pair in sides:
         best, top = 0.0, np.zeros((2, 2))
         for side, mate in (pair, pair[::-1]):
@@ -46,10 +46,10 @@ def tabs(outlines: Sequence[Floats], sides: Sequence[tuple[Side, Side]]) -> dict
             if depth > best:
                 best, top, (p, k) = depth, found, side
         if best:
-            made[p, k] = top
+            shapes[p, k] = top
             ends = outlines[p][[k, (k + 1) % len(outlines[p])]]
             others.add(_piece(ends, top))
-    return made
+    return shapes
 
 
 def _deepest(

@@ -153,20 +153,20 @@ class _Sheet:
         self, distances: dict[Corner, float], numbers: Indices
     ) -> tuple[Floats, dict[int, int], list[tuple[Corner, Floats]]]:
         """Outline, start corner in it of each side of the sheet, and folds."""
-        made = []
+        segments = []
         for f, face in enumerate(self.faces):
             try:
-                made.append(moved_sides(face, [distances[f, k] for k in range(len(face))], "it"))
+                segments.append(moved_sides(face, [distances[f, k] for k in range(len(face))], "it"))
             except InvalidParameter:
                 raise InvalidParameter(
                     f"face {numbers[f]} is too small for this thickness: use a larger scale"
                 ) from None
         shifts = self._shifts(distances)
-        rings = [points + shift for (points, _, _), shift in zip(made, shifts, strict=True)]
+        rings = [points + shift for (points, _, _), shift in zip(segments, shifts, strict=True)]
 
         def side(at: Corner) -> Floats:
             f, k = at
-            _, first, last = made[f]
+            _, first, last = segments[f]
             return np.asarray(rings[f][[first[k], last[k]]])
 
         outline: list[Floats] = []

@@ -56,19 +56,21 @@ def views(
     cameras = [_camera(side * toward) for side in (1, -1)]
     flat = [vertices @ camera for camera in cameras]
     half = np.array([high[0] - low[0], 0.48 * (high[1] - low[1])])
-    scale = min(float((half / np.ptp(seen[:, :2], axis=0)).min()) for seen in flat)
+    scale = min(float((half / np.ptp(projection[:, :2], axis=0)).min()) for projection in flat)
     lines, labels = [], []
-    for k, seen in enumerate(flat):
-        middle = (seen[:, :2].max(axis=0) + seen[:, :2].min(axis=0)) / 2
+    for k, projection in enumerate(flat):
+        middle = (projection[:, :2].max(axis=0) + projection[:, :2].min(axis=0)) / 2
         center = np.array([(low[0] + high[0]) / 2, high[1] - half[1] / 2 if k == 0 else low[1] + half[1] / 2])
-        seen = np.column_stack([(seen[:, :2] - middle) * scale + center, seen[:, 2] * scale])
-        areas = [signed_area(seen[corners, :2]) for *_, corners in faces]
+        projection = np.column_stack(
+            [(projection[:, :2] - middle) * scale + center, projection[:, 2] * scale]
+        )
+        areas = [signed_area(projection[corners, :2]) for *_, corners in faces]
         front = [
             (number, corners if area > 0 else corners[::-1])
             for (number, _, corners), area in zip(faces, areas, strict=True)
             if (abs(area) if unfolding.any_surface else area) > CLOSE * scale**2
         ]
-        before = seen[triangles]
+        before = projection[triangles]
         upward = np.array([signed_area(corners[:, :2]) for corners in before]) > 0
         before = np.concatenate(
             [before[upward], before[~upward, ::-1][: len(before) * unfolding.any_surface]]
@@ -79,13 +81,13 @@ def views(
             for pair in zip(face.tolist(), np.roll(face, 1).tolist(), strict=True)
         }
         ends = np.array(sorted(edges), dtype=np.int64).reshape(-1, 2)
-        visible = _visible(seen[ends], before, CLOSE * scale)
+        visible = _visible(projection[ends], before, CLOSE * scale)
         lines += visible
         numbers = face_numbers(
-            [seen[face, :2] for _, face in front],
+            [projection[face, :2] for _, face in front],
             [number for number, _ in front],
             lines=visible,
-            is_seen=partial(_is_seen, [seen[face] for _, face in front], before, CLOSE * scale),
+            is_seen=partial(_is_seen, [projection[face] for _, face in front], before, CLOSE * scale),
         )
         labels += [one for one in numbers if one is not None]
     return lines, labels
@@ -108,8 +110,8 @@ def _toward(triangles: Floats) -> Floats:
     level = np.sqrt(1 - rises**2)
     ways = np.vstack([TOWARD, np.column_stack([level * np.sin(turns), -level * np.cos(turns), rises])])
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    seen = np.log(np.maximum(np.abs(normals @ ways.T), EDGE_ON)).sum(axis=0)
-    return np.asarray(ways[int(np.argmax(seen.round(9)))])
+    visibility = np.log(np.maximum(np.abs(normals @ ways.T), EDGE_ON)).sum(axis=0)
+    return np.asarray(ways[int(np.argmax(visibility.round(9)))])
 
 
 def _camera(toward: Floats) -> Floats:
@@ -141,8 +143,8 @@ def _visible(edges: Floats, triangles: Floats, close: float) -> list[Floats]:
     points = edges[:, :1] + middles[:, None] * (edges[:, 1:] - edges[:, :1])
     shown = ~_hidden(points.reshape(-1, 3), triangles, close).reshape(points.shape[:2])
     found = []
-    for edge, seen in zip(edges[:, :, :2], shown, strict=True):
-        changes = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
+    for edge, visible in zip(edges[:, :, :2], shown, strict=True):
+        changes = np.flatnonzero(np.diff(np.concatenate([[False], visible, [False]]).astype(np.int8)))
         found += [edge[0] + steps[ends, None] * (edge[1] - edge[0]) for ends in changes.reshape(-1, 2)]
     return found
 

@@ -137,7 +137,7 @@ class Drawn:
         return float(np.linalg.norm(off, axis=1).max() / size)
 
 
-def said(space: Space) -> str:
+def space_name(space: Space) -> str:
     """Part of a caption: the space and the model of a picture; empty for R^3."""
     if space.is_euclidean:
         return ""

@@ -92,12 +92,12 @@ class Film:
     """
 
     def __init__(self) -> None:
-        self._taken: list[Progress] = []
+        self._snapshots: list[Progress] = []
 
     def __call__(self, progress: Progress) -> None:
         """Store a snapshot."""
         if progress.vertices is not None:
-            self._taken.append(progress)
+            self._snapshots.append(progress)
 
     def frames(self, embedding: Embedding) -> tuple[Frame, ...]:
         """Frames of the intermediate surfaces of a computation, ending with its result.
@@ -116,12 +116,12 @@ class Film:
         """
         following = Frame(ANSWER, 0.0, embedding.residual, embedding.vertices)
         frames, unit, space = [following], embedding.metric.unit, embedding.metric.normalized.space
-        for taken in reversed(self._taken):
-            if taken.vertices is None or taken.vertices.shape != embedding.vertices.shape:
+        for snapshot in reversed(self._snapshots):
+            if snapshot.vertices is None or snapshot.vertices.shape != embedding.vertices.shape:
                 continue
             after = following.vertices / unit
             try:
-                given = from_model(space, taken.vertices, "ambient")
+                given = from_model(space, snapshot.vertices, "ambient")
                 if embedding.triangulation.is_closed:
                     vertices = aligned(outward(embedding.faces, given, space), after, space)
                 else:
@@ -133,6 +133,6 @@ class Film:
                 np.linalg.norm(vertices - after, axis=1).max()
                 > 1e-3 * embedding.metric.normalized.mean_length
             ):
-                following = Frame(taken.stage, taken.t, taken.residual, unit * vertices)
+                following = Frame(snapshot.stage, snapshot.t, snapshot.residual, unit * vertices)
                 frames.append(following)
         return tuple(reversed(frames))

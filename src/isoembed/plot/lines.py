@@ -49,11 +49,11 @@ def among_faces(view: View, faces: Shapes, lines: Sequence[tuple[Segments, Float
     polygons, places, colors, widths = [*faces.polygons], [np.arange(float(n))], [], [faces.widths]
     for segments, color, width in lines:
         beside = place[segments.faces].max(axis=1)
-        seen = beside[beside >= 0]
+        visible = beside[beside >= 0]
         polygons += [*view.put(segments.ends[beside >= 0])]
-        places.append(seen + 0.5)
-        colors.append(np.broadcast_to(color, faces.fills.shape)[seen])
-        widths.append(np.full(len(seen), width))
+        places.append(visible + 0.5)
+        colors.append(np.broadcast_to(color, faces.fills.shape)[visible])
+        widths.append(np.full(len(visible), width))
     order = np.argsort(np.concatenate(places), kind="stable")
     return Shapes(
         [polygons[k] for k in order],

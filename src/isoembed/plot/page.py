@@ -141,10 +141,10 @@ def _page(
     data, arrays = _data(embedding, frames, given)
     if tables is None:
         found = report(embedding)
-        told = report_html(found)
+        report_markup = report_html(found)
     else:
-        found, told = dict(tables), tables_html(tables)
-    return Document(title, caption or _caption(embedding), beside + told, found, data, arrays)
+        found, report_markup = dict(tables), tables_html(tables)
+    return Document(title, caption or _caption(embedding), beside + report_markup, found, data, arrays)
 
 
 def _caption(embedding: Embedding) -> str:
@@ -190,13 +190,13 @@ def _data(
     entries: list[dict[str, Any]] = []
     for frame in (earlier[k] for k in chosen[:-1]):
         surface = frame.surface(embedding)
-        told = {"stage": frame.stage, "t": frame.t, "residual": frame.residual}
-        entries.append(told | entry(surface, packed.add_short, _on_the_way(surface)))
-    told = {"stage": ANSWER, "t": frames[-1].t if frames else None, "residual": embedding.residual}
-    entries.append(told | entry(embedding, packed.add_floats, shown))
-    for k, made in enumerate(entries):
-        begins = k == 0 or made["stage"] != entries[k - 1]["stage"]
-        made["pause"] = 3 * PAUSE if begins else PAUSE
+        facts = {"stage": frame.stage, "t": frame.t, "residual": frame.residual}
+        entries.append(facts | entry(surface, packed.add_short, _on_the_way(surface)))
+    facts = {"stage": ANSWER, "t": frames[-1].t if frames else None, "residual": embedding.residual}
+    entries.append(facts | entry(embedding, packed.add_floats, shown))
+    for k, entry_ in enumerate(entries):
+        begins = k == 0 or entry_["stage"] != entries[k - 1]["stage"]
+        entry_["pause"] = 3 * PAUSE if begins else PAUSE
     return {
         "meshes": [_mesh(embedding, pieces, edges, packed)],
         "first": len(entries) - 1,

@@ -17,7 +17,7 @@ from isoembed.io.registry import check_output
 from isoembed.plot.browser.ramp import diverging
 from isoembed.plot.caption import faces_counted, has_own_lengths, of_integral
 from isoembed.plot.coloring import Quantity, quantity, usual
-from isoembed.plot.drawn import Drawn, said
+from isoembed.plot.drawn import Drawn, space_name
 from isoembed.plot.endings import PICTURE_ENDINGS
 from isoembed.plot.infinity import draw_infinity, window
 from isoembed.plot.lines import Shapes, among_faces
@@ -212,8 +212,8 @@ def _row(
     low, high = shown.bounds if bounds is None else bounds
     scale = color_scale(low, high, shown.scale)
     views = [View.of(panel.vertices, panel.faces) for panel in surfaces]
-    seen = np.array([window(view, panel.infinity) for panel, view in zip(surfaces, views, strict=True)])
-    (left, bottom), (right, top) = seen[:, 0].min(axis=0), seen[:, 1].max(axis=0)
+    windows = np.array([window(view, panel.infinity) for panel, view in zip(surfaces, views, strict=True)])
+    (left, bottom), (right, top) = windows[:, 0].min(axis=0), windows[:, 1].max(axis=0)
     if len(surfaces) > 1:
         left, right = left - GAP * (right - left), right + GAP * (right - left)
     across = SHARE * WIDTH / len(surfaces)
@@ -370,7 +370,7 @@ def draw(
 def _caption(embedding: Embedding) -> str:
     t = embedding.triangulation
     seams = "red: glued sides of the paper" if len(embedding.surface.seams.ends) else ""
-    below = "     ".join(filter(None, (seams, said(embedding.space))))
+    below = "     ".join(filter(None, (seams, space_name(embedding.space))))
     above = [
         f"{t.n_vertices:,} vertices, {faces_counted(embedding)}",
         rf"$\int\! H\,dA${of_integral(embedding)} = {embedding.integrated_mean_curvature:.6g}",

@@ -132,9 +132,9 @@ class View:
         halfway /= np.linalg.norm(halfway)
         light = np.maximum(normals[front] @ toward, 0.0)
         gloss = np.maximum(normals[front] @ halfway, 0.0) ** SHARPNESS
-        seen = faces[front] if isinstance(faces, np.ndarray) else [faces[f] for f in front.tolist()]
+        visible = faces[front] if isinstance(faces, np.ndarray) else [faces[f] for f in front.tolist()]
         flat = points[:, :2]
-        polygons = flat[seen] if isinstance(seen, np.ndarray) else [flat[face] for face in seen]
+        polygons = flat[visible] if isinstance(visible, np.ndarray) else [flat[face] for face in visible]
         return cls(polygons, front, light, gloss, inside[front], pose, turned)
 
     @property

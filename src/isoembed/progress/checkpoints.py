@@ -65,7 +65,7 @@ class Checkpoints:
     last: Checkpoint | None = field(init=False)
     _key: str = field(init=False, default="")
     _state: Arrays = field(init=False, default_factory=dict)
-    _taken: bool = field(init=False, default=False)
+    _resumed: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
         self.last = self.resumed
@@ -95,12 +95,12 @@ class Checkpoints:
             Arrays that the checkpoint must contain; otherwise it was kept by another part of the strategy.
         """
         found = self.resumed
-        if found is None or self._taken or found.key != self._key or not found.arrays:
+        if found is None or self._resumed or found.key != self._key or not found.arrays:
             return None
         for name, array in belonging.items():
             if name not in found.arrays or not np.array_equal(found.arrays[name], array):
                 return None
-        self._taken, self.work.factorizations = True, found.factorizations
+        self._resumed, self.work.factorizations = True, found.factorizations
         return found.arrays
 
 

@@ -22,7 +22,7 @@ class TimeLeft:
         self._worked = self._seconds = 0.0  # weight and time of completed stages
         self._running = ""
         self._begun = self._reported = clock()
-        self._done = 0.0
+        self._fraction = 0.0
 
     def expect(self, weights: Mapping[str, float]) -> None:
         """Expect the given stages next, in this order, before those expected already.
@@ -41,18 +41,18 @@ class TimeLeft:
         """Begin a stage; stages expected before it are skipped."""
         if stage in self._pending:
             self._pending = self._pending[self._pending.index(stage) + 1 :]
-        self._running, self._done = stage, 0.0
+        self._running, self._fraction = stage, 0.0
         self._begun = self._reported = self._clock()
 
-    def reach(self, done: float) -> None:
+    def reach(self, fraction: float) -> None:
         """Set the completed fraction of the running stage."""
-        self._done, self._reported = min(max(done, 0.0), 1.0), self._clock()
+        self._fraction, self._reported = min(max(fraction, 0.0), 1.0), self._clock()
 
     def end(self) -> None:
         """End the running stage; its last reported fraction is final, as it may have been abandoned."""
-        if self._done == 0.0:
+        if self._fraction == 0.0:
             self.reach(1.0)
-        self._worked += self._done * self._weight
+        self._worked += self._fraction * self._weight
         self._seconds += self._reported - self._begun if self._weight else 0.0
         self._running = ""
 
@@ -61,12 +61,12 @@ class TimeLeft:
         """Remaining seconds; None if almost nothing is done, or the stage was not expected."""
         ahead = sum(self._weights[name] for name in self._pending)
         own = self._reported - self._begun
-        worked = self._worked + self._done * self._weight
+        worked = self._worked + self._fraction * self._weight
         # Too little is done for an estimate.
         if not self._weight or not worked > 0.03 * (self._worked + self._weight + ahead):
             return None
         pace = (self._seconds + own) / worked
-        rest = (1 - self._done) * (own + (1 - self._done) * self._weight * pace)
+        rest = (1 - self._fraction) * (own + (1 - self._fraction) * self._weight * pace)
         return max(rest - (self._clock() - self._reported), 0.0) + ahead * pace
 
     @property

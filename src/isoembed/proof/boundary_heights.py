@@ -77,10 +77,10 @@ class HeightEquations:
 
     def residuals(self, corrections: Floats) -> tuple[Floats, Floats]:
         """Residuals at the exact sums of points and corrections, and bounds on the rounding, each (B,)."""
-        above, lost = exact_difference(self.points[self.vertices, 2], self.heights)
+        above, remainder = exact_difference(self.points[self.vertices, 2], self.heights)
         off = above - above[0]
-        rest = lost - lost[0] + corrections[self.vertices, 2]
-        sizes = np.abs(off) + np.abs(lost) + np.abs(lost[0]) + np.abs(corrections[self.vertices, 2])
+        rest = remainder - remainder[0] + corrections[self.vertices, 2]
+        sizes = np.abs(off) + np.abs(remainder) + np.abs(remainder[0]) + np.abs(corrections[self.vertices, 2])
         return off + rest, 4 * GUARD * U * sizes
 
     def matrix(self, weights: Floats) -> csr_array:
@@ -139,12 +139,12 @@ def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str
     t = metric.triangulation
     [loop] = t.boundaries
     equations = HeightEquations(loop, heights, x)
-    missed = np.abs(equations.residuals(np.zeros_like(x))[0])
-    if not (missed <= 2 * FARTHEST * metric.mean_length).all():
-        v = int(np.argmax(missed))
+    residuals = np.abs(equations.residuals(np.zeros_like(x))[0])
+    if not (residuals <= 2 * FARTHEST * metric.mean_length).all():
+        v = int(np.argmax(residuals))
         raise NotProven(
             f"vertex {loop[v]} of the boundary misses its height over vertex {loop[0]} by "
-            f"{missed[v] / metric.mean_length:.1e} mean edge lengths"
+            f"{residuals[v] / metric.mean_length:.1e} mean edge lengths"
         )
     nearby = NearbyRealization.of(metric, x, np.zeros(t.n_edges), found, equations)
     found["kantorovich"], radius = nearby.newton_kantorovich()

@@ -118,8 +118,8 @@ def certify(metric: PolyhedralMetric, vertices: Floats, length_errors: Floats | 
     motions = 3 * t.n_vertices - 6 - t.n_edges
     if motions < 0:
         a, b = t.edges.T
-        missed = metric.space.distances(vertices[a], vertices[b]) - metric.lengths
-        return overdetermined(-motions, float(np.abs(missed).max() / metric.mean_length))
+        residuals = metric.space.distances(vertices[a], vertices[b]) - metric.lengths
+        return overdetermined(-motions, float(np.abs(residuals).max() / metric.mean_length))
     errors = np.zeros(len(metric.lengths)) if length_errors is None else length_errors / metric.unit
     found: dict[str, Any] = {}
     try:

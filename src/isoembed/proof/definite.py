@@ -81,11 +81,11 @@ def lost_to_rounding(matrix: sp.csc_array, shift: float) -> float:
     return factors.largest_error() + U * float(np.abs(shifted.diagonal()).max())
 
 
-def hidden(estimate: float, lost: float) -> SingularMatrix:
+def hidden(estimate: float, rounding: float) -> SingularMatrix:
     """Exception for a matrix whose smallest eigenvalue is within the error bound."""
     return SingularMatrix(
         f"the matrix cannot be proven positive definite: its least eigenvalue is about {estimate:.1e}, "
-        f"and rounding errors are up to {lost:.1e}"
+        f"and rounding errors are up to {rounding:.1e}"
     )
 
 

@@ -101,7 +101,7 @@ class DeviationBound(Changes):
         moved = MovedTriangles(t, vertices, steps, GUARD / s, GUARD * farthest * float(s.min()))
 
         lengths = edge_lengths(t.edges, vertices)
-        squares = GUARD * nearby.missed * (2 * lengths + nearby.missed)
+        squares = GUARD * nearby.length_differences * (2 * lengths + nearby.length_differences)
         grown = moved.area_changes(squares)
         theta, bent = moved.dihedral_angles, np.where(moved.may_jump, 2 * np.pi, moved.bends)
         total = gamma(t.n_edges + 64) * float(moved.areas.sum())
@@ -109,7 +109,7 @@ class DeviationBound(Changes):
             vertices=moved.far,
             normals=np.minimum(moved.turns, np.pi),
             dihedral_angles=bent,
-            mean_curvature=_mean_curvature(moved, lengths, nearby.missed, bent, squares),
+            mean_curvature=_mean_curvature(moved, lengths, nearby.length_differences, bent, squares),
             area=GUARD * float(grown.sum()) + total,
             volume=_volume(moved, nearby, volume_rates),
             integrated_mean_curvature=_integral(moved, nearby, lengths, theta),
@@ -117,12 +117,12 @@ class DeviationBound(Changes):
 
 
 def _mean_curvature(
-    moved: MovedTriangles, lengths: Floats, missed: Floats, bent: Floats, squares: Floats
+    moved: MovedTriangles, lengths: Floats, length_errors: Floats, bent: Floats, squares: Floats
 ) -> Floats:
     """Bounds at the vertices, where H is a quarter of the sum of l theta, divided by the vertex area."""
     t, x, theta = moved.triangulation, moved.vertices, np.abs(moved.dihedral_angles)
     rounding = gamma(int(t.degrees.max()) + 32)
-    integrals = (lengths + missed) * bent + (missed + rounding * lengths) * theta
+    integrals = (lengths + length_errors) * bent + (length_errors + rounding * lengths) * theta
     of_integrals = np.bincount(t.edges.ravel(), np.repeat(integrals / 4, 2))
     # Rounding of the lengths, and of the cotangents by at most 10 U (sum of l^2) / A.
     squares = squares + rounding * lengths * lengths
@@ -149,7 +149,7 @@ def _integral(moved: MovedTriangles, nearby: NearbyRealization, lengths: Floats,
     with np.errstate(divide="ignore"):
         to_y = change / (at_z + at_y)
     largest = np.abs(theta) + moved.bends
-    jumps = np.where(moved.may_jump, np.pi * (lengths + nearby.missed), 0.0)
+    jumps = np.where(moved.may_jump, np.pi * (lengths + nearby.length_differences), 0.0)
     rounding = gamma(t.n_edges + 64) * np.abs(theta) * lengths
     rounding += lengths * (moved.rounding[t.edge_faces].sum(axis=1) + 16 * U)
     return GUARD**2 * float(((to_z + to_y) * largest / 2 + jumps + rounding / 2).sum())

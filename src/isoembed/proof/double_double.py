@@ -34,14 +34,14 @@ def exact_product(x: Floats, y: Floats) -> Pair:
 
 def plus(x: Pair, y: Pair) -> Pair:
     """Return x + y, with two rounding errors of numbers of size U (|x| + |y|); that of the sum is kept."""
-    total, lost = exact_sum(x[0], y[0])
-    return exact_sum(total, lost + (x[1] + y[1]))
+    total, remainder = exact_sum(x[0], y[0])
+    return exact_sum(total, remainder + (x[1] + y[1]))
 
 
 def times(x: Pair, y: Pair) -> Pair:
     """Return x y, omitting the product of the low parts and rounding four terms of size U |x y|."""
-    total, lost = exact_product(x[0], y[0])
-    return exact_sum(total, lost + (x[0] * y[1] + x[1] * y[0]))
+    total, remainder = exact_product(x[0], y[0])
+    return exact_sum(total, remainder + (x[0] * y[1] + x[1] * y[0]))
 
 
 def _halves(x: Floats) -> Pair:

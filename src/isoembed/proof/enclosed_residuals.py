@@ -75,7 +75,7 @@ def enclosed_residuals(
     """
     a, b = edges.T
     n = lengths if divisors is None else divisors
-    d, lost = exact_difference(vertices[a], vertices[b])
+    d, remainder = exact_difference(vertices[a], vertices[b])
     square, square_lost = exact_product(d, d)
     if chords is None:
         (goal, goal_lost), size = exact_product(lengths, lengths), np.zeros_like(lengths)
@@ -84,7 +84,7 @@ def enclosed_residuals(
     total, first = exact_sum(square[:, 0], square[:, 1])
     total, second = exact_sum(total, square[:, 2])
     total, third = exact_sum(total, -goal)
-    small = first + second + third + (square_lost + 2 * d * lost).sum(axis=1) - goal_lost
+    small = first + second + third + (square_lost + 2 * d * remainder).sum(axis=1) - goal_lost
     # Each of the dozen small terms is at most 2 U size, each sum of them has an error of U; 1 for |lost|^2.
     value = total + small
     error = 2 * U * np.abs(value) + 200 * U * U * (square.sum(axis=1) + np.abs(goal)) + U * U * size
@@ -95,9 +95,9 @@ def enclosed_residuals(
     error += 12 * U * (2 * np.abs(d * shift) + shift * shift).sum(axis=1)
     value += moved
     if chords is not None:
-        moved, missed = _moved_goals(edges, vertices, corrections, chords)
+        moved, goal_errors = _moved_goals(edges, vertices, corrections, chords)
         value -= moved
-        error += missed
+        error += goal_errors
     error += 4 * U * np.abs(value) + UNDERFLOW
     return value / (2 * n), GUARD * error / (2 * n)
 

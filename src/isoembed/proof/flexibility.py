@@ -47,17 +47,17 @@ def described_flex(triangulation: Triangulation, surface: Projected, lengths: Fl
     if len(motions) > 1:
         return f"{len(motions)} independent motions of its vertices change no length to first order"
     for step in STEPS_TRIED:
-        missed, arrived = _followed(triangulation, surface, lengths, motions[0], step)
+        residual, arrived = _followed(triangulation, surface, lengths, motions[0], step)
         if arrived:
             return (
                 "the surface is flexible, as far as floats tell: a motion was followed until a vertex had "
                 f"moved by {step * STEPS:g} mean edge lengths, and all lengths were kept to "
-                f"{max(missed / unit, 1e-16):.0e} of the mean edge length"
+                f"{max(residual / unit, 1e-16):.0e} of the mean edge length"
             )
     return (
         "a motion of its vertices changes no length to first order, as far as floats tell, and could not be "
         f"followed: where a vertex has moved by {step:g} mean edge lengths, a length differs by "
-        f"{missed / unit:.0e} of the mean edge length"
+        f"{residual / unit:.0e} of the mean edge length"
     )
 
 
@@ -71,8 +71,8 @@ def _matrix(triangulation: Triangulation, x: Floats, lengths: Floats) -> Floats:
 
 def _infinitesimal_flexes(triangulation: Triangulation, surface: Projected, lengths: Floats) -> Floats:
     """Basis of the nontrivial motions that change no length to first order, (k, 3 V)."""
-    held = np.vstack([_matrix(triangulation, surface.vertices, lengths), surface.rigid_motions().T])
-    sizes, motions = np.linalg.svd(held)[1:]
+    constrained = np.vstack([_matrix(triangulation, surface.vertices, lengths), surface.rigid_motions().T])
+    sizes, motions = np.linalg.svd(constrained)[1:]
     return motions[sizes <= KEPT]
 
 
@@ -85,17 +85,17 @@ def _followed(
         tangent = motion / np.linalg.norm(motion)
         farthest = np.linalg.norm(tangent.reshape(-1, 3), axis=1).max()
         y = x + (step * unit / farthest * tangent).reshape(-1, 3)
-        missed = np.inf
+        residual = np.inf
         for _ in range(10):  # Gauss-Newton steps, orthogonal to the motion
             r = length_residuals(triangulation, y, lengths)
-            missed = float(np.abs(r).max())
-            if not KEPT * unit / 10 < missed < unit:
+            residual = float(np.abs(r).max())
+            if not KEPT * unit / 10 < residual < unit:
                 break
             rigid = Projected.of(surface.space, y).rigid_motions()
             across = np.vstack([_matrix(triangulation, y, lengths), rigid.T, tangent])
             y = y - np.linalg.lstsq(across, np.concatenate([r, np.zeros(7)]), rcond=None)[0].reshape(-1, 3)
-        worst = max(worst, missed)
-        if not missed <= KEPT * unit:
+        worst = max(worst, residual)
+        if not residual <= KEPT * unit:
             return worst, False
         x, motion = y, (y - x).ravel()
     return worst, True

@@ -32,7 +32,7 @@ LONGEST = 10.0  # radii of curvature: the chord series of longer edges is long
 NEARBY = 2e-5  # size of the neighborhood with bounded derivatives, in min(m, 2 - m) and radii of curvature
 
 
-class NotProven(ArithmeticError):  # noqa: N818 - says what happened
+class NotProven(ArithmeticError):  # noqa: N818 - the outcome
     """A proof fails; the message, part of a sentence, gives the reason."""
 
 
@@ -126,7 +126,7 @@ class LengthEquations:
         chords = None if self.space.is_euclidean else self._chords
         return enclosed_residuals(self.edges, self.points, corrections, self.lengths, chords, self.divisors)
 
-    def missed(self, residuals: Floats) -> Floats:
+    def length_differences(self, residuals: Floats) -> Floats:
         """Upper bounds on the length errors at the vertices, (E,), from bounds on |F| at the points."""
         a, b = self.edges.T
         if self.space.is_euclidean:

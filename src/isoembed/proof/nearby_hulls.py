@@ -216,9 +216,9 @@ def _check_center(
     d = vertices[t.faces] - center
     distance = GUARD * np.linalg.norm(d, axis=2)
     heights = np.einsum("fci,fi->fc", d, roofs.normals[cells.labels]) - TRIPLE * distance
-    seen = heights > GUARD * (reach + roofs.slopes[cells.labels][:, None] * (distance + reach))
-    if not seen.all():
-        f = int(np.argmin(seen.all(axis=1)))
+    above = heights > GUARD * (reach + roofs.slopes[cells.labels][:, None] * (distance + reach))
+    if not above.all():
+        f = int(np.argmin(above.all(axis=1)))
         raise NotProven(f"face {f} {t.faces[f].tolist()} may not be visible from the mean of the vertices")
 
 

@@ -92,7 +92,7 @@ class NearbyRealization:
     ----------
     equations : LengthEquations
         Length equations near the given vertices.
-    missed : ndarray, shape (E,)
+    length_differences : ndarray, shape (E,)
         Upper bounds on the differences of the lengths at the given vertices from any within their errors.
     steps : ndarray, shape (V,)
         Norms of the Newton step.
@@ -106,7 +106,7 @@ class NearbyRealization:
     """
 
     equations: LengthEquations
-    missed: Floats
+    length_differences: Floats
     steps: Floats
     residuals: Floats
     sigma: float
@@ -135,8 +135,8 @@ class NearbyRealization:
         _check_near(metric, x, length_errors)
         equations = LengthEquations.of(metric, x)
         values, errors = equations.residuals(np.zeros_like(x))
-        missed = equations.missed(np.abs(values) + errors) + length_errors
-        found["residual"] = float(GUARD * missed.max() / metric.mean_length)
+        length_differences = equations.length_differences(np.abs(values) + errors) + length_errors
+        found["residual"] = float(GUARD * length_differences.max() / metric.mean_length)
 
         J = equations.matrix()
         if beside is not None:
@@ -152,7 +152,7 @@ class NearbyRealization:
         if beside is not None:
             residuals = np.append(residuals, np.sum(np.abs(beside.residuals(y)), axis=0))
         sigma -= GUARD * 8**0.5 * float(steps.max())
-        return cls(equations, missed, steps, residuals, sigma, metric.mean_length)
+        return cls(equations, length_differences, steps, residuals, sigma, metric.mean_length)
 
     @cached_property
     def step(self) -> float:
@@ -230,12 +230,12 @@ def norm(bounds: Floats) -> float:
 def _check_near(metric: PolyhedralMetric, x: Floats, length_errors: Floats) -> None:
     """Check that the vertices have nearly the given lengths, as those near an exact realization do."""
     a, b = metric.edges.T
-    missed = np.abs(metric.space.distances(x[a], x[b]) - metric.lengths)
-    beyond = missed - (2 * FARTHEST * metric.mean_length + length_errors)
+    errors = np.abs(metric.space.distances(x[a], x[b]) - metric.lengths)
+    beyond = errors - (2 * FARTHEST * metric.mean_length + length_errors)
     if not (beyond <= 0).all():
         e = int(np.argmax(beyond))
         raise NotProven(
-            f"edge {e} {metric.edges[e].tolist()} misses its length by {missed[e] / metric.mean_length:.1e} "
+            f"edge {e} {metric.edges[e].tolist()} misses its length by {errors[e] / metric.mean_length:.1e} "
             "of the mean edge length, more than any other"
         )
 

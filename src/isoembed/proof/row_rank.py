@@ -82,14 +82,14 @@ def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, f
     A = sp.csc_array(J @ J.T)
     lu, estimate = least_eigenvalue(A)
     shift = PROVEN_SHARE * estimate
-    lost = lost_to_rounding(A, shift) + _forming(J)
-    least = (shift - lost) / GUARD
-    if not lost < shift:
-        if estimate < 1e-4 * lost:  # too far below the error bound for a proof
-            raise hidden(estimate, lost)
-        least = _Deflated.of(J, A, lu, lost).least_eigenvalue()
+    rounding = lost_to_rounding(A, shift) + _forming(J)
+    least = (shift - rounding) / GUARD
+    if not rounding < shift:
+        if estimate < 1e-4 * rounding:  # too far below the error bound for a proof
+            raise hidden(estimate, rounding)
+        least = _Deflated.of(J, A, lu, rounding).least_eigenvalue()
         if not least > 0:
-            raise hidden(estimate, lost)
+            raise hidden(estimate, rounding)
     return PositiveDefinite(least, lu, order), float(np.sqrt(least)) / GUARD
 
 
@@ -110,12 +110,12 @@ class _Deflated:
     across: float
 
     @classmethod
-    def of(cls, J: sp.csr_array, A: sp.csc_array, lu: SuperLU, lost: float) -> _Deflated:
-        every, values = _soft(A, lu, LIFTED * max(NU_FACTORS) * lost)
+    def of(cls, J: sp.csr_array, A: sp.csc_array, lu: SuperLU, rounding: float) -> _Deflated:
+        every, values = _soft(A, lu, LIFTED * max(NU_FACTORS) * rounding)
         for clear in NU_FACTORS:  # a shift near an eigenvalue of a submatrix of A causes large factors
-            soft = values <= LIFTED * clear * lost
+            soft = values <= LIFTED * clear * rounding
             V, eigenvalues = every[:, soft], values[soft]
-            across = _across(A, V, clear * lost) - _forming(J)
+            across = _across(A, V, clear * rounding) - _forming(J)
             if across > 2 * eigenvalues.min():
                 break
         return cls(J, V, eigenvalues, across)
@@ -128,8 +128,8 @@ class _Deflated:
         Y = J.T @ V
         P, G, R = Y.T @ Y, V.T @ V, J @ Y - V * self.eigenvalues
         off = relative * (sizes.T @ np.abs(V))  # error of Y
-        missed = relative * (sizes @ np.abs(Y) + np.abs(V * self.eigenvalues)) + sizes @ off
-        residual = GUARD * float(np.linalg.norm(R) + np.linalg.norm(missed))
+        residuals = relative * (sizes @ np.abs(Y) + np.abs(V * self.eigenvalues)) + sizes @ off
+        residual = GUARD * float(np.linalg.norm(R) + np.linalg.norm(residuals))
         size, far, width = (float(np.linalg.norm(each)) for each in (Y, off, V))
         sums = GUARD * gamma(max(n, J.shape[1]))
         for share in (0.9, 0.5, 0.2):  # of the smallest eigenvalue

@@ -87,9 +87,9 @@ def _outcome(task: Task, before: Result | None, store: Store | None, wish: Wish)
     except MemoryError:
         key = key_of(MEMORY)
         unreadable = Result.without_answer(task.label, FAILED, MEMORY, **task.facts)
-    kept = None if wish.again else store.find(task.label, key)
-    if kept is not None and (kept.answered or not wish.retry):
-        return Outcome(kept, computed=False, seconds=perf_counter() - start)
+    stored = None if wish.again else store.find(task.label, key)
+    if stored is not None and (stored.answered or not wish.retry):
+        return Outcome(stored, computed=False, seconds=perf_counter() - start)
     result, complaint = unreadable or _computed(task, before), ""
     try:
         store.keep(result, key)

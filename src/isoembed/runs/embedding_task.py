@@ -84,13 +84,13 @@ class EmbeddingTask:
                     )
                 found = solve(metric, self.method, tolerance=self.tolerance)
             except NotEmbedded as error:
-                told = {**report(error.embedding), **error.report, **self.facts}
-                return Result(self.label, error.embedding.status, told)
+                report_entries = {**report(error.embedding), **error.report, **self.facts}
+                return Result(self.label, error.embedding.status, report_entries)
             except (FileError, InvalidMetric, InvalidParameter) as error:
                 return Result.without_answer(self.label, REFUSED, str(error), **self.facts)
-        said = [str(note.message) for note in notes if issubclass(note.category, MeshNote)]
+        messages = [str(note.message) for note in notes if issubclass(note.category, MeshNote)]
         return Result(
-            self.label, found.status, {**report(found), **self.facts, "notes": said}, _arrays(found)
+            self.label, found.status, {**report(found), **self.facts, "notes": messages}, _arrays(found)
         )
 
 

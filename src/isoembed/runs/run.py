@@ -96,7 +96,7 @@ class _Attempt:
     """Tasks executed together, and the number of times their process was lost."""
 
     tasks: tuple[Task, ...]
-    lost: int = 0
+    deaths: int = 0
 
 
 def _finished(
@@ -113,16 +113,16 @@ def _finished(
         error = future.exception()
         if error is None:
             yield from future.result()
-        elif attempt.lost == 0:
-            begin(_Attempt(attempt.tasks, lost=1))
+        elif attempt.deaths == 0:
+            begin(_Attempt(attempt.tasks, deaths=1))
         elif len(attempt.tasks) > 1:
             for task in attempt.tasks:
-                begin(_Attempt((task,), lost=1))
+                begin(_Attempt((task,), deaths=1))
         else:
-            yield _lost(attempt.tasks[0], error, store)
+            yield _aborted(attempt.tasks[0], error, store)
 
 
-def _lost(task: Task, error: BaseException, store: Store | None) -> Outcome:
+def _aborted(task: Task, error: BaseException, store: Store | None) -> Outcome:
     """Outcome of a task that cannot be sent to a process, or whose process was lost twice."""
     why = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, BrokenExecutor):

@@ -82,11 +82,11 @@ class Store:
         for path in sorted((self.folder / RESULTS).glob(f"*{ENDING}")):
             label = path.name.removesuffix(ENDING).rpartition(".")[0]
             try:
-                asked = path.stat().st_mtime_ns
+                modified = path.stat().st_mtime_ns
             except OSError:  # removed meanwhile
                 continue
             if not path.name.startswith(HIDDEN):
-                found.setdefault(label, []).append((asked, path))
+                found.setdefault(label, []).append((modified, path))
         for label in sorted(found if self.labels is None else self.labels & found.keys()):
             latest = (path for _, path in sorted(found[label], reverse=True))
             results = islice(_readable(latest), None if self.labels is None else 1)

@@ -68,9 +68,9 @@ class BendingEnergy:
         self._order = np.concatenate([at for at, *_ in parts])
         self._second = _assembled([(at, near, second) for at, near, second, _ in parts], n)
         D = self._second
-        S = _assembled([(at, near, missed) for at, near, _, missed in parts], n)
+        S = _assembled([(at, near, misfits) for at, near, _, misfits in parts], n)
         self.stabilizer = csr_array(S.T @ S)
-        fits = [(at, second) for at, _, second, _ in parts] + [(at, missed) for at, _, _, missed in parts]
+        fits = [(at, second) for at, _, second, _ in parts] + [(at, misfits) for at, _, _, misfits in parts]
         self.row_centers = np.concatenate([np.repeat(at, block.shape[1]) for at, block in fits])
         stiff = np.where(t.boundary_vertices, np.sqrt(AT_BOUNDARY), 1.0)[self.row_centers[D.shape[0] :]]
         self.rows = csr_array(vstack([D, diags_array(stiff) @ S], format="csr"))
@@ -115,17 +115,17 @@ def _fits(positions: Floats, areas: Floats, cubic: bool) -> tuple[Floats, Floats
         monomials += [u**3, u * u * v, u * v * v, v**3]
     # The linear part is fitted first, so that it does not affect second derivatives if neighbors are few.
     L, M = np.stack(linear, axis=2), np.stack(monomials, axis=2)
-    missed = _missed(L, weights)
-    curved = missed @ M
+    residual_map = _fit_residuals(L, weights)
+    curved = residual_map @ M
     left = np.linalg.norm(curved, axis=(1, 2)) / np.linalg.norm(M, axis=(1, 2))
-    G = _pseudoinverse(curved, weights, 1e-9 / np.maximum(left, 1e-9)) @ missed
+    G = _pseudoinverse(curved, weights, 1e-9 / np.maximum(left, 1e-9)) @ residual_map
     size = np.sqrt(areas) / h**2 / 2
     second = G[:, :3] * (size[:, None] * [1.0, np.sqrt(2.0), 1.0])[:, :, None]
-    missed = missed @ (np.eye(positions.shape[1]) - M @ G)
-    return second, missed * (weights * (size * np.sqrt(STABILIZER))[:, None])[:, :, None]
+    residual_map = residual_map @ (np.eye(positions.shape[1]) - M @ G)
+    return second, residual_map * (weights * (size * np.sqrt(STABILIZER))[:, None])[:, :, None]
 
 
-def _missed(monomials: Floats, weights: Floats) -> Floats:
+def _fit_residuals(monomials: Floats, weights: Floats) -> Floats:
     """Residuals of values of the neighbors, (n, m, m), after a fit of the monomials, (n, m, k)."""
     return np.eye(weights.shape[1]) - monomials @ _pseudoinverse(monomials, weights, 1e-9)
 

@@ -70,6 +70,6 @@ def _colors(edges: csr_array) -> Indices:
     conflicts = csr_array(edges.T @ edges)
     colors = np.full(conflicts.shape[0], -1)
     for e in range(len(colors)):
-        taken = set(colors[conflicts.indices[conflicts.indptr[e] : conflicts.indptr[e + 1]]].tolist())
-        colors[e] = next(color for color in range(len(taken) + 1) if color not in taken)
+        used = set(colors[conflicts.indices[conflicts.indptr[e] : conflicts.indptr[e + 1]]].tolist())
+        colors[e] = next(color for color in range(len(used) + 1) if color not in used)
     return colors

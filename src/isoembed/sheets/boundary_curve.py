@@ -102,7 +102,7 @@ def through_curve(
     energy : BendingEnergy
     lengths : LengthConstraints
     boundary : ndarray, shape (V, 3)
-        Positions, of which only those of the boundary's vertices are used.
+        Positions; only those of boundary vertices are used.
     start : ndarray, shape (V, 3), or None
         Initial surface, by default `starts`.
     recorder : StageRecorder
@@ -115,8 +115,8 @@ def through_curve(
     inside, inner = ~t.boundary_vertices, ~t.boundary_edges
     if not inside.any():
         return boundary
-    held = HeldVertices.fixed(np.flatnonzero(~inside))
-    smooth = ElasticSheet(lengths, energy.stabilizer, held, recorder)
+    clamped = HeldVertices.fixed(np.flatnonzero(~inside))
+    smooth = ElasticSheet(lengths, energy.stabilizer, clamped, recorder)
 
     def tries() -> Iterator[tuple[ElasticSheet, Floats, float]]:
         """Elastic sheets, each with an initial surface and the first epsilon over the area."""
@@ -124,7 +124,7 @@ def through_curve(
         sheets = []
         for times in STABILIZERS:
             form = csr_array(energy.form + (times - 1) * energy.stabilizer)
-            sheets.append(ElasticSheet(lengths, form, held, recorder))
+            sheets.append(ElasticSheet(lengths, form, clamped, recorder))
             yield sheets[-1], *first
         for each in bumped:
             yield sheets[0], *each
@@ -162,8 +162,8 @@ def through_curve(
             if squares(x) < fewest:
                 best, fewest = x, squares(x)
                 for y in passed:
-                    missed = np.abs(lengths.residuals(y)[inner]).max()
-                    recorder.show(residual=float(missed) / unit, vertices=y)
+                    residual = np.abs(lengths.residuals(y)[inner]).max()
+                    recorder.show(residual=float(residual) / unit, vertices=y)
             if is_realized(x):
                 break
         x = best
@@ -209,8 +209,8 @@ def _doubtful(lengths: LengthConstraints, x: Floats, moves: Floats) -> list[int]
     """Inner vertices possibly on the wrong side: shallow ones, and those with the largest residuals."""
     t = lengths.triangulation
     r = np.where(t.boundary_edges, 0.0, lengths.residuals(x))
-    missed = np.abs(t.incidence) @ r**2
-    missed += t.adjacency @ missed
-    orders = shallow(t, x, lengths.lengths, r, moves), np.argsort(-missed)
+    residual_sums = np.abs(t.incidence) @ r**2
+    residual_sums += t.adjacency @ residual_sums
+    orders = shallow(t, x, lengths.lengths, r, moves), np.argsort(-residual_sums)
     inside = [order[~t.boundary_vertices[order]][:REFLECTED] for order in orders]
     return list(dict.fromkeys(np.concatenate(inside).tolist()))

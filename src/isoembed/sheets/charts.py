@@ -67,9 +67,9 @@ class Charts:
         """Charts of the rings and the vertices beyond them, except the center and those in the ring."""
         keys = ring[0] * n + ring[1]
         own = beyond[0] * n + beyond[1]
-        kept = (beyond[0] != beyond[1]) & ~np.isin(own, keys)
-        once, which, counts = np.unique(own[kept], return_inverse=True, return_counts=True)
-        sums = [np.bincount(which, beyond[2][kept, k], minlength=len(once)) for k in range(2)]
+        selected = (beyond[0] != beyond[1]) & ~np.isin(own, keys)
+        once, which, counts = np.unique(own[selected], return_inverse=True, return_counts=True)
+        sums = [np.bincount(which, beyond[2][selected, k], minlength=len(once)) for k in range(2)]
         means = np.stack(sums, axis=1) / counts[:, None]
         nearest = np.full(n, np.inf)
         np.minimum.at(nearest, ring[0], np.linalg.norm(ring[2], axis=1))

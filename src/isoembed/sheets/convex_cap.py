@@ -37,8 +37,8 @@ def check_disc(metric: PolyhedralMetric) -> None:
     """Refuse surfaces with handles or several boundaries; raises InvalidMetric."""
     t = metric.triangulation
     if t.euler_characteristic != 1 or len(t.boundaries) != 1:
-        what = "one boundary" if len(t.boundaries) == 1 else f"{len(t.boundaries)} boundaries"
-        raise InvalidMetric(f"the surface has {what} and genus {t.genus}: a convex cap is a disc")
+        boundaries = "one boundary" if len(t.boundaries) == 1 else f"{len(t.boundaries)} boundaries"
+        raise InvalidMetric(f"the surface has {boundaries} and genus {t.genus}: a convex cap is a disc")
 
 
 def check_cap(metric: PolyhedralMetric) -> None:
@@ -55,9 +55,9 @@ def check_cap(metric: PolyhedralMetric) -> None:
     found = deficits(metric)
     least = int(np.argmin(found))
     if found[least] < -ANGLE_ROUNDING:
-        what = "exterior angle of the boundary" if t.boundary_vertices[least] else "deficit"
+        quantity = "exterior angle of the boundary" if t.boundary_vertices[least] else "deficit"
         raise InvalidMetric(
-            f"the {what} at vertex {least} is {found[least]:.4g} radians, but is nonnegative on a "
+            f"the {quantity} at vertex {least} is {found[least]:.4g} radians, but is nonnegative on a "
             f"convex cap; {ANY_CURVATURE}"
         )
 
@@ -123,17 +123,17 @@ def with_heights(metric: PolyhedralMetric, start: Floats, heights: Floats, recor
     normal = np.array([-across[far, 1], across[far, 0]]) / np.linalg.norm(across[far])
     blocks[0, :2, :2] = np.eye(2)
     blocks[far, :2, :2] = np.outer(normal, normal)
-    held = HeldVertices(loop, blocks)
+    clamped = HeldVertices(loop, blocks)
 
     def equations(vertices: Floats) -> Floats:
         return np.concatenate([lengths.residuals(vertices), vertices[loop, 2] - heights])
 
-    def solve(vertices: Floats, missed: Floats) -> Floats:
-        recorder.show(residual=float(np.abs(missed).max()) / metric.mean_length)
+    def solve(vertices: Floats, residuals: Floats) -> Floats:
+        recorder.show(residual=float(np.abs(residuals).max()) / metric.mean_length)
         recorder.iterations += 1
-        forces = lengths.forces(vertices, missed[: t.n_edges])
-        forces[loop, 2] += missed[t.n_edges :]
-        factor = system.penalized(edge_rows(t, vertices, metric.lengths), 0.0, held=held)
+        forces = lengths.forces(vertices, residuals[: t.n_edges])
+        forces[loop, 2] += residuals[t.n_edges :]
+        factor = system.penalized(edge_rows(t, vertices, metric.lengths), 0.0, clamped=clamped)
         return factor.solve(forces.ravel()).reshape(-1, 3)
 
     # The iteration may end at rounding, without convergence (as shown by the residual), or at a singular

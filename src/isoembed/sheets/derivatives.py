@@ -44,7 +44,7 @@ class SheetDerivatives:
         Right-hand sides for changes of the lengths.
     by_boundary : csr_array, shape (n, D)
         Right-hand sides for changes of the D boundary data, if any.
-    held : csr_array, shape (3 V, D)
+    boundary_rows : csr_array, shape (3 V, D)
         Derivatives of prescribed vertices with respect to the boundary data.
     shape : tuple of int
         Shape of the boundary data: (B,), (B, 3) or (0,).
@@ -54,7 +54,7 @@ class SheetDerivatives:
     place: csr_array
     by_lengths: csr_array
     by_boundary: csr_array
-    held: csr_array
+    boundary_rows: csr_array
     shape: tuple[int, ...]
 
     @classmethod
@@ -179,12 +179,12 @@ class SheetDerivatives:
         """Derivative of the vertices, (..., V, 3), along changes of the boundary data, (..., *shape)."""
         leading = changes.shape[: changes.ndim - len(self.shape)]
         return self._forward(
-            self.by_boundary, self.held, changes.reshape(-1, int(np.prod(self.shape))), leading
+            self.by_boundary, self.boundary_rows, changes.reshape(-1, int(np.prod(self.shape))), leading
         )
 
     def boundary_vjp(self, gradient: Floats) -> Floats:
         """Transpose of `boundary_jvp`: (..., *shape) from (..., V, 3)."""
-        return self._backward(self.by_boundary, self.held, gradient, self.shape)
+        return self._backward(self.by_boundary, self.boundary_rows, gradient, self.shape)
 
     def newton_step(self, residuals: Floats) -> Floats:
         """Newton step d, (V, 3), to subtract from x, for least squares of the inner residuals."""
@@ -193,20 +193,20 @@ class SheetDerivatives:
         return np.asarray((self.place @ self.factor.solve(right)).reshape(-1, 3))
 
     def _forward(
-        self, right: csr_array, held: csr_array | None, rows: Floats, leading: tuple[int, ...]
+        self, right: csr_array, boundary_rows: csr_array | None, rows: Floats, leading: tuple[int, ...]
     ) -> Floats:
         dx = self.place @ self.factor.solve(right @ rows.T)
-        if held is not None:
-            dx = dx + held @ rows.T
+        if boundary_rows is not None:
+            dx = dx + boundary_rows @ rows.T
         return np.asarray(dx.T.reshape(*leading, -1, 3))
 
     def _backward(
-        self, right: csr_array, held: csr_array | None, gradient: Floats, shape: tuple[int, ...]
+        self, right: csr_array, boundary_rows: csr_array | None, gradient: Floats, shape: tuple[int, ...]
     ) -> Floats:
         rows = gradient.reshape(-1, self.place.shape[0])
         found = right.T @ self.factor.solve(self.place.T @ rows.T)
-        if held is not None:
-            found = found + held.T @ rows.T
+        if boundary_rows is not None:
+            found = found + boundary_rows.T @ rows.T
         return np.asarray(found.T.reshape(*gradient.shape[:-2], *shape))
 
 

@@ -27,15 +27,15 @@ class ElasticSheet:
     lengths : LengthConstraints
     form : csr_array, shape (V, V)
         Positive semidefinite matrix Q.
-    held : HeldVertices
+    clamped : HeldVertices
         Triangle that removes the rigid motions, or fixed vertices.
     recorder : StageRecorder
     """
 
     def __init__(
-        self, lengths: LengthConstraints, form: csr_array, held: HeldVertices, recorder: StageRecorder
+        self, lengths: LengthConstraints, form: csr_array, clamped: HeldVertices, recorder: StageRecorder
     ) -> None:
-        self.lengths, self.form, self.held, self.recorder = lengths, form, held, recorder
+        self.lengths, self.form, self.clamped, self.recorder = lengths, form, clamped, recorder
         self._system = VertexSystem(lengths.triangulation, form, recorder.work)
 
     def value(self, vertices: Floats, epsilon: float) -> float:
@@ -93,7 +93,9 @@ class ElasticSheet:
         t, given = self.lengths.triangulation, self.lengths.lengths
         rows = edge_rows(t, p.x, given)
         try:
-            return self._system.penalized(rows, 2 * epsilon, tensions=p.residual / given, held=self.held)
+            return self._system.penalized(
+                rows, 2 * epsilon, tensions=p.residual / given, clamped=self.clamped
+            )
         except SingularMatrix:
             stretched = np.maximum(p.residual, 0.0) / given
-            return self._system.penalized(rows, 2 * epsilon, tensions=stretched, held=self.held)
+            return self._system.penalized(rows, 2 * epsilon, tensions=stretched, clamped=self.clamped)

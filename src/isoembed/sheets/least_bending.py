@@ -68,8 +68,8 @@ def thinned(
 ) -> LeastBending:
     """Minimize the energy of successively thinner elastic sheets, from a start with any lengths."""
     x = start
-    held = HeldTriangle.of(x, lengths.triangulation.faces[0])
-    sheet = ElasticSheet(lengths, energy.form, held, recorder)
+    clamped = HeldTriangle.of(x, lengths.triangulation.faces[0])
+    sheet = ElasticSheet(lengths, energy.form, clamped, recorder)
     recorder.show(vertices=x)
     for stiffness in stiffnesses:
         epsilon = stiffness * energy.area
@@ -94,20 +94,20 @@ def most_promising(
     starts : sequence of ndarray, shape (V, 3)
         At least two initial surfaces.
     stiffnesses : sequence of float
-        Epsilon over the area, of which the first two are used.
+        Epsilon over the area; the first two are used.
     recorder : StageRecorder
     """
-    kept = [(start, start) for start in starts]
+    candidates = [(start, start) for start in starts]
     for stiffness in stiffnesses[:2]:
         epsilon = stiffness * energy.area
         tried = []
-        for start, x in kept:
-            held = HeldTriangle.of(x, lengths.triangulation.faces[0])
-            sheet = ElasticSheet(lengths, energy.form, held, recorder)
+        for start, x in candidates:
+            clamped = HeldTriangle.of(x, lengths.triangulation.faces[0])
+            sheet = ElasticSheet(lengths, energy.form, clamped, recorder)
             x = sheet.relaxed(x, epsilon, TRIED, SETTLED)
             tried.append((sheet.value(x, epsilon), start, x))
         tried.sort(key=lambda each: each[0])
-        kept = [(start, x) for _, start, x in tried[:KEPT]]
+        candidates = [(start, x) for _, start, x in tried[:KEPT]]
     (least, best, _), (value, second, _) = tried[:2]
     return [best, second] if DISTINCT[0] < value / least < DISTINCT[1] else [best]
 
@@ -121,7 +121,7 @@ def balanced(
     multipliers, and is shortened until ``|g| + |r|`` decreases.
     """
     metric, t = energy.metric, lengths.triangulation
-    system, held = VertexSystem(t, energy.form, recorder.work), HeldTriangle.of(start.vertices, t.faces[0])
+    system, clamped = VertexSystem(t, energy.form, recorder.work), HeldTriangle.of(start.vertices, t.faces[0])
     epsilon = AUGMENTED * energy.area
     size = max(2 * float(energy.form.diagonal().mean()), 1 / energy.area)  # a single triangle has no bending
     x, y, unit = start.vertices, start.multipliers, metric.mean_length
@@ -135,7 +135,7 @@ def balanced(
         rows = edge_rows(t, x, metric.lengths)
         recorder.iterations += 1
         try:
-            factor, epsilon = _factored(system, rows, y / metric.lengths, epsilon, held)
+            factor, epsilon = _factored(system, rows, y / metric.lengths, epsilon, clamped)
         except SingularMatrix:
             break
         d, dy = _constrained_step(t, factor, rows, g, r, epsilon)
@@ -185,7 +185,7 @@ def _factored(
     rows: Floats,
     stress: Floats,
     epsilon: float,
-    held: HeldTriangle,
+    clamped: HeldTriangle,
 ) -> tuple[SymmetricFactor, float]:
     """Factors of ``J^T J + epsilon B``, and an epsilon for which it is positive definite.
 
@@ -196,8 +196,8 @@ def _factored(
     for part, more in (*smaller, *((epsilon, more) for more in STIFFER)):
         try:
             weight = 2 * part * (1 + more)
-            return system.penalized(rows, weight, tensions=part * stress, held=held), part
+            return system.penalized(rows, weight, tensions=part * stress, clamped=clamped), part
         except SingularMatrix:
             continue
     stretched = epsilon * np.maximum(stress, 0.0)  # definite without the stress of compressed edges
-    return system.penalized(rows, 2 * epsilon, tensions=stretched, held=held), epsilon
+    return system.penalized(rows, 2 * epsilon, tensions=stretched, clamped=clamped), epsilon

@@ -52,14 +52,14 @@ class MeasuredCap(MeasuredSurface, SheetEmbedding):
 
     @property
     def _reported(self) -> Mapping[str, Any]:
-        """The test that the surface has passed, and what was asked at the boundary."""
+        """Passed test, and the condition at the boundary."""
         return {**super()._reported, **super(MeasuredSurface, self)._reported}
 
 
 def explained_angles(metric: PolyhedralMetric) -> Floats:
     """Angles about each vertex that the errors of the lengths explain, shape (V,).
 
-    An angle of a triangle depends on a length by one over a height, of which none is much less than a side.
+    An angle of a triangle depends on a length by one over a height, and no height is much less than a side.
     """
     sigma = np.asarray(metric.length_errors, dtype=np.float64)
     return np.asarray(2 * metric.triangulation.degrees * sigma.max() / metric.lengths.min())

@@ -373,11 +373,11 @@ def _embedding(
     )
 
 
-def _nested(values: ArrayLike, what: str) -> tuple[Any, ...]:
+def _nested(values: ArrayLike, name: str) -> tuple[Any, ...]:
     """Array as nested tuples, which are compared and printed completely."""
-    array = real_array(values, f"{what} row", "coordinate")
+    array = real_array(values, f"{name} row", "coordinate")
     if array.ndim not in (1, 2):
-        raise InvalidParameter(f"the {what} has the shape {array.shape}, not one of one or two axes")
+        raise InvalidParameter(f"the {name} has the shape {array.shape}, not one of one or two axes")
     if not np.isfinite(array).all():
-        raise InvalidParameter(f"the {what} has entries that are not finite")
+        raise InvalidParameter(f"the {name} has entries that are not finite")
     return tuple(map(tuple, array.tolist())) if array.ndim == 2 else tuple(array.tolist())

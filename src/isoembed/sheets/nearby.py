@@ -84,9 +84,9 @@ def _least_bending(metric: PolyhedralMetric, start: Floats, tensions: Floats) ->
         forces = (2 * (energy.form @ x) + lengths.forces(x, y)) / scale
         return np.concatenate([forces.ravel(), lengths.residuals(x)])
 
-    def solve(unknowns: Floats, missed: Floats) -> Floats:
+    def solve(unknowns: Floats, residuals: Floats) -> Floats:
         factor, _ = bending_factor(energy, lengths, unknowns[:n].reshape(-1, 3), scale * unknowns[n:])
-        return factor.solve(np.append(missed, np.zeros(6)))[: len(missed)]
+        return factor.solve(np.append(residuals, np.zeros(6)))[: len(residuals)]
 
     found = newton(
         np.append(start, tensions / scale),

@@ -45,7 +45,7 @@ def nearest_with_lengths(lengths: LengthConstraints, start: Floats, recorder: St
             return system.step(x, metric.lengths, r)
         rows = edge_rows(t, x, metric.lengths)
         forces = t.incidence @ (rows * r[:, None])
-        factor = system.penalized(rows, 0.0, held=HeldTriangle.of(x, t.faces[0]))
+        factor = system.penalized(rows, 0.0, clamped=HeldTriangle.of(x, t.faces[0]))
         return factor.solve(forces.ravel(), sweeps=2).reshape(-1, 3)
 
     return newton(

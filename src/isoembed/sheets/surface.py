@@ -192,36 +192,36 @@ class SheetEmbedding(Embedding):
         """Clauses on the reliability of a surface of least bending."""
         if self.imbalance is None or self.second_form_energy <= FLAT:
             return ""
-        said = []
+        clauses = []
         if self.imbalance > BALANCED:
-            said.append(
+            clauses.append(
                 "the bending energy is not at a minimum, and the shape may be wrong: the forces are "
                 f"balanced only to {self.imbalance:.0e}"
             )
         if self.second_form_energy < TOO_LITTLE * 2 * self.total_absolute_curvature:
-            said.append(
+            clauses.append(
                 "the mesh is too coarse to determine the bending energy: int k1^2 + k2^2 dA is "
                 f"computed as {self.second_form_energy:.3g}, and no smooth surface has less than 2 int "
                 f"|K| dA, which is estimated as {2 * self.total_absolute_curvature:.3g}"
             )
         inside, rough = ~self.triangulation.boundary_edges, self.surface.rough_edges
         if rough.sum() > ROUGH * inside.sum():
-            said.append(
+            clauses.append(
                 f"{rough.sum()} of {inside.sum()} edges inside are rough: the sheet is creased, and its "
                 "energy depends on the mesh; compare it with that of a finer one"
             )
         if self.uniqueness is not None:
-            said.append(self.uniqueness.basis)
+            clauses.append(self.uniqueness.basis)
         for other in self.others:
             assert isinstance(other, SheetEmbedding)
             assert other.imbalance is not None
             stalled = f", but its search stalled (imbalance {other.imbalance:.0e})"
-            said.append(
+            clauses.append(
                 f"another surface was found, whose vertices are up to {self.distance(other):.1g} mean edge "
                 f"lengths away and whose int k1^2 + k2^2 dA is {other.second_form_energy:.6g} instead of "
                 f"{self.second_form_energy:.6g}{stalled if other.imbalance > BALANCED else ''}"
             )
-        return "".join(f"; {each}" for each in said)
+        return "".join(f"; {each}" for each in clauses)
 
     def _made_surface(self, kind: type[Surface] = Surface, **more: Any) -> Surface:
         return super()._made_surface(SheetSurface, metric=self.metric.normalized, **more)

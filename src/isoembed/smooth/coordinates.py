@@ -104,8 +104,8 @@ class _Vertices:
         weighted = (Y * self.areas[:, None]).T
         normal = weighted @ Y + noise * np.diag(self._penalty)
         found = np.asarray(np.linalg.solve(normal, weighted @ self.x), dtype=np.float64)
-        missed = self.areas @ np.einsum("ni,ni->n", Y @ found - self.x, Y @ found - self.x)
-        energy = self._penalty @ np.einsum("ni,ni->n", found, found) + missed / noise
+        misfit = self.areas @ np.einsum("ni,ni->n", Y @ found - self.x, Y @ found - self.x)
+        energy = self._penalty @ np.einsum("ni,ni->n", found, found) + misfit / noise
         return _Smoothed(coordinates, found, float(energy))
 
     def lowered(self, start: _Smoothed, harmonics: Harmonics) -> _Smoothed:

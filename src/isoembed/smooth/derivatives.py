@@ -79,7 +79,7 @@ class MetricDerivatives:
             raise InvalidParameter(f"the surface misses its metric by {surface.residual:.1e}")
         if degree > HIGHEST_DEGREE:
             raise InvalidParameter(
-                f"displacements would be in harmonics of degree {degree}, and the most is {HIGHEST_DEGREE}"
+                f"displacements would be in harmonics of degree {degree}, and the maximum is {HIGHEST_DEGREE}"
             )
         harmonics, heights = Harmonics(degree, degree), int(np.ceil(OVERSAMPLING * (degree + 1)))
         samples = MetricSamples.of(metric_in(surface.metric, surface.coordinates), heights, 2 * heights)

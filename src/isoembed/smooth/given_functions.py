@@ -12,7 +12,7 @@ from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter
 
 
-def called(what: str, function: Callable[..., Any], *arguments: NDArray[Any]) -> Any:
+def called(name: str, function: Callable[..., Any], *arguments: NDArray[Any]) -> Any:
     """Call a function and return its value.
 
     Raises `InvalidParameter`: the function raises an error of types or shapes, as functions of one point do.
@@ -24,23 +24,23 @@ def called(what: str, function: Callable[..., Any], *arguments: NDArray[Any]) ->
     except (TypeError, ValueError, IndexError) as error:
         shapes = " and ".join(str(array.shape) for array in arguments)
         raise InvalidParameter(
-            f"{what} raises {type(error).__name__}: {error}. It is called with arrays, many points at once, "
+            f"{name} raises {type(error).__name__}: {error}. It is called with arrays, many points at once, "
             f"here of shape {shapes}: use np.sin instead of math.sin, and x[:, 0] for x of shape (n, 3)"
         ) from error
 
 
-def array_of(what: str, given: ArrayLike, *, real: bool = True) -> NDArray[Any]:
+def array_of(name: str, given: ArrayLike, *, real: bool = True) -> NDArray[Any]:
     """Convert user input or the result of a function to an array of numbers, or raise `InvalidParameter`."""
     try:
         array = np.asarray(given)
     except ValueError:
-        raise InvalidParameter(f"{what} has values of several shapes") from None
+        raise InvalidParameter(f"{name} has values of several shapes") from None
     if array.dtype.kind not in "iuf" and (real or array.dtype.kind != "c"):
         kind = "complex values" if array.dtype.kind == "c" else f"values of type {array.dtype}"
-        raise InvalidParameter(f"{what} has {kind}, not real numbers")
+        raise InvalidParameter(f"{name} has {kind}, not real numbers")
     return array
 
 
-def real_values(what: str, function: Callable[..., Any], *arguments: Floats) -> Floats:
+def real_values(name: str, function: Callable[..., Any], *arguments: Floats) -> Floats:
     """Values of a function as an array of real numbers; see `called` and `array_of`."""
-    return array_of(what, called(what, function, *arguments)).astype(np.float64, copy=False)
+    return array_of(name, called(name, function, *arguments)).astype(np.float64, copy=False)

@@ -149,12 +149,12 @@ class GridMetric:
         """Remarks on the errors, for reports."""
         count, spectrum = around(self.phi), self._spectrum
         # A fifth of the error deserves a note, rounding does not.
-        said = max(0.2 * spectrum.error.mean, 1e-11 * spectrum.largest)
-        if count == 1 or spectrum.unseen < said:
+        level = max(0.2 * spectrum.error.mean, 1e-11 * spectrum.largest)
+        if count == 1 or spectrum.unseen < level:
             return ()
         return (
-            f"{count} angles phi would not show what turns as fast in phi as the metric does in theta, and "
-            "the errors allow for it: for a metric that is symmetric about the z-axis, give one angle phi",
+            f"{count} angles phi do not resolve variations in phi as fast as those in theta, and the errors "
+            "allow for them: for a metric that is symmetric about the z-axis, give one angle phi",
         )
 
     def at_poles(self) -> PoleSight:

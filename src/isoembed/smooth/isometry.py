@@ -111,7 +111,7 @@ def check_start(error: float) -> None:
         The map leaves the hemisphere about the origin.
     """
     if not np.isfinite(error):
-        raise InvalidParameter("the search begins at points beyond the half of the sphere about the origin")
+        raise InvalidParameter("the starting points are not all in the hemisphere about the origin")
 
 
 def flat_tangents(vectors: Floats) -> Tangents:

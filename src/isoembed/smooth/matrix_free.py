@@ -181,8 +181,8 @@ class MatrixFreeIsometry:
             return np.einsum("isj,isj->j", a, a)
 
         y = np.zeros((size, 3, count))
-        rest, held = right.copy(), np.broadcast_to(-damp * degrees * C[..., None], y.shape)
-        gradient = adjoint(rest) + damp * held
+        rest, damped = right.copy(), np.broadcast_to(-damp * degrees * C[..., None], y.shape)
+        gradient = adjoint(rest) + damp * damped
         along, square = gradient, squares(gradient)
         tight = 1e-3 if damping else EXACT
         small = tight**2 * square
@@ -191,10 +191,10 @@ class MatrixFreeIsometry:
             moved, pulled = strained(along), damp * along
             length = square / np.maximum(squares(moved) + squares(pulled), np.finfo(np.float64).tiny)
             y = y + length * along
-            rest, held = rest - length * moved, held - length * pulled
-            gradient = adjoint(rest) + damp * held
+            rest, damped = rest - length * moved, damped - length * pulled
+            gradient = adjoint(rest) + damp * damped
             before, square = square, squares(gradient)
-            if np.all((square <= small) | (squares(rest) + squares(held) <= near)):
+            if np.all((square <= small) | (squares(rest) + squares(damped) <= near)):
                 break
             along = (
                 gradient + np.divide(square, before, out=np.zeros_like(square), where=before > 0.0) * along

@@ -86,7 +86,7 @@ def fit_mesh(vertices: Floats, faces: Indices) -> MeshFit:
             fit = again
     coefficients = unit * fit.coefficients
     coefficients[0] += np.sqrt(4.0 * np.pi) * middle
-    deviations = unit * _missed_elsewhere(fit, faces) * fit.deviations()
+    deviations = unit * _held_out_misfit(fit, faces) * fit.deviations()
     return MeshFit(coefficients, fit.harmonics, unit * fit.misfit, deviations, fit.u)
 
 
@@ -110,7 +110,7 @@ def _best_degree(fit: VertexFit, degrees: tuple[int, ...], faces: Indices) -> Ve
         fit = fit.raised(degree)
         if degree > 1 and not fit.is_possible:
             break
-        fit = _relaxed(fit.moved(fit.least(fit.missed)), faces)
+        fit = _relaxed(fit.moved(fit.least(fit.residuals)), faces)
         fits.append(fit)
         best = min(range(len(fits)), key=lambda i: fits[i].validation)
         if fit.misfit <= ROUNDING or best < len(fits) - 2:  # two degrees fit no better
@@ -135,14 +135,14 @@ def _relaxed(fit: VertexFit, faces: Indices) -> VertexFit:
     return fit
 
 
-def _missed_elsewhere(fit: VertexFit, faces: Indices) -> float:
+def _held_out_misfit(fit: VertexFit, faces: Indices) -> float:
     """Ratio of the cross-validated misfit of a tenth of the vertices to the misfit of the fit."""
     used = np.ones(len(fit.x))
     used[np.random.default_rng(0).random(len(fit.x)) < 0.1] = 0.0  # a tenth of the vertices is held out
     without = replace(fit, used=used)
     if not without.is_determined:
         return 1.0 / (1.0 - LEVERAGE)
-    without = _relaxed(without.moved(without.least(without.missed)), faces)
-    missed = np.average(without.distances**2, weights=fit.angles * (1.0 - used))
+    without = _relaxed(without.moved(without.least(without.residuals)), faces)
+    misfit = np.average(without.distances**2, weights=fit.angles * (1.0 - used))
     # Errors are at least four times the misfit.
-    return max(4.0, float(np.sqrt(missed)) / max(fit.misfit, ROUNDING))
+    return max(4.0, float(np.sqrt(misfit)) / max(fit.misfit, ROUNDING))

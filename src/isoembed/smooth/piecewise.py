@@ -65,7 +65,7 @@ def fitted(
         if result is not None:
             return result, tolerance
     raise InvalidMetric(
-        "the metric is not a smooth function of theta: polynomials do not settle on it to 2e-5"
+        "the metric is not a smooth function of theta: polynomials do not approximate it to 2e-5"
     )
 
 
@@ -80,7 +80,7 @@ def _bisected(
     left, right = breaks[:-1], breaks[1:]
     total = breaks[-1] - breaks[0]
     starts: list[Floats] = []
-    kept: list[Floats] = []
+    intervals: list[Floats] = []
     scale = np.zeros(1)
     count = 0
     while left.size:
@@ -98,11 +98,11 @@ def _bisected(
         # Drop coefficients at rounding level, which differentiation would amplify.
         end = np.abs(series[::-1]).cumsum(axis=0)[::-1] <= 4e-16 * scale[:, None]
         starts.append(left[good])
-        kept.append(np.where(end, 0.0, series)[:, :, good])
+        intervals.append(np.where(end, 0.0, series)[:, :, good])
         middle = 0.5 * (left[~good] + right[~good])
         left, right = np.concatenate([left[~good], middle]), np.concatenate([middle, right[~good]])
     start = np.concatenate(starts)
     order = np.argsort(start)
-    series = np.concatenate(kept, axis=2)[:, :, order]
+    series = np.concatenate(intervals, axis=2)[:, :, order]
     ends = np.append(start[order], breaks[-1])
     return tuple(Piecewise(ends, series[:, m]) for m in range(series.shape[1]))

@@ -82,7 +82,7 @@ def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
         high = np.maximum(high, np.max(sizes[:, orders - max(2, orders // 10) :], axis=(0, 1)))
     j = np.arange(ORDERS)
     doubts = 3.0 * n * np.max(high.reshape(h, 3), axis=1)[:, None] * (n * REACH) ** j
-    a = a[:, : (m + 1) // 2]  # without the order m / 2, of which only one phase is known
+    a = a[:, : (m + 1) // 2]  # without the order m / 2, whose phase is undetermined
     taylor = np.zeros((2, ORDERS, *a.shape[1:]), dtype=np.complex128)
     for order in j:
         parity = order % 2

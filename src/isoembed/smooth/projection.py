@@ -35,14 +35,14 @@ class Projection:
     misfit: float
 
 
-def project(function: Callable[[Floats], Floats], what: str) -> Projection:
+def project(function: Callable[[Floats], Floats], subject: str) -> Projection:
     """Project functions onto harmonics.
 
     Parameters
     ----------
     function : callable
         Smooth function that takes unit vectors u (n, 3) and returns values (n, c).
-    what : str
+    subject : str
         Name of the function, for messages.
 
     Raises
@@ -64,17 +64,17 @@ def project(function: Callable[[Floats], Floats], what: str) -> Projection:
         tail = float(sizes[harmonics.labels[0] > 3 * degree // 4].max())
         coefficients, harmonics = trimmed(coefficients, harmonics, sizes > ROUNDING / 4.0)
         errors = np.linalg.norm(harmonics.values(apart) @ coefficients - expected, axis=1)
-        missed = float(errors.max()) / largest
-        if missed <= 1e-6:  # otherwise the function is not smooth
-            found.append((missed, Projection(harmonics, coefficients, float(np.sqrt(np.mean(errors**2))))))
-            if tail <= ROUNDING and missed <= 1e-12:
+        error = float(errors.max()) / largest
+        if error <= 1e-6:  # otherwise the function is not smooth
+            found.append((error, Projection(harmonics, coefficients, float(np.sqrt(np.mean(errors**2))))))
+            if tail <= ROUNDING and error <= 1e-12:
                 return found[-1][1]
         degree *= 2
     if not found:
         raise InvalidParameter(
-            f"{what} is not smooth enough for harmonics: those of degree {HIGHEST_DEGREE} are "
-            f"still {tail:.3g} of it, and miss it by {missed:.3g}; fit points instead"
+            f"{subject} is not smooth enough for harmonics: those of degree {HIGHEST_DEGREE} still "
+            f"contribute {tail:.3g}, and the error is {error:.3g}; fit points instead"
         )
     # Further harmonics would be noise, which second derivatives amplify.
-    enough = 2.0 * min(missed for missed, _ in found)
-    return next(projection for missed, projection in found if missed <= enough)
+    enough = 2.0 * min(error for error, _ in found)
+    return next(projection for error, projection in found if error <= enough)

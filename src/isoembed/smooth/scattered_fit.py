@@ -86,24 +86,24 @@ def fitted(u: Floats, values: Floats, weights: Floats) -> ScatteredFit:
     [1] G. Golub, M. Heath and G. Wahba, Technometrics 21 (1979) 215.
     [2] C. F. J. Wu, Ann. Stat. 14 (1986) 1261.
     """
-    kept = np.ones(len(u), dtype=bool)
+    inliers = np.ones(len(u), dtype=bool)
     first = fit = _LeastSquares.of(u, values, weights)
     while len(u) >= FEWEST:
-        out = _outliers(fit, kept, u, values, weights)
+        out = _outliers(fit, inliers, u, values, weights)
         if not out.any():
             break
-        kept &= ~out
-        if np.count_nonzero(~kept) > max(1.0, 0.02 * len(u)):  # more are a feature of the values
-            fit, kept[:] = first, True
+        inliers &= ~out
+        if np.count_nonzero(~inliers) > max(1.0, 0.02 * len(u)):  # more are a feature of the values
+            fit, inliers[:] = first, True
             break
-        fit = _LeastSquares.of(u[kept], values[kept], weights[kept])
+        fit = _LeastSquares.of(u[inliers], values[inliers], weights[inliers])
     return ScatteredFit(
         fit.coefficients,
         fit.harmonics,
         fit.misfit,
         fit.deviations(),
-        np.flatnonzero(~kept),
-        fit.missed(u[~kept], values[~kept]),
+        np.flatnonzero(~inliers),
+        fit.held_out_residuals(u[~inliers], values[~inliers]),
     )
 
 
@@ -159,7 +159,7 @@ class _LeastSquares:
         following = b[size : (degree + 1 + MISSING) ** 2] if degree == best else b[:0]
         return cls(coefficients, chosen, misfit, Q, R, root, residuals, following)
 
-    def missed(self, u: Floats, values: Floats) -> Floats:
+    def held_out_residuals(self, u: Floats, values: Floats) -> Floats:
         """Residuals (n,) of values in the directions u (n, 3)."""
         return values - self.harmonics.values(u) @ self.coefficients
 
@@ -195,21 +195,21 @@ def _is_noise(rest: Floats, u: Floats, values: Floats) -> bool:
     return float(np.mean(rest * rest[nearest])) <= 5.0 / np.sqrt(len(u)) * square
 
 
-def _outliers(fit: _LeastSquares, kept: Mask, u: Floats, values: Floats, weights: Floats) -> Mask:
+def _outliers(fit: _LeastSquares, inliers: Mask, u: Floats, values: Floats, weights: Floats) -> Mask:
     """Mask (n,) of outliers among the values kept so far."""
     out = np.zeros(len(u), dtype=bool)
-    out[kept] = np.abs(fit.residuals) > _usual(fit, values)
-    rest = kept & ~out
+    out[inliers] = np.abs(fit.residuals) > _usual(fit, values)
+    rest = inliers & ~out
     if not out.any() or np.count_nonzero(rest) < FEWEST // 2:
         return np.zeros_like(out)
     without = _LeastSquares.of(u[rest], values[rest], weights[rest])
     # An unresolved feature has large residuals at all values nearby, or at several adjacent ones.
     distances, near = cKDTree(u[rest]).query(u[out], 12)
     nearby = OUTLYING * np.sqrt(np.mean(without.residuals[near] ** 2, axis=1))
-    missed = np.abs(without.missed(u[out], values[out]))
+    residuals = np.abs(without.held_out_residuals(u[out], values[out]))
     other = cKDTree(u[out]).query(u[out], 2)[0][:, 1]  # infinite for a single one
     # An outlier must be the only one among its three nearest values.
-    out[out] = (missed > np.maximum(nearby, _usual(without, values))) & (other > distances[:, 2])
+    out[out] = (residuals > np.maximum(nearby, _usual(without, values))) & (other > distances[:, 2])
     return out
 
 

@@ -239,8 +239,10 @@ class _Goal:
         stays = ", ".join(f"{r:.1e}" for r in residuals[-PATIENCE:])
         return replace(
             surface,
-            hindrance="no surface was found: with more and more harmonics the lengths stay off by "
-            f"{stays}; {_sign_of_curvature(self.metric, self.space)}",
+            hindrance=(
+                f"no surface was found: with more and more harmonics the length errors remain {stays}; "
+                f"{_sign_of_curvature(self.metric, self.space)}"
+            ),
         )
 
     def _has_left(self, surface: SmoothEmbedding) -> bool:
@@ -326,9 +328,9 @@ def _round(profile: AxisymmetricEmbedding) -> Callable[[Harmonics], Floats]:
 
 def _not_of_revolution(profile: AxisymmetricEmbedding, rough: SmoothEmbedding) -> NotEmbedded:
     """Exception for an axisymmetric metric without a surface of revolution."""
-    sentence = f"{rough.hindrance}; other surfaces were not looked for"
+    sentence = f"{rough.hindrance}; other surfaces were not searched for"
     error = NotEmbedded(sentence, rough, NO_REVOLUTION)
-    instead = "best_fit=True looks for the nearest surface"
+    instead = "best_fit=True finds the nearest surface"
     if profile.greatest_curvature < 0.0:
         enough = -profile.greatest_curvature * (1.0 + 1e-6)  # margin above the rounding to nine digits
         instead = (
@@ -363,16 +365,17 @@ def _search(best: SmoothEmbedding) -> Evidence:
 
 def _diagnosis(best: SmoothEmbedding, residuals: list[float], profile: AxisymmetricEmbedding | None) -> str:
     trend = ", ".join(f"{r:.1e}" for r in residuals[-3:])
-    missed = (
-        f"with more and more harmonics the lengths are off by {trend}, and {best.tolerance:.0e} is allowed"
+    reason = (
+        f"with more and more harmonics the length errors are {trend}, and the tolerance is "
+        f"{best.tolerance:.0e}"
     )
     if best.hindrance:
-        return best.hindrance if profile is None else f"{best.hindrance}; {missed}"
+        return best.hindrance if profile is None else f"{best.hindrance}; {reason}"
     if len(residuals) > 1 and residuals[-1] < FALLING * residuals[-2]:
-        missed += ": the metric has details that are too fine for so few"
+        reason += ": the metric has details that are too fine for so few"
     if profile is not None and profile.embeds:
-        return f"{missed}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"
-    return f"{missed}; {_sign_of_curvature(best.metric, best.space)}"
+        return f"{reason}; the surface of revolution exists, and isoembed.smooth.AxisymmetricEmbedding has it"
+    return f"{reason}; {_sign_of_curvature(best.metric, best.space)}"
 
 
 def _sign_of_curvature(metric: TwoMetric, space: Space) -> str:
@@ -388,8 +391,8 @@ def _sign_of_curvature(metric: TwoMetric, space: Space) -> str:
         )
     if K[k] > space.curvature:
         return (
-            f"the Gaussian curvature is {sign[0]} at the {len(K)} directions that were looked at: if it is "
-            "so everywhere, an embedding exists (Nirenberg, Pogorelov)"
+            f"the Gaussian curvature is {sign[0]} at the {len(K)} sampled directions: if it is so "
+            "everywhere, an embedding exists (Nirenberg, Pogorelov)"
         )
     theta, phi = angles_of(u)
     return (

@@ -102,7 +102,7 @@ class SphereMap:
         u = np.asarray(u, dtype=np.float64)
         tree, starts = self._starts
         v = starts[tree.query(u)[1]]
-        missed = np.linalg.norm(u - self.forward(v), axis=1)
+        errors = np.linalg.norm(u - self.forward(v), axis=1)
         part = np.ones(len(u))  # damping factors
         active = np.arange(len(u))
         for _ in range(60):  # Newton's method
@@ -115,17 +115,17 @@ class SphereMap:
             trial = v[active] + part[active, None] * step
             trial /= np.linalg.norm(trial, axis=1)[:, None]
             misses = np.linalg.norm(u[active] - self.forward(trial), axis=1)
-            nearer = misses < missed[active]
+            nearer = misses < errors[active]
             v[active[nearer]] = trial[nearer]
             part[active] *= np.where(nearer, 2.0, 0.5)
             part = np.minimum(part, 1.0)
-            rounding = ~nearer & (missed[active] <= FAILED)
-            missed[active[nearer]] = misses[nearer]
-            active = active[~rounding & (missed[active] > 1e-15)]
-        if not missed.max(initial=0.0) <= FAILED:
-            i = int(np.argmax(missed))
+            rounding = ~nearer & (errors[active] <= FAILED)
+            errors[active[nearer]] = misses[nearer]
+            active = active[~rounding & (errors[active] > 1e-15)]
+        if not errors.max(initial=0.0) <= FAILED:
+            i = int(np.argmax(errors))
             raise InvalidParameter(
-                f"the map of the sphere could not be inverted: {_written(u[i])} is missed by {missed[i]:.3g}"
+                f"the inverse map of the sphere has an error of {errors[i]:.3g} at {_written(u[i])}"
             )
         return v
 

@@ -58,10 +58,10 @@ class Start:
     @property
     def arrays(self) -> dict[str, NDArray]:
         """Named arrays: ``coefficients`` and ``degrees`` of the surface and of its coordinates, if any."""
-        kept = _kept(SURFACE, self.harmonics, self.coefficients)
+        arrays = _arrays_of(SURFACE, self.harmonics, self.coefficients)
         if self.coordinates is not None:
-            kept |= _kept(COORDINATES, self.coordinates.harmonics, self.coordinates.coefficients)
-        return kept
+            arrays |= _arrays_of(COORDINATES, self.coordinates.harmonics, self.coordinates.coefficients)
+        return arrays
 
     def in_directions_of(self, coordinates: SphereMap | None, harmonics: Harmonics) -> Floats:
         """Coefficients (size, 3) in harmonics of the directions of other coordinates."""
@@ -73,7 +73,7 @@ class Start:
         return transform.analysis(self.harmonics.derivatives(v, self.coefficients)[0])
 
 
-def _kept(name: str, harmonics: Harmonics, coefficients: Floats) -> dict[str, NDArray]:
+def _arrays_of(name: str, harmonics: Harmonics, coefficients: Floats) -> dict[str, NDArray]:
     degrees = np.array([harmonics.degree, harmonics.order])
     return {f"{name}/coefficients": coefficients, f"{name}/degrees": degrees}
 

@@ -23,5 +23,5 @@ def trimmed(coefficients: Floats, harmonics: Harmonics, needed: Mask) -> tuple[F
     """Coefficients (size, ...) truncated to the lowest degree and order that contain all needed ones."""
     degrees, orders = harmonics.labels
     fewer = Harmonics(int(degrees[needed].max()), int(np.abs(orders[needed]).max()))
-    kept = (degrees <= fewer.degree) & (np.abs(orders) <= fewer.order)
-    return coefficients[kept], fewer
+    retained = (degrees <= fewer.degree) & (np.abs(orders) <= fewer.order)
+    return coefficients[retained], fewer

@@ -115,7 +115,7 @@ def triangulate_metric(
         `zone` is invalid.
     InvalidMetric
         The metric is not positive definite somewhere; the message names theta, phi and the value.  Or it is
-        not smooth at the poles; the message says what is seen there.
+        not smooth at the poles; the message states the defect.
 
     Notes
     -----

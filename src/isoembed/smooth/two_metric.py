@@ -49,7 +49,7 @@ class AngleMetric:
         Raises
         ------
         InvalidMetric
-            The function returns what is not finite or not positive; the message names theta and phi.
+            The function returns values that are not finite or not positive; the message names theta and phi.
         """
         u = np.asarray(u, dtype=np.float64)
         near = np.hypot(u[:, 0], u[:, 1]) < NEAR_POLE
@@ -104,18 +104,18 @@ def _evaluated(
     second: Floats,
 ) -> Floats:
     """Values (3, n) of a function of two coordinates (n,); raises as `components_at`."""
-    what = "the function for the metric"
-    given = called(what, components, first, second)
+    subject = "the function for the metric"
+    given = called(subject, components, first, second)
     if not isinstance(given, tuple | list | np.ndarray) or len(given) != 3:
         shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
         count = f" of length {len(given)}" if isinstance(given, tuple | list) else shape
         raise InvalidMetric(
-            f"{what} returns a {type(given).__name__}{count}, not the three {', '.join(names[:2])} and "
+            f"{subject} returns a {type(given).__name__}{count}, not the three {', '.join(names[:2])} and "
             f"{names[2]}"
         )
     q = np.empty((3, *first.shape))
     for name, component, values in zip(names, given, q, strict=True):
-        array = array_of(what, component)
+        array = array_of(subject, component)
         if array.shape not in ((), (1,), first.shape):
             raise InvalidMetric(
                 f"{name} has the shape {array.shape} for {' and '.join(coordinates)} of shape {first.shape}"
@@ -157,7 +157,7 @@ class ChartMetric:
         Raises
         ------
         InvalidMetric
-            The function returns what is not finite or not positive; the message names x and y.
+            The function returns values that are not finite or not positive; the message names x and y.
         """
         x, y = self.coordinates(u).T
         xx, xy, yy = _evaluated(self.components, ("g_xx", "g_xy", "g_yy"), ("x", "y"), x, y)
@@ -206,7 +206,7 @@ class PulledBack:
 
 
 def check_two_metric(given: object) -> None:
-    """Refuse with an `InvalidMetric` what is not a metric, such as a function."""
+    """Raise `InvalidMetric` for an object that is not a metric, such as a function."""
     if not callable(getattr(given, "tensor", None)):
         advice = (
             "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"

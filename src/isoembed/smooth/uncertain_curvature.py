@@ -97,15 +97,15 @@ class UncertainCurvature:
             deviations = [scale * source for scale, source in zip(spectrum.scales, deviations, strict=True)]
             spectrum = _Spectrum(harmonics, series, deviations)
         degrees, last = harmonics.labels[0], spectrum.last
-        kept = (degrees <= last)[:, None]
-        highest = spectrum.beyond * (kept & (degrees > last - 2)[:, None])
+        retained = (degrees <= last)[:, None]
+        highest = spectrum.beyond * (retained & (degrees > last - 2)[:, None])
         scale = 1.0 / unit / unit
         return cls(
             harmonics,
-            scale * (kept * series)[:, 0],
+            scale * (retained * series)[:, 0],
             transform.u,
-            scale * transform.values(kept * series)[:, 0],
-            tuple(scale * transform.values(kept * source).T for source in deviations),
+            scale * transform.values(retained * series)[:, 0],
+            tuple(scale * transform.values(retained * source).T for source in deviations),
             scale * np.abs(transform.values(highest * series)[:, 0]),
         )
 
@@ -136,9 +136,9 @@ class _Spectrum:
         Sources may underestimate their size; an unresolved K consists of errors in high degrees.
         """
         high = slice(2 * len(self.power) // 3, None)
-        seen, told = (float(np.median(values[high])) for values in (self.power, self.noise))
+        power, noise = (float(np.median(values[high])) for values in (self.power, self.noise))
         return [
-            max(1.0, float(np.sqrt(seen / told))) if np.median(source[high]) > 0.1 * told else 1.0
+            max(1.0, float(np.sqrt(power / noise))) if np.median(source[high]) > 0.1 * noise else 1.0
             for source in self.sources
         ]
 

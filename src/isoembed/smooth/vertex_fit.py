@@ -67,14 +67,14 @@ class VertexFit:
         return n / np.where(length > 0.0, length, 1.0)
 
     @cached_property
-    def missed(self) -> Floats:
+    def residuals(self) -> Floats:
         """Vectors (V, 3) from the surface to the vertices."""
         return self.x - self.table @ self.coefficients
 
     @cached_property
     def distances(self) -> Floats:
         """Distances (V,) of the vertices along the normals."""
-        return np.einsum("ni,ni->n", self.missed, self.normals)
+        return np.einsum("ni,ni->n", self.residuals, self.normals)
 
     @cached_property
     def misfit(self) -> float:
@@ -122,13 +122,13 @@ class VertexFit:
 
     def nearer(self) -> VertexFit:
         """Fit after a Gauss-Newton step toward least normal distances."""
-        return self.moved(self._least_along(self.missed))
+        return self.moved(self._least_along(self.residuals))
 
     def corrected(self, faces: Indices) -> VertexFit:
         """Fit of the same surface with the vertices at their nearest points on it."""
         e, images = self._tangents
         q = images @ images.transpose(0, 2, 1)
-        pulled = np.einsum("nai,ni->na", images, self.missed)
+        pulled = np.einsum("nai,ni->na", images, self.residuals)
         step = np.einsum("na,nai->ni", np.linalg.solve(q, pulled[:, :, None])[:, :, 0], e)
         length = np.linalg.norm(step, axis=1)
         farthest = 0.5 * np.sqrt(4.0 * np.pi / len(self.x))  # half the mean spacing
@@ -147,7 +147,7 @@ class VertexFit:
         following = self.raised(more.degree)
         size = self.misfit * np.sqrt(4.0 * np.pi / np.count_nonzero(higher))
         if following.is_determined:
-            size = float(np.sqrt(np.mean(following.least(self.missed)[higher] ** 2)))
+            size = float(np.sqrt(np.mean(following.least(self.residuals)[higher] ** 2)))
         drawn[:, higher] = size * random.normal(size=drawn[:, higher].shape)
         return drawn
 

@@ -211,10 +211,10 @@ def rings(indptr: ConstInt32[::1], indices: ConstInt32[::1], least: Int, first: 
     starts: Int[::1] = np.zeros(last - first + 1, dtype=np.int64)
     neighbors: Int32[::1] = np.empty(3 * least * (last - first), dtype=np.int32)
     reached: Int32[::1] = np.empty(n, dtype=np.int32)
-    seen: Int32[::1] = np.full(n, -1, dtype=np.int32)
+    visited: Int32[::1] = np.full(n, -1, dtype=np.int32)
     for v in range(first, last):
         begin = starts[v - first]
-        count = _reach(indptr, indices, v, least, seen, reached)
+        count = _reach(indptr, indices, v, least, visited, reached)
         if begin + count > neighbors.shape[0]:
             longer: Int32[::1] = np.empty(2 * (begin + count), dtype=np.int32)
             for k in range(begin):
@@ -233,15 +233,15 @@ def _reach(
     indices: ConstInt32[::1],
     v: Int,
     least: Int,
-    seen: Int32[::1],
+    visited: Int32[::1],
     reached: Int32[::1],
 ) -> Int:
-    """Fill `reached` with the neighbors of v, and count them; `seen` marks them with v."""
-    seen[v] = v
+    """Fill `reached` with the neighbors of v, and count them; `visited` marks them with v."""
+    visited[v] = v
     count: Int = 0
     for k in range(indptr[v], indptr[v + 1]):
         reached[count] = indices[k]
-        seen[indices[k]] = v
+        visited[indices[k]] = v
         count += 1
     begin: Int = 0
     for ring in range(2):
@@ -255,8 +255,8 @@ def _reach(
             for j in range(indptr[u], indptr[u + 1]):
                 w = indices[j]
                 reached[count] = w  # overwritten by the next one unless new
-                count += seen[w] != v
-                seen[w] = v
+                count += visited[w] != v
+                visited[w] = v
         begin = end
     return count
 

@@ -156,12 +156,12 @@ def outlines(triangulation: Triangulation, creased: Mask) -> list[list[int]]:
     successor = following.copy()
     while (inside := rim[~creased[successor[rim]]]).size:
         successor[inside] = following[t.sides_across[successor[inside]]]
-    after, seen = successor.tolist(), ~creased
+    after, visited = successor.tolist(), ~creased
     ways = []
     for h in rim.tolist():
         way = []
-        while not seen[h]:
-            seen[h] = True
+        while not visited[h]:
+            visited[h] = True
             way.append(h)
             h = after[h]
         if way:

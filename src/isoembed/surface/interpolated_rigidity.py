@@ -56,8 +56,8 @@ class InterpolatedRigidity:
         rank = np.arange(len(edges)) - np.repeat(np.cumsum(counts) - counts, counts)
         # Evenly spaced subset of at most MAX_EDGES edges per cell.
         of, most = counts[of_edge], MAX_EDGES
-        kept = (of <= most) | ((rank + 1) * most // of > rank * most // of)
-        self.edges, self.of_edge = edges[kept], of_edge[kept]
+        sampled = (of <= most) | ((rank + 1) * most // of > rank * most // of)
+        self.edges, self.of_edge = edges[sampled], of_edge[sampled]
 
     def interpolated(self, positions: Floats) -> tuple[CellRows, CellRows]:
         """Interpolation of vertices, (V, C), and edge vectors, (M, C), in charts at these positions."""

@@ -155,8 +155,8 @@ class FitResiduals:
         """
         indptr, indices = neighborhoods
         weights = np.empty(len(charts))
-        done = normal_weights(indptr, charts, degree, weights)
-        fit_constants(np.flatnonzero(~done), indptr, charts, degree, weights)
+        fitted = normal_weights(indptr, charts, degree, weights)
+        fit_constants(np.flatnonzero(~fitted), indptr, charts, degree, weights)
         return cls(first, indptr, indices, weights)
 
     def __matmul__(self, values: Floats) -> Floats:

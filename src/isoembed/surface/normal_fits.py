@@ -25,7 +25,7 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
     computed fits; the weights of the others are unchanged.
     """
     counts, (abscissas, ordinates) = np.diff(indptr), charts.T.copy()
-    done = np.zeros(len(counts), dtype=np.bool_)
+    fitted = np.zeros(len(counts), dtype=np.bool_)
     fits = np.flatnonzero((fewest(degree) <= counts) & (counts <= MAX_POINTS))
     for first in range(0, len(fits), SIDE_BY_SIDE):
         mine = fits[first : first + SIDE_BY_SIDE]
@@ -37,7 +37,7 @@ def normal_weights(indptr: Indices, charts: Floats, degree: int, weights: Floats
             w = there / (NEAR + x * x + y * y)
             sound = weigh(x, y, w, degree)
             w /= w.sum(axis=0)
-        done[mine] = sound
+        fitted[mine] = sound
         there &= sound
         weights[at[there]] = w[there]
-    return done
+    return fitted

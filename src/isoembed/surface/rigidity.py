@@ -176,9 +176,9 @@ class LengthSystem:
         n = len(lengths)
         inverse = LinearOperator((n, n), matvec=self._inverse(surface, J, factor), dtype=np.float64)
         # Lanczos vectors between restarts
-        start, kept = np.random.default_rng(0).standard_normal(n), min(n, 8 + count)
+        start, subspace = np.random.default_rng(0).standard_normal(n), min(n, 8 + count)
         # an estimate suffices
-        _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=kept, tol=1e-3)
+        _, vectors = eigsh(inverse, k=count, which="LA", v0=start, ncv=subspace, tol=1e-3)
         changes = np.empty((count, n))
         changes[:, self._order] = vectors.T[::-1] / np.linalg.norm(vectors.T[::-1], axis=1, keepdims=True)
         # Rayleigh quotient through J: rounding in J J^T would hide values below 1e-8.
@@ -268,9 +268,9 @@ def _square(J: RigidityMatrix, positions: Floats) -> csc_array:
     count = len(J.ends)
     edge = np.repeat(np.arange(count), 3)
     columns = 3 * J.ends[:, :, None].astype(np.int64) + np.arange(3)
-    held = np.repeat(count + np.arange(6), 3)
+    fixed = np.repeat(count + np.arange(6), 3)
     held_columns = (3 * np.array([a, a, a, b, b, c])[:, None] + np.arange(3)).ravel()
     values = [J.rows.ravel(), -J.rows.ravel(), np.eye(3).ravel(), across, normal, normal]
-    rows = np.concatenate([edge, edge, held])
+    rows = np.concatenate([edge, edge, fixed])
     places = np.concatenate([columns[:, 0].ravel(), columns[:, 1].ravel(), held_columns])
     return csc_array((np.concatenate(values), (rows, places)), shape=(3 * J.vertices, 3 * J.vertices))

@@ -203,17 +203,17 @@ class SmoothIntegrals:
         flat = self._flat_areas
         means = data[t.faces].mean(axis=1)
         squares = measures.edge_lengths(t.edges, points, space) ** 2
-        missed = []
+        corrections = []
         for degree in (QUARTIC, CUBIC):
             hessians = second_derivatives(t, points, data[:, None], degree, space)[1][:, 0]
             along = normal_curvatures(t, points, hessians, space) * squares
-            missed.append(flat / 24 * along[t.face_edges].sum(axis=1))
+            corrections.append(flat / 24 * along[t.face_edges].sum(axis=1))
         quartic, cubic, sizes = self._face_areas
         estimate = self._estimate(
             float(flat @ means),
-            means * quartic - missed[0],
-            means * cubic - missed[1],
-            np.abs(means) * sizes + np.abs(missed[0]),
+            means * quartic - corrections[0],
+            means * cubic - corrections[1],
+            np.abs(means) * sizes + np.abs(corrections[0]),
         )
         # 2.5 standard deviations of the noise
         noise = 2.5 * float(np.linalg.norm(self._cells * self.misfits(data)))
@@ -314,9 +314,9 @@ class SmoothIntegrals:
         return measures.volume(t.faces, points - step, space) - measures.volume(t.faces, points, space)
 
     def _estimate(self, raw: float, quartic: Floats, cubic: Floats, sizes: Floats) -> Estimate:
-        lost = quartic - cubic
+        difference = quartic - cubic
         # six faces around a vertex, whose fit errors are correlated
-        error = abs(float(lost.sum())) + float(np.sqrt(36.0 * np.sum(lost**2)))
+        error = abs(float(difference.sum())) + float(np.sqrt(36.0 * np.sum(difference**2)))
         # next order in (kappa l)^2
         error += 0.1 * float(sizes @ self._quartic.turns) + self._unseen * abs(raw)
         return Estimate(raw + float(quartic.sum()), error)

@@ -109,7 +109,7 @@ class VertexSystem:
         weight: float,
         surface: Projected | None = None,
         tensions: Floats | float = 0.0,
-        held: HeldVertices | None = None,
+        clamped: HeldVertices | None = None,
     ) -> SymmetricFactor:
         """Factor ``J^T J + S + weight P``, J given by its `edge_rows`; raises SingularMatrix if not definite.
 
@@ -123,9 +123,9 @@ class VertexSystem:
             pattern, w = self._solver.pattern, np.repeat(surface.heights, 3)
             penalty *= w[pattern.indices] * np.repeat(w, np.diff(pattern.indptr))
         hold = self._hold
-        if held is not None:
+        if clamped is not None:
             hold = 1e-16 / DIAGONAL_SHIFT * hold  # with held vertices, a shift of 1e-16 suffices
-            hold[self._vertex_slots.reshape(-1, 9)[held.corners]] += held.blocks.reshape(-1, 9)
+            hold[self._vertex_slots.reshape(-1, 9)[clamped.corners]] += clamped.blocks.reshape(-1, 9)
         return self._factor(rows, penalty, tensions, hold)
 
     def damped(self, rows: Floats, damping: float) -> SymmetricFactor:

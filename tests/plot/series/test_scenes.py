@@ -12,7 +12,7 @@ def seen(results, most=100):
         (
             float(scene.moment.split()[-1]),
             [horizon.row.label for horizon in scene.shown],
-            [row.label for row in scene.lost],
+            [row.label for row in scene.missing],
         )
         for scene in evenly(scenes(PlacedHorizons.of(results)), most)
     ]

@@ -160,7 +160,5 @@ def test_what_does_not_embed(monkeypatch):
         embed_surface(data, vertices=100)
     fit = embed_surface(data, vertices=100, best_fit=True)
     assert fit.report["status"] == "best fit"
-    assert any(
-        "not an embedding, but the best fit: lengths are off by up to" in note for note in fit.energies.notes
-    )
+    assert any("a best fit, not an embedding: lengths differ by up to" in note for note in fit.energies.notes)
     assert fit.energies.brown_york.error > 1e-9

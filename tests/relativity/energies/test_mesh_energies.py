@@ -183,7 +183,7 @@ def test_where_the_mean_curvature_vector_is_not_spacelike_there_is_no_liu_yau_en
             0.0,
             r"the momentum has the shape \(\): there are 400 vertices, so it must be \(400,\)",
         ),
-        (None, np.ones(400), "the momentum is of use only with the mean curvature"),
+        (None, np.ones(400), "the momentum requires the mean curvature"),
         (np.where(np.arange(400) == 3, np.nan, 1.0), None, "at vertex 3"),
         (np.ones(400), np.where(np.arange(400) == 5, np.inf, 0.0), "at vertex 5"),
     ],

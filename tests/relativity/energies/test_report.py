@@ -51,5 +51,5 @@ def test_an_electromagnetic_part_that_is_not_known():
     assert found.report["spin"]["total"] is None
     assert re.search("\nJ electromagnetic +not known\n", energy_table(found.report))
     (note,) = found.energies.notes
-    assert note.startswith("the electromagnetic part of J is not known")
+    assert note.startswith("the electromagnetic part of J is unknown")
     assert "electromagnetic" not in embed_surface(KerrNewmanHorizon(1.0, 0.4).data()).report["spin"]

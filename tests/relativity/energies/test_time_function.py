@@ -27,7 +27,7 @@ def test_time_functions():
         (lambda u: u, r"tau at \d+ directions has the shape \(\d+, 3\)"),
         (lambda u: 1.0, r"tau at \d+ directions has the shape \(\)"),
         (lambda u: np.where(u[:, 2] > 0.9, np.nan, 1.0), r"tau in the direction \(.*, 0.9\d+\) is nan"),
-        (lambda u: np.abs(u[:, 2]), r"tau is missed by 0.0\d+ by harmonics up to degree 16"),
+        (lambda u: np.abs(u[:, 2]), r"harmonics up to degree 16 have an error of 0.0\d+ for tau"),
     ],
 )
 def test_refuses_functions_without_values(function, message):

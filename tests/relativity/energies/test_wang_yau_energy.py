@@ -132,14 +132,14 @@ def test_an_array_holds_coefficients():
     assert one.energy == other.energy
     with pytest.raises(InvalidParameter, match=r"have the shape \(5,\), not \(\(L \+ 1\)\^2,\)"):
         wang_yau(data, np.zeros(5), embedding=embedding)
-    with pytest.raises(InvalidParameter, match=r"9 harmonics take as many coefficients, not \(4,\)"):
+    with pytest.raises(InvalidParameter, match=r"9 harmonics require as many coefficients, not \(4,\)"):
         TimeFunction(Harmonics(2, 2), np.zeros(4))
 
 
 @pytest.mark.parametrize("degrees", [(), (0,), (2, -1)])
 def test_degrees_that_are_none(degrees):
     data, embedding = static()
-    with pytest.raises(InvalidParameter, match=r"the degrees of tau are .*: there must be some"):
+    with pytest.raises(InvalidParameter, match=r"the degrees of tau are .*: there must be at least one"):
         wang_yau(data, "optimal", embedding=embedding, degrees=degrees)
 
 
@@ -156,12 +156,12 @@ def test_one_degree_has_an_error_too():
 def test_a_search_that_ends_too_early_is_no_minimum(monkeypatch):
     _, data, embedding = minkowski()
     monkeypatch.setattr(wang_yau_search, "MAX_ITERATIONS", 1)
-    with pytest.raises(NoMinimum, match=r"the search ended at E = .* was to gain"):
+    with pytest.raises(NoMinimum, match=r"the search ended at E = .* the predicted decrease"):
         wang_yau(data, "optimal", embedding=embedding, degrees=(2,))
 
 
 def test_a_degree_that_does_not_resolve_the_surface(monkeypatch):
     monkeypatch.setattr(wang_yau_search, "LEAST_DEGREE", 4)
     monkeypatch.setattr(wang_yau_search, "HIGHEST_DEGREE", 4)
-    with pytest.raises(NotEmbedded, match="by harmonics up to degree 4"):
+    with pytest.raises(NotEmbedded, match="harmonics up to degree 4 have an error"):
         wang_yau(KerrNewmanSphere(1.7, 1.0, 0.95).data())

@@ -29,7 +29,7 @@ def test_a_refusal_says_what_to_give_instead(given, sentence):
 
 def test_that_p_and_j_are_taken_to_be_0_is_said():
     found = wang_yau(SurfaceData(GRID, 1.5 * ONE))
-    assert "neither p nor K(., n) is given: they are taken to be 0" in found.notes[0]
+    assert "neither p nor K(., n) is given: both are assumed to be 0" in found.notes[0]
     zero = np.zeros((2, 12, 1))
     assert not wang_yau(SurfaceData(GRID, 1.5 * ONE, 0.0 * ONE, zero)).notes
 
@@ -77,6 +77,10 @@ def test_values_that_are_not_finite_are_refused(field, name):
 
 def test_a_horizon_whose_angular_momentum_is_not_known_says_so():
     data = SurfaceData(GRID, marginal=True)
-    assert any(note.startswith("J is not known") for note in embed_surface(data).energies.notes)
+    assert any(
+        note.startswith("J and the Christodoulou mass are") for note in embed_surface(data).energies.notes
+    )
     known = replace(data, angular_momentum=0.0)
-    assert not any("J is not known" in note for note in embed_surface(known).energies.notes)
+    assert not any(
+        "the Christodoulou mass are unknown" in note for note in embed_surface(known).energies.notes
+    )

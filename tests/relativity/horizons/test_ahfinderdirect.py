@@ -144,7 +144,7 @@ BAD = {
         change(TEXT, 2, "origin", "o"),
         r"line 12: there are numbers before a line '# origin = x y z'",
     ),
-    "twice": (TEXT.replace("-z patch", "+y patch"), r"line 199: the patch \+y is there twice"),
+    "twice": (TEXT.replace("-z patch", "+y patch"), r"line 199: the patch \+y occurs twice"),
     "other files": ("# 1:cctk_iteration\n0 1 2\n", "has no line '# N_patches = ...': it is not a shape file"),
     "a patch missing": (
         shape_text(lopsided, 5, only=AXES[:5]),
@@ -164,7 +164,7 @@ BAD = {
     ),
     "no symmetry": (
         ANY,
-        r"neither reflections nor rotations by 180 degrees make it a smooth surface \(creases of 0.0",
+        r"neither reflections nor rotations by 180 degrees complete it smoothly \(creases of 0.0",
     ),
 }
 

@@ -63,15 +63,18 @@ BAD = {
     ),
     "cut in a ring": (
         lambda text: "\n".join(text.splitlines()[:40]) + "\n",
-        "line 40: the ring that ends here is not 20 points and the first of them again",
+        "line 40: the ring that ends here does not have 20 points followed by the first one again",
     ),
     "cut in a row": (
         lambda text: "\n".join([*text.splitlines()[:40], "1.5 2.5"]),
         "line 41: there are 2 columns, not 3",
     ),
-    "no blank lines": (lambda text: text.replace("\n\n", "\n"), "the ring that ends here is not 251 points"),
+    "no blank lines": (
+        lambda text: text.replace("\n\n", "\n"),
+        "the ring that ends here does not have 251 points",
+    ),
     "not closed": (lambda text: text.replace("\n\n", "\n1 2 3\n\n", 1), "line 26: the ring that ends here"),
-    "one point": (lambda text: "1 2 3\n", "line 1: the ring that ends here is not 3 points"),
+    "one point": (lambda text: "1 2 3\n", "line 1: the ring that ends here does not have 3 points"),
     "not finite": (
         lambda text: "\n".join([*text.splitlines()[:5], "nan 0 0", *text.splitlines()[6:]]),
         "line 6: a coordinate is not finite",

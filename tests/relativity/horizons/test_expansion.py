@@ -83,7 +83,7 @@ def test_a_grid_without_extrinsic_curvature_is_said_to_be_time_symmetric():
     x = np.stack(np.meshgrid(ticks, ticks, ticks, indexing="ij"), axis=-1)
     gamma = np.moveaxis(HOLE.metric(x.reshape(-1, 3)).reshape(*x.shape, 3), (3, 4), (0, 1))
     data, _ = sphere(2.0, geometry=CartesianGrid(x[0, 0, 0].tolist(), 0.3, gamma))
-    assert data.notes[0] == "the slice has no K_ij: it is taken to be time-symmetric"
+    assert data.notes[0] == "the slice has no K_ij: it is assumed to be time-symmetric"
     assert not data.marginal
 
 
@@ -135,7 +135,7 @@ def test_a_metric_without_k_is_no_horizon_unless_it_is_said():
     assert (found.hawking, found.liu_yau) == (None, None)
     said = horizon_data(grid, marginal=True)[0]
     assert said.marginal and said.notes == ()
-    with pytest.raises(InvalidParameter, match="cannot be told without its mean curvature"):
+    with pytest.raises(InvalidParameter, match="cannot be identified without the mean curvature"):
         expansion_test(data)
 
 

@@ -193,7 +193,7 @@ def test_a_horizon_that_exists_and_is_not_resolved(monkeypatch):
 
     monkeypatch.setattr(foliated_horizon, "horizon_near", fails)
     with pytest.raises(
-        NoHorizon, match="a horizon exists between two surfaces, and no horizon was resolved"
+        NoHorizon, match="a horizon exists between two surfaces, but was not resolved"
     ) as failure:
         find_horizons(pair(0.7))
     assert failure.value.evidence.kind == "proved"

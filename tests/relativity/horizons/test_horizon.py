@@ -27,7 +27,7 @@ POINTS = CoordinateShape.star_shaped(2.0 * np.array([*np.eye(3), *-np.eye(3)]), 
             {"geometry": KerrSchild(1.0, (0, 0, 0.5))},
             "a.npz has a metric of its own: leave out the geometry",
         ),
-        (METRIC, {"axis": (0, 0, 1)}, "a.npz holds no coordinates that an axis could be given in"),
+        (METRIC, {"axis": (0, 0, 1)}, "a.npz has no coordinates, which an axis requires"),
         (POINTS, {}, "name its geometry"),
     ],
 )

@@ -241,7 +241,7 @@ def test_other_files(tmp_path):
     path.write_text("nothing")
     with pytest.raises(
         FileError,
-        match=r"is neither a file of AHFinderDirect .* SpECTRE \(\*_Ylm\.dat\), nor a table .* of a kind",
+        match=r"is neither a file of AHFinderDirect .* SpECTRE .*, nor a table .* one of the endings",
     ):
         read_horizon(path)
     with pytest.raises(FileError, match="there is no file"):

@@ -62,7 +62,7 @@ def test_the_inner_horizon_of_kerr():
 
 
 def test_a_hole_without_an_inner_horizon():
-    with pytest.raises(NoHorizon, match="no inner horizon was found where it was looked for"):
+    with pytest.raises(NoHorizon, match="no inner horizon was found in the searched region"):
         inner_horizon(find_horizon(IsotropicSchwarzschild(1.0)))
 
 

@@ -45,7 +45,7 @@ def test_the_slice_ends_before_its_horizon():
 def test_the_grid_ends_before_the_horizon():
     grid = sampled(KerrSchild(1.0, ORIGIN), 8, 1.0, center=(4.5, 0.0, 0.0))
     with pytest.raises(
-        NoHorizon, match="no surface of constant expansion was found near the sphere to begin"
+        NoHorizon, match="no surface of constant expansion was found near the starting sphere"
     ):
         find_horizon(grid)
 

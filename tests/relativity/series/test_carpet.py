@@ -209,7 +209,7 @@ def test_missing_fields_are_named(tmp_path, names, match):
 def test_a_missing_file_of_a_process_is_named(tmp_path):
     write_carpet(tmp_path, KERR, (LEVELS[1],), processes=3)
     (tmp_path / "gxy.xyz.file_1.h5").unlink()
-    with pytest.raises(FileError, match="3 processes wrote files, but of gxy there are those of 2 only"):
+    with pytest.raises(FileError, match="3 processes wrote files, but of gxy only those of 2 exist"):
         read(tmp_path, sphere(2.0))
 
 

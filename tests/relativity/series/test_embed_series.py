@@ -147,7 +147,7 @@ def test_files_are_read_when_it_is_their_turn(tmp_path):
 
 
 def test_two_of_the_same_time():
-    with pytest.raises(InvalidParameter, match=r"moment 1 is horizon\.T0\.5, as one before it is"):
+    with pytest.raises(InvalidParameter, match=r"moment 1 has the label of an earlier one, horizon\.T0\.5"):
         list(embed_series([(0.5, SPHERE, None), (0.5, SPHERE, None)]))
 
 

@@ -60,7 +60,7 @@ def test_uniform_data_are_one_level(fields):
     uniform = {name: fields[name][0][0] for name in METRIC}
     grid = GridDataSlice(uniform).read(*BOX)
     assert grid.spacing == pytest.approx((0.4, 0.4, 0.4))
-    assert "the slice has no K_ij: it is taken to be time-symmetric" in grid.notes
+    assert "the slice has no K_ij: it is assumed to be time-symmetric" in grid.notes
 
 
 def test_sources_of_grid_data_are_sent_to_other_processes(fields):
@@ -76,7 +76,7 @@ def test_what_is_missing_is_said(fields):
         GridDataSlice({name: fields[name] for name in METRIC if name != "gxy"}).read(*BOX)
     with pytest.raises(FileError, match="no refinement level covers"):
         GridDataSlice(fields).read(np.full(3, -9.0), np.full(3, 9.0))
-    with pytest.raises(InvalidParameter, match="'alp' is none of the fields"):
+    with pytest.raises(InvalidParameter, match="'alp' is not one of the fields"):
         GridDataSlice({**fields, "alp": fields["gxx"]})
     with pytest.raises(InvalidParameter, match="gxx is a ndarray, not data of kuibit"):
         GridDataSlice({"gxx": np.zeros((9, 9, 9))})

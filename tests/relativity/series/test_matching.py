@@ -64,14 +64,14 @@ def test_one_slice_and_one_horizon_match_only_at_the_same_time():
 @pytest.mark.parametrize(
     ("one", "slices", "sentence"),
     [
-        (shape("ah1", 7), [], r"no slice for ah1 at iteration 7 \(ah1-7-None\): there is none at all"),
+        (shape("ah1", 7), [], r"no slice for ah1 at iteration 7 \(ah1-7-None\): there are no slices"),
         (shape("ah1", 7), [slice_(4), slice_(6)], "slices are at iterations 4, 6$"),
         (shape("ah1", 7), [slice_(k) for k in range(0, 20, 2)], r"0, 2, ..., 18 \(10 of them\)$"),
         (shape("ah1", 7, 0.75), [slice_(time=1.0)], "slices are at t = 1$"),
         (shape("ah1", 7), [slice_(time=1.0)], "ah1 at iteration 7 .*: slices are at t = 1$"),
         (shape("ah1"), [slice_(3, 1.5)], r"no slice for ah1 \(.*\): slices are at iterations 3 and t = 1.5$"),
         (shape("ah1", time=2.0), [slice_(3)], r"ah1 at t = 2 \(.*\): slices are at iterations 3$"),
-        (shape("ah1", 1), [slice_()], "slices say neither iteration nor time$"),
+        (shape("ah1", 1), [slice_()], "the slices have neither iteration nor time$"),
     ],
 )
 def test_a_horizon_without_a_slice(one, slices, sentence):
@@ -84,9 +84,9 @@ def test_a_horizon_without_a_slice(one, slices, sentence):
     ("shapes", "slices", "sentence"),
     [
         ([shape("ah1", 7, 0.5), shape("ah1", 7)], [], "ah1-7-0.5 and ah1-7-None are both ah1 at iteration 7"),
-        ([shape("a", time=0.5), shape("a", time=0.5)], [], "are both a at t = 0.5: leave one"),
+        ([shape("a", time=0.5), shape("a", time=0.5)], [], "are both a at t = 0.5: keep one"),
         ([], [slice_(3, 1.0), slice_(3)], "slice-3-1.0 and slice-3-None are both slices of iteration 3"),
-        ([], [slice_(time=1.0), slice_(time=1.0 + 1e-13)], "are both slices of t = 1: leave one"),
+        ([], [slice_(time=1.0), slice_(time=1.0 + 1e-13)], "are both slices of t = 1: keep one"),
     ],
 )
 def test_what_is_there_twice(shapes, slices, sentence):

@@ -222,6 +222,6 @@ def test_folders_of_something_else(tmp_path):
         with pytest.raises(FileError, match=sentence):
             moments([given], geometry)
     with pytest.raises(
-        InvalidParameter, match=r"gxx\.0\.npz holds slices, not horizons: it goes with geometry="
+        InvalidParameter, match=r"gxx\.0\.npz holds slices, not horizons: pass it as geometry="
     ):
         moments([slice_], slice_)

@@ -74,7 +74,9 @@ def test_the_whole_slice_of_one_file_or_folder(tmp_path):
         write(folder / f"Volume{k}.h5", [0.5], part=slice(k, None, 2))
     np.testing.assert_allclose(read_slice(folder).metric(X), whole, rtol=1e-12)
     write(path, [0.0, 0.5])
-    with pytest.raises(FileError, match=r"Volume\.h5 holds 2 slices, .*: here one is needed"):
+    with pytest.raises(
+        FileError, match=r"Volume\.h5 holds 2 slices, and only `isoembed series` accepts several"
+    ):
         read_slice(path)
 
 

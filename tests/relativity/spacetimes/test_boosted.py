@@ -225,5 +225,5 @@ def test_refuses_punctures_radii_and_nothing():
         HOLE.metric(np.array([[1.0, 1, 1], HOLE.position]))
     with pytest.raises(InvalidParameter, match="the radius must be positive, not 0"):
         HOLE.spheroid(0)
-    with pytest.raises(InvalidParameter, match="there is no hole to superpose"):
+    with pytest.raises(InvalidParameter, match="there are no holes to superpose"):
         Superposed([])

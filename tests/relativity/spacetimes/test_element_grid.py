@@ -99,7 +99,7 @@ def test_energies_of_a_surface_through_elements():
             lambda: ElementGrid(
                 [*shell(HOLE, n=(3, 3, 3)), *shell(IsotropicSchwarzschild(1.0), n=(3, 3, 3))]
             ),
-            "must all have K_ij, or none",
+            "all or none of the elements must have K_ij",
         ),
         (
             lambda: Element((gauss(3),) * 3, np.zeros((3, 3, 3, 3)), np.zeros((3, 3, 3, 3))),

@@ -150,7 +150,7 @@ def test_one_slice_may_say_its_time(tmp_path, name):
 @pytest.mark.parametrize(
     ("others", "index", "sentence"),
     [
-        ({}, None, "holds 3 slices, as `isoembed series` takes them: here one is needed"),
+        ({}, None, "holds 3 slices, and only `isoembed series` accepts several"),
         ({}, 3, "holds 3 slices, and none with the index 3"),
         ({"origin": np.ones((2, 3))}, 0, r"origin in \S+ must be three numbers, not 6"),
     ],
@@ -194,6 +194,7 @@ def test_a_part_has_the_same_digits(tmp_path, ending):
 
     np.testing.assert_allclose(part.error(gradients), whole.error(gradients), atol=1e-11)
     with pytest.raises(
-        FileError, match=r"reaches from \(-3.05, -3.05, -3.05\) to \(3.05, 3.05, 3.05\), and what is asked"
+        FileError,
+        match=r"extends from \(-3.05, -3.05, -3.05\) to \(3.05, 3.05, 3.05\), and the requested box",
     ):
         read_cartesian_grid(path, box=(low, high + 1.4))

@@ -108,7 +108,7 @@ def test_slices_of_other_packages():
     horizon = find_horizon(Own(), StarSurface.sphere((0.0, 0.0, 0.0), 2.5))
     assert horizon.area == pytest.approx(8 * np.pi * Own().hole.horizon, rel=1e-10)
     assert horizon.data().notes == ()
-    with pytest.raises(InvalidParameter, match="does not say where its black holes are"):
+    with pytest.raises(InvalidParameter, match="does not specify the positions of its black holes"):
         find_horizon(Own())
     boxed = find_horizon(Boxed())
     assert boxed.area == pytest.approx(horizon.area, rel=1e-10)

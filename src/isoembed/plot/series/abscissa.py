@@ -39,8 +39,12 @@ class Abscissa:
         ):
             known = np.isfinite(table[column])
             if known.any():
-                lost = [row.label for row, there in zip(table.rows, known, strict=True) if not there]
-                also = f"\nnot shown, of no known {column}: {escaped(enumerated(lost))}" if lost else ""
+                undefined = [row.label for row, there in zip(table.rows, known, strict=True) if not there]
+                also = (
+                    f"\nnot shown, of no known {column}: {escaped(enumerated(undefined))}"
+                    if undefined
+                    else ""
+                )
                 return cls(column, symbol, label + also)
         return cls("", "position ", "position in the series")
 

@@ -80,9 +80,9 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
     from isoembed.plot.windowless import WindowlessFigure
 
     parts, along = table.series, Abscissa.of(table)
-    lost = any(status != "embedded" for status in table.statuses)
-    strip = STRIP * (len(parts) + 1.5) if lost else 0.0
-    heights = [PANEL] * len(shown) + ([strip] if lost else [])
+    has_failures = any(status != "embedded" for status in table.statuses)
+    strip = STRIP * (len(parts) + 1.5) if has_failures else 0.0
+    heights = [PANEL] * len(shown) + ([strip] if has_failures else [])
     picture = WindowlessFigure(WIDTH, sum(heights) + 0.9, facecolor=PAPER, layout="constrained")
     grid = picture.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     colors = colors_of(parts)
@@ -104,7 +104,7 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
             for column in AXIS.get(name, (name,))
         ]
         _draw_panel(axes, name, curves)
-    if lost:
+    if has_failures:
         draw_outcomes(
             grid[-1], {name: (along.of_series(part), part.statuses) for name, part in parts.items()}, colors
         )
@@ -226,7 +226,7 @@ def _limits(curves: Sequence[_Curve]) -> tuple[float, float]:
 
 
 def _draw_legend(
-    picture: Figure, colors: dict[str, str], widths: dict[str, float], lost: set[str], axis: bool
+    picture: Figure, colors: dict[str, str], widths: dict[str, float], failed: set[str], axis: bool
 ) -> None:
     """Draw the legend above the panels."""
     from matplotlib.lines import Line2D
@@ -241,7 +241,7 @@ def _draw_legend(
             for column, style in STYLES.items()
         ]
     lines += [
-        Line2D([], [], linestyle="", label=status, **MARKS[status]) for status in MARKS if status in lost
+        Line2D([], [], linestyle="", label=status, **MARKS[status]) for status in MARKS if status in failed
     ]
     picture.legend(
         handles=lines,

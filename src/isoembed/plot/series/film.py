@@ -184,7 +184,7 @@ def _draw_surfaces(
 
 def _write_below(picture: Figure, scene: Scene, colors: dict[str, str], note: str) -> None:
     """Write the properties of the horizons, one line per series, and the outcome of lost ones."""
-    rows = [horizon.row for horizon in scene.shown] + list(scene.lost)
+    rows = [horizon.row for horizon in scene.shown] + list(scene.missing)
     lines = {row.series: known_of(row, "    ") for row in rows}
     for k, name in enumerate(colors):
         if name in lines:

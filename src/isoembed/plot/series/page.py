@@ -92,7 +92,7 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
         vertices = np.concatenate([one.vertices for one in horizons] or [NO_VERTICES])
         frames.append(
             {
-                **{"stage": scene.moment, "t": None, "residual": None, "told": _told(scene)},
+                **{"stage": scene.moment, "t": None, "residual": None, "told": _report_lines(scene)},
                 **{"pause": pause, "mesh": mesh, "concave": None},
                 "positions": packed.add_short(pose.put(vertices).ravel()),
                 "values": {shade.shown: shade.packed(packed, horizons) for shade in shades},
@@ -144,9 +144,9 @@ def _pose(shown: Sequence[Scene]) -> Pose:
     return Pose(center, np.eye(3), size)
 
 
-def _told(scene: Scene) -> list[str]:
+def _report_lines(scene: Scene) -> list[str]:
     """Text about the horizons of a scene."""
-    rows = [one.row for one in scene.shown] + list(scene.lost)
+    rows = [one.row for one in scene.shown] + list(scene.missing)
     return [f"{row.series}: {known_of(row, ', ')}" for row in sorted(rows, key=lambda row: row.place)]
 
 

@@ -98,9 +98,9 @@ class PlacedHorizons:
         fields : collection of str, optional
             Vertex data to keep; by default all.
         """
-        kept = [_without(result, fields) for result in results]
-        table = SeriesTable.of(kept)
-        there = {result.label: result for result in kept if result.answered}
+        reduced = [_without(result, fields) for result in results]
+        table = SeriesTable.of(reduced)
+        there = {result.label: result for result in reduced if result.answered}
         ratios = [pair for result in there.values() if (pair := _ratio(result.report)) is not None]
         _, stretch = max(ratios, default=(0.0, 1.0))
         radii = [np.linalg.norm(result.arrays["vertices"], axis=1).max() for result in there.values()]
@@ -124,12 +124,12 @@ def _without(result: Result, fields: Collection[str] | None) -> Result:
     if fields is None:
         return result
     names = {FIELD + name for name in fields}
-    kept = {
+    arrays = {
         name: array
         for name, array in result.arrays.items()
         if not name.startswith(FIELD) or name in names or name == FIELD + IN_SLICE
     }
-    return Result(result.label, result.status, result.report, kept)
+    return Result(result.label, result.status, result.report, arrays)
 
 
 def _horizon(report: Mapping[str, Any]) -> Mapping[str, Any]:

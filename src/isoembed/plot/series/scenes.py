@@ -23,13 +23,13 @@ class Scene:
         Text of the time.
     shown : tuple of PlacedHorizon
         Embedded horizons in the order of the series.
-    lost : tuple of Row
+    missing : tuple of Row
         Rows at this time of horizons that are not embedded.
     """
 
     moment: str
     shown: tuple[PlacedHorizon, ...]
-    lost: tuple[Row, ...]
+    missing: tuple[Row, ...]
 
     @property
     def shells(self) -> tuple[PlacedHorizon, ...]:
@@ -51,8 +51,8 @@ def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
     for at, moment in zip(times.tolist(), along.written(times), strict=True):
         rows = [row for track in tracks if (row := track.nearest(at)) is not None]
         shown = tuple(placed.horizons[row.label] for row in rows if row.label in placed.horizons)
-        lost = tuple(row for row in rows if row.label not in placed.horizons)
-        found.append(Scene(moment, shown, lost))
+        missing = tuple(row for row in rows if row.label not in placed.horizons)
+        found.append(Scene(moment, shown, missing))
     there = [k for k, scene in enumerate(found) if scene.shown]
     return tuple(found[there[0] : there[-1] + 1]) if there else ()
 

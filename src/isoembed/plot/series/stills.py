@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from isoembed.plot.drawn import said
+from isoembed.plot.drawn import space_name
 from isoembed.plot.panel import Panel
 from isoembed.plot.placed import Scale, placed_figure
 from isoembed.plot.series.labels import CURVATURE, escaped
@@ -61,7 +61,7 @@ def measures_caption(report: Mapping[str, Any]) -> str:
     """Area and int H dA of a report's smooth surface, and the space if curved, one line each."""
     lines = [
         rf"area {report['area']:.8g}     $\int\! H\,dA = {report['integrated_mean_curvature']:.8g}$",
-        said(Space(report.get("space", {}).get("curvature", 0.0))),
+        space_name(Space(report.get("space", {}).get("curvature", 0.0))),
     ]
     return "\n".join(filter(None, lines))
 

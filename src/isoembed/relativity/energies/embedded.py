@@ -217,8 +217,7 @@ def embed_surface(
     trace = np.trace(data.metric.tensor(np.eye(3)), axis1=1, axis2=2)
     if not np.all((trace > 1e-200) & (trace < 1e200)):  # otherwise squares of lengths underflow or overflow
         raise InvalidMetric(
-            f"squares of lengths of about {trace.max():.3g} leave the range of numbers when they are "
-            "multiplied: take another unit"
+            f"products of squared lengths of about {trace.max():.3g} overflow or underflow: use another unit"
         )
     least = None
     if space == "hyperbolic":

@@ -65,7 +65,7 @@ def mesh_energies(
                 f"the {name} has the shape {np.shape(values)}: there are {n} vertices, so it must be ({n},)"
             )
     if momentum is not None and mean_curvature is None:
-        raise InvalidParameter("the momentum is of use only with the mean curvature")
+        raise InvalidParameter("the momentum requires the mean curvature")
     if not np.finfo(np.float64).tiny <= embedding.area < np.inf:
         raise InvalidParameter(
             f"the area is {embedding.area!r}, beyond the range of numbers: use another unit of length"
@@ -77,7 +77,7 @@ def mesh_energies(
             other = others[name]
             error = max(part.error, other.error + abs(part.value - other.value))
             parts[name] = Estimate(part.value, error)
-        notes.append("the lengths are taken for those of geodesics; the errors are wide enough for chords")
+        notes.append("lengths are assumed to be geodesic; the errors allow for chords")
     return Energies.of(
         Integrals(**parts), angular_momentum=angular_momentum, charge=charge, notes=tuple(notes)
     )

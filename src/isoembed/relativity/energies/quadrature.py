@@ -69,7 +69,7 @@ def smooth_energies(
         )
     if not embedding.converged:
         error += embedding.residual * abs(reference)
-        notes.append(f"not an embedding, but the best fit: lengths are off by up to {embedding.residual:.1e}")
+        notes.append(f"a best fit, not an embedding: lengths differ by up to {embedding.residual:.1e}")
     return _energies(data, {**values, "reference": Estimate(reference, error)}, notes, spin)
 
 
@@ -107,13 +107,11 @@ def _energies(
         J = spin.J + Estimate(data.electromagnetic_angular_momentum or 0.0, 0.0)
         if data.marginal and data.charge and data.electromagnetic_angular_momentum is None:
             notes.append(
-                "the electromagnetic part of J is not known: the Christodoulou mass and J / M^2 are those of "
-                "the part of K_ij"
+                "the electromagnetic part of J is unknown: the Christodoulou mass and J / M^2 use the part "
+                "of K_ij only"
             )
     if data.marginal and J is None:
-        notes.append(
-            "J is not known, and so the Christodoulou mass is not: K(., n) is needed, j_t and j_p in a file"
-        )
+        notes.append("J and the Christodoulou mass are unknown: they require K(., n), j_t and j_p in a file")
     if spin is not None and data.axis is not None and about is not None and spin.misses(about):
         notes.append(
             f"about the axis that was given J is {about:.6g}, "

@@ -42,8 +42,8 @@ class TimeFunction:
     def __post_init__(self) -> None:
         if np.shape(self.coefficients) != (self.harmonics.size,):
             raise InvalidParameter(
-                f"{self.harmonics.size} harmonics take as many coefficients, "
-                f"not {np.shape(self.coefficients)}"
+                f"{self.harmonics.size} harmonics require as many coefficients, not "
+                f"{np.shape(self.coefficients)}"
             )
 
     @classmethod
@@ -75,10 +75,10 @@ class TimeFunction:
         tau = cls(harmonics, transform.analysis(values_of(function, transform.u, "tau")[:, None])[:, 0])
         u = fibonacci_directions(1000)  # check points of the projection
         values = values_of(function, u, "tau")
-        missed = float(np.abs(tau.values(u) - values).max())
-        if missed > 1e-7 * np.abs(values).max():  # of the largest value
+        misfit = float(np.abs(tau.values(u) - values).max())
+        if misfit > 1e-7 * np.abs(values).max():  # of the largest value
             raise InvalidParameter(
-                f"tau is missed by {missed:.3g} by harmonics up to degree {degree}: it must be smooth"
+                f"harmonics up to degree {degree} have an error of {misfit:.3g} for tau, which must be smooth"
             )
         return tau
 

@@ -77,7 +77,9 @@ def wang_yau(
     B. Zhao, L. Andersson and S.-T. Yau, arXiv:2406.10751.
     """
     if not degrees or min(degrees) < 1:
-        raise InvalidParameter(f"the degrees of tau are {degrees}: there must be some, and all at least 1")
+        raise InvalidParameter(
+            f"the degrees of tau are {degrees}: there must be at least one, and all must be positive"
+        )
     time = None if isinstance(tau, str) and tau == "optimal" else _time_function(tau)
     at = TimeFunction.zero()
     if embedding is None:

@@ -235,8 +235,8 @@ class EmbeddedTime:
     def reference(self) -> float:
         """Integral of k0 dA0 / 8 pi, corrected to first order in the metric error of X."""
         shape, off = self.shape, self._off
-        missed = np.einsum("np,np->n", shape.conjugate * [1.0, np.sqrt(2.0), 1.0], off)
-        return float(self.functional.areas @ (shape.stretch * shape.k0 - 0.5 * missed)) / (8.0 * np.pi)
+        correction = np.einsum("np,np->n", shape.conjugate * [1.0, np.sqrt(2.0), 1.0], off)
+        return float(self.functional.areas @ (shape.stretch * shape.k0 - 0.5 * correction)) / (8.0 * np.pi)
 
     @cached_property
     def energy(self) -> float:

@@ -93,9 +93,8 @@ class Search:
             at = lower
         if foretold > STATIONARY * self.scale:
             raise NoMinimum(
-                f"the search ended at E = {at.energy:.6g}, from where Newton's step was to gain "
-                f"{foretold:.1e}: the time functions beyond are not admissible or not embedded, or the steps "
-                "did not suffice"
+                f"the search ended at E = {at.energy:.6g}, where the predicted decrease is {foretold:.1e}: "
+                "further time functions are not admissible or not embedded, or the steps did not suffice"
             )
         return at, eigenvalues
 
@@ -123,18 +122,18 @@ class Search:
 
     def _continued(self, functional: Functional, t: Floats) -> EmbeddedTime:
         """Embedding for a given tau, by continuation from 0."""
-        done, step, X = 0.0, 1.0, self.start
-        while done < 1.0:
+        fraction, step, X = 0.0, 1.0, self.start
+        while fraction < 1.0:
             self.embeddings += 1
-            there = functional.embedded(min(1.0, done + step) * t, X)
+            there = functional.embedded(min(1.0, fraction + step) * t, X)
             if there.misfit <= self.strained:
-                X, done = there.X, min(1.0, done + step)
+                X, fraction = there.X, min(1.0, fraction + step)
             elif step > SHORTEST_STEP:
                 step *= 0.5
             else:
-                least = EmbeddedTime(functional, done * t, X).admissible
+                least = EmbeddedTime(functional, fraction * t, X).admissible
                 raise NotEmbedded(
-                    f"the metric q + d tau d tau is not embedded beyond {done:.3g} times the given tau: "
+                    f"the metric q + d tau d tau is not embedded beyond {fraction:.3g} times the given tau: "
                     f"there K + det D^2 tau / W^2 is at least {least:.3g}",
                     self.base,
                 )
@@ -145,8 +144,8 @@ class Search:
         found = found.refined()
         if found.misfit > self.strained:
             raise NotEmbedded(
-                f"q + d tau d tau is missed by {found.misfit:.1e} by harmonics up to degree "
-                f"{self.harmonics.degree}",
+                f"harmonics up to degree {self.harmonics.degree} have an error of {found.misfit:.1e} for q "
+                "+ d tau d tau",
                 self.base,
             )
         # Error estimate from X in three quarters of the degree.
@@ -169,7 +168,7 @@ class Search:
             notes.append("the second derivatives are not all positive: this may be no minimum")
         if self.data.normal_momentum is None and isinstance(self.data.metric, GridMetric):
             notes.append(
-                "neither p nor K(., n) is given: they are taken to be 0, as in a time-symmetric slice"
+                "neither p nor K(., n) is given: both are assumed to be 0, as in a time-symmetric slice"
             )
         tau = found.time_function
         metric = TimeRaisedMetric(self.data.metric, tau)

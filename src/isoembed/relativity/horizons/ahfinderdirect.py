@@ -104,8 +104,8 @@ def shape_of_patches(origin: Floats, arrows: dict[str, Floats], source: str) -> 
             raise FileError(f"{source}: no point of the patch {name} is in the direction {name}")
     points = origin + _completed(np.concatenate(list(trimmed.values())), halves, source)
     # Copies of a point in two patches differ by the rounding of printed digits.
-    kept, faces = triangulate_star_shaped(points, origin, source, same=1e-4)
-    return CoordinateShape(points[kept], faces, origin, source=source, is_hull=True)
+    indices, faces = triangulate_star_shaped(points, origin, source, same=1e-4)
+    return CoordinateShape(points[indices], faces, origin, source=source, is_hull=True)
 
 
 def _has_header(file: InputFile) -> bool:
@@ -124,14 +124,14 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
     here = _Patch("", 0)
     number = 0
 
-    def wrong(what: str) -> FileError:
-        return FileError(f"{file}, line {number}: {what}")
+    def invalid_line(problem: str) -> FileError:
+        return FileError(f"{file}, line {number}: {problem}")
 
     def floats(words: list[str]) -> list[float]:
         try:
             return [float(word) for word in words]
         except ValueError as error:
-            raise wrong(str(error)) from None
+            raise invalid_line(str(error)) from None
 
     for number, line in enumerate(map(str.strip, text.splitlines()), 1):
         if not line:
@@ -140,7 +140,7 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
             key, values = header[1].lower(), floats(header[2].replace(",", " ").split())
             wanted = 3 if key == "origin" else 1
             if len(values) != wanted or not np.isfinite(values).all():
-                raise wrong(f"{line!r} does not give {wanted} finite numbers")
+                raise invalid_line(f"{line!r} does not give {wanted} finite numbers")
             if key == "origin":
                 origin = np.array(values)
             elif key == "n_patches":
@@ -150,21 +150,21 @@ def _patches(file: InputFile) -> tuple[Floats, dict[str, Floats]]:
         elif title := PATCH.match(line):
             here = _Patch(title[1].lower(), number)
             if here.name in patches:
-                raise wrong(f"the patch {here.name} is there twice")
+                raise invalid_line(f"the patch {here.name} occurs twice")
             patches[here.name] = here
         elif line[0] not in '#%!;"':
             words = line.replace(",", " ").split()
             if len(words) != 6:
-                raise wrong(f"there are {len(words)} columns, not 6")
+                raise invalid_line(f"there are {len(words)} columns, not 6")
             if not patches or not np.isfinite(origin).all():
                 missing = "'### +z patch'" if patches == {} else "'# origin = x y z'"
-                raise wrong(f"there are numbers before a line {missing}")
+                raise invalid_line(f"there are numbers before a line {missing}")
             row = floats(words)
             r, distance = row[2], float(np.linalg.norm(np.array(row[3:]) - origin))
             # Rounding of a printed radius, and of the distance from a remote origin.
             room = 1e-5 * r + 1e-9 * float(np.max(np.abs(origin)))
             if not (np.isfinite(row).all() and r > 0 and abs(r - distance) <= room):
-                raise wrong(
+                raise invalid_line(
                     f"the radius is {r:.6g}, but the point is at the distance {distance:.6g} from the origin"
                 )
             here.line = number
@@ -184,7 +184,7 @@ def _check_size(patch: _Patch, file: InputFile) -> None:
     if rows == 0 or rows not in allowed:
         raise FileError(
             f"{file}, line {patch.line}: the patch {patch.name} ends after {rows} rows; "
-            f"{rho} x {sigma} of them are announced"
+            f"{rho} x {sigma} are declared"
         )
 
 
@@ -253,8 +253,8 @@ def _completed(arrow: Floats, halves: dict[int, int], source: str) -> Floats:
     ):
         names = " nor ".join(candidate.name for candidate in candidates)
         raise FileError(
-            f"{source}: only a part of the surface is there, and neither {names} make it a smooth surface "
-            f"(creases of {misses[best]:.1g} of its radius)"
+            f"{source} has only part of the surface, and neither {names} complete it smoothly (creases of "
+            f"{misses[best]:.1g} of its radius)"
         )
     return completed[best]
 

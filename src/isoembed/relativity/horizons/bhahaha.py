@@ -63,8 +63,8 @@ def read_bhahaha(path: str | os.PathLike[str]) -> CoordinateShape:
             if n_phi < 3 or len(ring) != n_phi + 1 or apart > SAME * size:
                 off = f": it is off by {apart:.3g}" if len(ring) == n_phi + 1 else ""
                 raise FileError(
-                    f"{file}, line {table.lines[end]}: the ring that ends here is not {max(n_phi, 3)} points "
-                    f"and the first of them again{off}"
+                    f"{file}, line {table.lines[end]}: the ring that ends here does not have "
+                    f"{max(n_phi, 3)} points followed by the first one again{off}"
                 )
             rings.append(ring[:-1])
         times = [TIME.search(comment) for comment in table.comments]

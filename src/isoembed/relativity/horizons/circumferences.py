@@ -216,10 +216,10 @@ class _Atlas:
             u, along, across = self._placed(theta, psi)
             value, gradient = self.zeta.derivatives(u)
             fall = np.einsum("ni,ni->n", gradient, along)
-            missed = wanted - value
-            if np.abs(missed).max() <= 4e-15:  # rounding in zeta
+            residual = wanted - value
+            if np.abs(residual).max() <= 4e-15:  # rounding in zeta
                 break
-            theta = np.clip(theta + missed / fall, 0.5 * theta, 0.5 * (np.pi + theta))
+            theta = np.clip(theta + residual / fall, 0.5 * theta, 0.5 * (np.pi + theta))
         turn = -np.einsum("ni,ni->n", gradient, across) / fall
         velocity = turn[:, None] * along + across
         speed = np.sqrt(np.einsum("ni,nij,nj->n", velocity, self.metric.tensor(u), velocity))

@@ -278,7 +278,7 @@ def _conformal(
         phi = phi + part * step
         w, residual = left(phi)
     if not size <= 1e-6:
-        raise InvalidMetric(f"no round metric was found that is conformal to this one: {size:.1e} is left")
+        raise InvalidMetric(f"no round metric conformal to this one was found: the residual is {size:.1e}")
     _, found = eigh(S, _gram(Y, w), subset_by_index=[1, 3])
     found *= np.sqrt(4.0 * np.pi / 3.0)
     n, slope, _ = harmonics.derivatives(u, found)

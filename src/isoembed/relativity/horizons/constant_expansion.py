@@ -104,8 +104,8 @@ def constant_expansion_surface(
         # A variation of more than 2 % requires a higher degree.
         constant = spread <= max(min(0.02, 0.5 * fall), least)
         surface = StarSurface(guess.center, harmonics, f)
-        seen = harmonics.degree * clearance(geometry, surface) >= surface.mean_radius
-        if (smooth and constant and seen) or harmonics.degree >= highest:
+        resolved = harmonics.degree * clearance(geometry, surface) >= surface.mean_radius
+        if (smooth and constant and resolved) or harmonics.degree >= highest:
             break
         degree = min(highest, int(DEGREE_GROWTH * harmonics.degree))
         guess = in_degree(StarSurface(guess.center, harmonics, f), degree, symmetric)

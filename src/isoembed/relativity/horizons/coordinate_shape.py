@@ -92,9 +92,9 @@ class CoordinateShape:
         """
         check_solid(points, source)
         center = middle(points) if center is None else center
-        kept, faces = triangulate_star_shaped(points, center, source, polygons)
-        there = {name: values[kept] for name, values in (fields or {}).items()}
-        return cls(points[kept], faces, center, time, source=source, fields=there, is_hull=True)
+        indices, faces = triangulate_star_shaped(points, center, source, polygons)
+        there = {name: values[indices] for name, values in (fields or {}).items()}
+        return cls(points[indices], faces, center, time, source=source, fields=there, is_hull=True)
 
     def __post_init__(self) -> None:
         for array in (self.points, self.faces, self.center, *self.fields.values()):
@@ -140,10 +140,10 @@ def triangulate_star_shaped(
 
     Returns
     -------
-    kept : ndarray of int, shape (V,)
+    indices : ndarray of int, shape (V,)
         Indices of the distinct points.
     faces : ndarray of int, shape (F, 3)
-        Outward triangles, as indices into ``kept``: the convex hull of the directions.
+        Outward triangles, as indices into ``indices``: the convex hull of the directions.
     """
     check_solid(points, source)
     arrow = points - center
@@ -166,8 +166,8 @@ def triangulate_star_shaped(
             f"are in one direction from the center {_triple(center)}: the surface is not star-shaped about it"
         )
     _check_turns(u, polygons, points, center, source)
-    kept = np.unique(first)
-    v = u[kept]
+    indices = np.unique(first)
+    v = u[indices]
     if _dimension(v) < 3:  # points on a cone, too
         raise FileError(
             f"{source}: the directions of the points from the center {_triple(center)} lie in a plane: "
@@ -187,9 +187,9 @@ def triangulate_star_shaped(
     faces[inward] = faces[inward][:, ::-1]
     left = np.setdiff1d(np.arange(len(v)), faces)
     if len(left) or join(faces) is None:
-        where = f" at {_triple(points[kept[left[0]]])}" if len(left) else ""
+        where = f" at {_triple(points[indices[left[0]]])}" if len(left) else ""
         raise FileError(f"{source}: the points are too close to one another{where} to be triangulated")
-    return kept, faces
+    return indices, faces
 
 
 def check_solid(points: Floats, source: str) -> None:

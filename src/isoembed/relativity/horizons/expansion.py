@@ -79,7 +79,7 @@ def expansion_test(data: SurfaceData) -> ExpansionTest:
         There is no mean curvature, or a function returns an array of wrong shape.
     """
     if data.mean_curvature is None:
-        raise InvalidParameter("whether a surface is a horizon cannot be told without its mean curvature")
+        raise InvalidParameter("a horizon cannot be identified without the mean curvature")
     u, weights = gauss_rule(48, 96)
     k = values_of(data.mean_curvature, u, "the mean curvature")
     p = np.zeros(len(u)) if data.momentum is None else values_of(data.momentum, u, "the momentum")

@@ -74,8 +74,9 @@ def find_horizon(geometry: ThreeGeometry, guess: Surface | None = None) -> Found
         others = ", ".join(f"{other.area:.6g} around {_center(other)}" for other in search.horizons[1:])
         separate = "separate horizons" if search.separate else "horizons that were found"
         note = (
-            f"this is the one of the largest area, {first.area:.6g} around {_center(first)}, of "
-            f"{len(search.horizons)} {separate}; the others have {others}, and a guess there leads to them"
+            f"this one has the largest area, {first.area:.6g} around {_center(first)}, of "
+            f"{len(search.horizons)} {separate}; the others have {others}, and can be found from a guess "
+            "there"
         )
         return replace(first, notes=(*first.notes, note))
     _check_guess(guess)
@@ -166,10 +167,10 @@ def inner_horizon(outer: FoundHorizon) -> FoundHorizon:
         start = HarmonicMap.projected(surface, 24, symmetric=is_symmetric(geometry, surface))
         inner = refined_horizon(geometry, foliated_inwards(geometry, start.reparametrized()))
     except FAILURES as error:
-        raise NoHorizon(f"no inner horizon was found where it was looked for: {error}") from None
+        raise NoHorizon(f"no inner horizon was found in the searched region: {error}") from None
     if inner.outer:  # Newton's method may converge to the outer horizon
         raise NoHorizon(
-            "no inner horizon was found where it was looked for: the one that was found there, of area "
+            "no inner horizon was found in the searched region: the horizon found there, of area "
             f"{inner.area:.6g}, is stable, with the eigenvalue {inner.stability:.3g} / R^2"
         )
     return inner
@@ -216,7 +217,7 @@ def _search(geometry: ThreeGeometry) -> _Search:
     failures: list[tuple[HoleGroup, NoHorizon]] = []
     groups = list(hole_groups(geometry))
     for group in groups:
-        if any(group.holes & taken for taken, _ in found):
+        if any(group.holes & earlier for earlier, _ in found):
             continue
         try:
             horizon = _inside_sphere(geometry, group)
@@ -273,4 +274,4 @@ def _inside_sphere(geometry: ThreeGeometry, group: HoleGroup) -> FoundHorizon:
             return foliated_horizon(geometry, start)
         except FAILURES as error:
             why = str(error)
-    raise NoHorizon(f"no surface of constant expansion was found near the sphere to begin with: {why}")
+    raise NoHorizon(f"no surface of constant expansion was found near the starting sphere: {why}")

@@ -65,16 +65,16 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
             why = str(error)
             continue
         if not horizon.outer:
-            why = f"the one that was found is not stable, with the eigenvalue {horizon.stability:.3g} / R^2"
+            why = f"the horizon found is not stable, with the eigenvalue {horizon.stability:.3g} / R^2"
         elif not _is_between(horizon, foliation):
-            why = "the one that was found does not lie between them"
+            why = "the horizon found does not lie between them"
         else:
             return replace(horizon, outermost=_outermost(foliation))
     outer, inner = foliation.barriers
     proved = inner.greatest < 0.0 < outer.least
     kind: Literal["proved", "searched"] = "proved" if proved else "searched"
     verdict = (
-        "a horizon exists between two surfaces, and no horizon was resolved there"
+        "a horizon exists between two surfaces, but was not resolved"
         if proved
         else "the expansion seems to change sign between two surfaces, but by less than its error, and no "
         "horizon was resolved there"

@@ -116,7 +116,7 @@ def foliate(
         try:
             guess = recentered(last.displaced(step if outward else -step), symmetric)
             leaf = constant_expansion_surface(geometry, guess, symmetric=symmetric)
-            missed = _prediction_error(geometry, last, guess, leaf, step)
+            prediction_error = _prediction_error(geometry, last, guess, leaf, step)
         except (NoConvergence, InvalidMetric, InvalidParameter) as failure:
             step *= 0.5
             if not why or not isinstance(failure, NoConvergence):
@@ -125,13 +125,13 @@ def foliate(
                 end = f"no smaller surface was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
-        if missed > MISSED:
+        if prediction_error > MISSED:
             step, why = 0.5 * step, "surfaces differ from their prediction"
             if step < SHORTEST_STEP:
                 end = f"no smaller surface was found: {why}{_noisy(last)}"
                 return Foliation(tuple(leaves), None, minimum, error, end)
             continue
-        step = min(longest_step, step * float(np.clip(0.5 * MISSED / max(missed, 1e-3), 0.5, 2.0)))
+        step = min(longest_step, step * float(np.clip(0.5 * MISSED / max(prediction_error, 1e-3), 0.5, 2.0)))
         why = ""
         if (leaf.expansion <= 0.0) != outward:
             barriers = (leaf, last) if outward else (last, leaf)

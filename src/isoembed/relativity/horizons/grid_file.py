@@ -157,7 +157,7 @@ def _arrays(file: InputFile) -> Tables:
     found = {name: tables for name, tables in file.arrays.items() if _is_metric(tables)}
     tables = next(iter(found.values())) if found else file.arrays[""]
     if len(found) > 1:
-        raise FileError(f"{file} holds {len(found)} metrics, in the groups {', '.join(found)}: leave one")
+        raise FileError(f"{file} holds {len(found)} metrics, in the groups {', '.join(found)}: keep one")
     return tables
 
 

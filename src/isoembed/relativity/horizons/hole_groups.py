@@ -46,9 +46,9 @@ def hole_groups(geometry: ThreeGeometry) -> Iterator[HoleGroup]:
         return
     if not holes:
         raise InvalidParameter(
-            "the slice does not say where its black holes are: use find_horizon(geometry, guess) with a "
-            "guess for each, such as StarSurface.sphere(center, radius); a class of your own may define "
-            "black_holes or box"
+            "the slice does not specify the positions of its black holes: use find_horizon(geometry, guess) "
+            "with a guess for each, such as StarSurface.sphere(center, radius); a class of your own may "
+            "define black_holes or box"
         )
     everything = frozenset(range(len(holes)))
     # More than eight holes have too many groups to try them all.

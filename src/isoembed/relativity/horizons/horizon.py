@@ -114,7 +114,7 @@ def horizon_data(
         if geometry is not None:
             raise InvalidParameter(f"{name or 'the surface'} {OWN_METRIC}")
         if axis is not None:
-            raise InvalidParameter(f"{name} holds no coordinates that an axis could be given in")
+            raise InvalidParameter(f"{name} has no coordinates, which an axis requires")
         measured = None if found.mean_curvature is None else expansion_test(found)
         data = classify_horizon(replace(found, name=name), marginal, measured)
         return data, HorizonFacts(data.marginal, measured, curvature_check=CurvatureCheck.of(data))

@@ -82,15 +82,14 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
                 return known.read(file)
         if file.ending in ARRAY_ENDINGS:
             there = file.contents
-            kind = next((what for names, what in UNREAD if re.search(names, there)), "")
+            kind = next((problem for names, problem in UNREAD if re.search(names, there)), "")
             raise FileError(
                 f"{file} holds {there}: neither a metric (theta, phi, q_tt, q_tp, q_pp) nor points{kind}"
             )
     raise FileError(
         f"{file} is neither a file of AHFinderDirect or BHaHAHA (h.t*.ah*.gp), of GRChombo (coords_AH*.dat) "
         "or of SpECTRE (*_Ylm.dat), nor a table of a metric with theta, phi, q_tt, q_tp and q_pp above its "
-        "columns, nor of a kind that the endings "
-        f"{' '.join(ARRAY_ENDINGS)} {' '.join(MESH_ENDINGS)} tell"
+        f"columns, nor a file with one of the endings {' '.join(ARRAY_ENDINGS)} {' '.join(MESH_ENDINGS)}"
     )
 
 
@@ -112,7 +111,7 @@ def _read_mesh(file: InputFile) -> CoordinateShape:
 def _read_points(file: InputFile) -> CoordinateShape:
     shapes = _groups_of_points(file)
     if len(shapes) > 1:
-        raise FileError(f"{file} holds {len(shapes)} surfaces, in the groups {', '.join(shapes)}: leave one")
+        raise FileError(f"{file} holds {len(shapes)} surfaces, in the groups {', '.join(shapes)}: keep one")
     return _shape_of(next(iter(shapes.values())), str(file))
 
 
@@ -145,11 +144,11 @@ def _shape_of(tables: Tables, source: str) -> CoordinateShape:
         raise FileError(f"{source}: the center has the shape {np.shape(given)}, not (3,)")
     center = None if given is None else np.array(given, dtype=np.float64)
     time = float(np.asarray(tables["time"]).reshape(())) if np.size(tables.get("time", ())) == 1 else None
-    taken = {*POINTS, *CENTERS, "x", "y", "z", "faces", "edges", "lengths", "time"}
+    reserved = {*POINTS, *CENTERS, "x", "y", "z", "faces", "edges", "lengths", "time"}
     fields = {
         name: np.asarray(values, dtype=np.float64).ravel()
         for name, values in tables.items()
-        if name not in taken and np.asarray(values).dtype.kind in "iuf" and np.size(values) == len(points)
+        if name not in reserved and np.asarray(values).dtype.kind in "iuf" and np.size(values) == len(points)
     }
     if "faces" not in tables:
         return CoordinateShape.star_shaped(points, source, center, fields=fields, time=time)

@@ -150,14 +150,14 @@ def _surfaces_in(file: Any, path: str) -> dict[str, SurfaceGroup | HarmonicTable
     """Surfaces in an open HDF5 file; points take precedence over coefficients of the same name."""
     groups: dict[str, SurfaceGroup] = {}
     tables: dict[str, HarmonicTable] = {}
-    seen, left = {file}, [file]  # groups may contain themselves
+    visited, left = {file}, [file]  # groups may contain themselves
     while left:
         above = left.pop()
         for name in _inside(above):
             item = above[name]
-            if item in seen:
+            if item in visited:
                 continue
-            seen.add(item)
+            visited.add(item)
             called = surface_name(item.name.strip("/"))
             if not hasattr(item, "items"):
                 if name.endswith(HARMONICS) and (table := HarmonicTable.in_dataset(item)):

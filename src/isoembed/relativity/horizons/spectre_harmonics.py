@@ -124,8 +124,8 @@ def harmonic_shape(row: dict[str, NDArray[Any]], source: str, time: float) -> Co
     missing = [name for name in names if name not in row]
     beyond = sorted(name for name in row.keys() - {*names} if name.startswith("coef(") and row[name] != 0.0)
     if missing or beyond:
-        what = f"no {missing[0]}" if missing else f"a {beyond[0]} that is not 0"
-        raise FileError(f"{source} has Lmax = {degree}, but {what}")
+        defect = f"no {missing[0]}" if missing else f"a {beyond[0]} that is not 0"
+        raise FileError(f"{source} has Lmax = {degree}, but {defect}")
     # Orthonormal harmonics are P_l0 / sqrt(2 pi), and P_lm cos(m phi) or sin(m phi) over sqrt(pi).
     orders = harmonics.labels[1]
     scale = np.where(orders == 0, np.sqrt(np.pi / 2.0), np.sign(orders) * np.sqrt(np.pi))

@@ -241,7 +241,7 @@ class _Trial:
             "of the three rotations that shear the surface least, the one with the largest J; the surface is "
         )
         if self.largest_shear <= small:
-            how += "round within its error, and only K(., n) tells the axis"
+            how += "round within its error, and only K(., n) determines the axis"
         elif self.shear <= small:
             how += "symmetric about this axis"
         else:

@@ -111,7 +111,7 @@ def rank(there: Collection[str], known: Sequence[Variables]) -> int:
 def variables_in(there: Collection[str], known: Sequence[Variables], name: str) -> Variables:
     """First complete set of variables.
 
-    Raises `FileError`: no set is complete; the message names what is missing from the most complete one.
+    Raises `FileError`: no set is complete; the message names those missing from the most complete one.
     """
     if (first := rank(there, known)) < len(known):
         return known[first]

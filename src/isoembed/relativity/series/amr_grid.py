@@ -88,7 +88,7 @@ class AMRGrid(ThreeGeometry):
             return ()
         return (
             f"the slice has {len(self._levels)} refinement levels, with spacings from {first.spacing[0]:.6g} "
-            f"to {last.spacing[0]:.6g}: at each point the finest one that surrounds it is taken",
+            f"to {last.spacing[0]:.6g}: at each point the finest one around it is used",
         )
 
     @property

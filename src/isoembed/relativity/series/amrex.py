@@ -135,7 +135,7 @@ class _Header:
         try:
             version = next(lines)
             if version != VERSION:
-                raise FileError(f"{path / HEADER} is of the version {version!r}: {VERSION} is read")
+                raise FileError(f"{path / HEADER} has the version {version!r}, not {VERSION}")
             names = [next(lines).strip() for _ in range(int(next(lines)))]
             if (dimensions := int(next(lines))) != 3:
                 raise FileError(f"{path} has {dimensions} dimensions of space, not three")
@@ -191,7 +191,7 @@ class _Level:
         lines = _lines(path)
         try:
             if (version := next(lines).strip()) != CELL_VERSION:
-                raise FileError(f"{path} is of the version {version}: {CELL_VERSION} is read")
+                raise FileError(f"{path} has the version {version}, not {CELL_VERSION}")
             next(lines)  # distribution of the data over files, which is repeated below
             if (components := int(next(lines))) != count:
                 raise FileError(f"{path} has {components} variables, but {HEADER} names {count}")
@@ -204,7 +204,7 @@ class _Level:
                 _, file, start = next(lines).split()
                 places.append((path.parent / file, int(start)))
             if len(places) != number or number == 0:
-                raise FileError(f"{path} has {number} boxes, and says where {len(places)} of them are")
+                raise FileError(f"{path} has {number} boxes, but the positions of {len(places)}")
             return cls(boxes[:, 0], boxes[:, 1], boxes[0, 2], ghosts, places)
         except FileError:
             raise
@@ -223,10 +223,10 @@ class _Level:
                 head = FAB.fullmatch(file.readline(LINE))
                 kind = head and REALS.get((head[2].decode(), head[4].decode()))
                 if not head or not kind:
-                    raise FileError(f"{path} has no box of numbers known here at byte {start}")
+                    raise FileError(f"{path} has no box of numbers in a known format at byte {start}")
                 stored = _boxes(head[5].decode())[0]
                 if (stored[1] - stored[0] + 1).tolist() != shape or max(columns) >= int(head[6]):
-                    raise FileError(f"{path}: the box at byte {start} is not the one that Cell_H says")
+                    raise FileError(f"{path}: the box at byte {start} differs from that in Cell_H")
                 first, dtype, count = file.tell(), np.dtype(kind), (k.stop - k.start) * ny * nx
                 for column in columns:
                     file.seek(first + dtype.itemsize * nx * ny * (column * nz + k.start))

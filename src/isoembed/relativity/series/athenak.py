@@ -143,7 +143,7 @@ class _File:
     @classmethod
     def _read(cls, path: Path, file: BinaryIO) -> _File:
         if (version := _line(file).removeprefix(MAGIC)) != VERSION:
-            raise FileError(f"{path} is of the version {version!r} of AthenaK: {VERSION} is read")
+            raise FileError(f"{path} has the version {version!r} of AthenaK, not {VERSION}")
         count = int(_after(_line(file)))
         lines = (_line(file).partition("=") for _ in range(count - 1))
         facts = {name.strip(): value.strip() for name, _, value in lines}
@@ -258,8 +258,8 @@ class _Data:
         block: _Block = component.key
         data = self._files[block.file].block(block.record)
         ghosts = [(n - cells) // 2 for n, cells in zip(data.shape[:0:-1], self._cells, strict=True)]
-        taken = part if block.coarsened == 0 else tuple(slice(0, n) for n in self._cells)
-        i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(taken, ghosts, strict=True))
+        selection = part if block.coarsened == 0 else tuple(slice(0, n) for n in self._cells)
+        i, j, k = (slice(s.start + g, s.stop + g) for s, g in zip(selection, ghosts, strict=True))
         rows = [data[column, k, j, i].T for column in self._columns]
         fields = self._variables.adm(np.stack(rows).astype(np.float64))
         if block.coarsened == 0:

@@ -82,7 +82,7 @@ class CarpetSlice:
     def digest(self) -> str:
         """Hash of the data sets of the iteration on all levels: their layout and every eighth plane.
 
-        An iteration often has gigabytes of data, of which a horizon needs a small part; hashing all of it
+        An iteration often has gigabytes of data, and a horizon needs a small part; hashing all of it
         would take seconds for each horizon.  Raises `FileError`: a file cannot be read, or changes meanwhile.
         """
         sha = hashlib.sha256(repr((self.iteration, self.symmetry, self.flaw)).encode())

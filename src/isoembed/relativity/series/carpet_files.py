@@ -116,7 +116,7 @@ class _Folder:
             if (there := len(processes)) < wrote:
                 folder = self.files[0].path.parent
                 return self._flaw or (
-                    f"{folder}: {wrote} processes wrote files, but of {stem} there are those of {there} only"
+                    f"{folder}: {wrote} processes wrote files, but of {stem} only those of {there} exist"
                 )
         return self._flaw
 

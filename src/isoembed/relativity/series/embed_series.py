@@ -113,8 +113,8 @@ def _tasks(moments: Iterable[Any], options: HorizonOptions) -> Iterator[HorizonT
         moment = _moment(position, given)
         if moment.label in labels:
             raise InvalidParameter(
-                f"moment {position} is {moment.label}, as one before it is: each must differ in its series, "
-                "iteration or time"
+                f"moment {position} has the label of an earlier one, {moment.label}: moments must differ in "
+                "series, iteration or time"
             )
         labels.add(moment.label)
         yield HorizonTask(moment, options)

@@ -81,8 +81,8 @@ class HorizonOptions:
 class HorizonTask:
     """Embedding of the horizon of a moment; see `isoembed.runs.Task`.
 
-    The report is that of `isoembed.relativity.embed_surface` with ``horizon``, what the file and the
-    expansion say of it, and ``moment``.  The arrays are those of the mesh, its ``directions`` on the sphere,
+    The report is that of `isoembed.relativity.embed_surface` with ``horizon``, the data of the file and
+    the expansion, and ``moment``.  The arrays are those of the mesh, its ``directions`` on the sphere,
     ``vertices``, ``faces`` and ``field/`` with each name of data at the vertices, and those of the
     `isoembed.smooth.Start` that the surface is for the next one, which has the same mesh.
 

@@ -81,7 +81,7 @@ class GridDataSlice:
     def __post_init__(self) -> None:
         for name in self.fields:
             if name not in (*GAMMA, *K):
-                raise InvalidParameter(f"{name!r} is none of the fields gxx ... gzz and kxx ... kzz")
+                raise InvalidParameter(f"{name!r} is not one of the fields gxx ... gzz and kxx ... kzz")
             for part in _parts(self.fields[name]):
                 if not hasattr(part, "ghost_zones_removed") or np.ndim(part.data) != 3:
                     raise InvalidParameter(

@@ -62,7 +62,7 @@ def ordered(moments: Iterable[Moment]) -> list[Moment]:
     for moment in out:
         if (other := labels.setdefault(moment.label, moment)) is not moment:
             raise InvalidParameter(
-                f"{other.shape.name} and {moment.shape.name} are both {_when(moment)}: leave one"
+                f"{other.shape.name} and {moment.shape.name} are both {_when(moment)}: keep one"
             )
     return out
 
@@ -114,17 +114,19 @@ class _Slices:
     def _missing(self, shape: Moment) -> MissingSlice:
         here = f"no slice for {_when(shape)} ({shape.shape.name})"
         if self.count == 0:
-            return MissingSlice(f"there is {here}: there is none at all")
+            return MissingSlice(f"there is {here}: there are no slices")
         there = [
             *([f"iterations {_range(sorted(self.by_iteration))}"] if self.by_iteration else []),
             *([f"t = {_range(self.times.tolist())}"] if len(self.times) else []),
         ]
-        what = f"slices are at {' and '.join(there)}" if there else "slices say neither iteration nor time"
-        return MissingSlice(f"there is {here}: {what}")
+        reason = (
+            f"slices are at {' and '.join(there)}" if there else "the slices have neither iteration nor time"
+        )
+        return MissingSlice(f"there is {here}: {reason}")
 
 
 def _refuse(one: SliceSource, other: SliceSource, when: str) -> None:
-    raise InvalidParameter(f"{one.name} and {other.name} are both slices of {when}: leave one")
+    raise InvalidParameter(f"{one.name} and {other.name} are both slices of {when}: keep one")
 
 
 def _room(lists: Sequence[np.ndarray]) -> float:

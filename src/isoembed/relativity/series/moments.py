@@ -90,14 +90,14 @@ def moments(
         shapes += found[0]
         slices += found[1] if geometry is None else []
     shapes = _chosen(shapes, horizons, surface)
-    held = None
+    last_simulation = None
     if geometry is None and not slices:
         _refuse_coordinates(shapes)
         return ordered(shapes)
     if geometry is not None:
-        held, slices = _slices(geometry, simulation_in)
-    if held is not None:
-        return ordered(replace(shape, slice=held) for shape in shapes)
+        last_simulation, slices = _slices(geometry, simulation_in)
+    if last_simulation is not None:
+        return ordered(replace(shape, slice=last_simulation) for shape in shapes)
     out = matched(shapes, slices)
     missing = [moment.slice.why for moment in out if isinstance(moment.slice, MissingSlice)]
     if len(missing) == len(out):
@@ -170,8 +170,8 @@ def simulation(folder: Any) -> tuple[list[Moment], list[ListedSlice[SliceSource]
         With ``h.t*.ah*.gp`` and ``BH_diagnostics.ah*.gp`` of AHFinderDirect, or ``h.t*.ah*.gp`` and
         ``BHaHAHA_diagnostics.ah*.gp`` of BHaHAHA, or else ``surface*.vtk`` of QuasiLocalMeasures; and
         three-dimensional HDF5 files of ``ADMBase::metric`` and ``ADMBase::curv`` by Carpet, or openPMD files
-        of those of ADMBaseX by CarpetX, in any subfolders.  Of what is in several of them, as after restarts,
-        the last one counts.
+        of those of ADMBaseX by CarpetX, in any subfolders.  Of duplicates, as after restarts, the last one
+        counts.
 
     Returns
     -------
@@ -181,9 +181,9 @@ def simulation(folder: Any) -> tuple[list[Moment], list[ListedSlice[SliceSource]
 
     Notes
     -----
-    kuibit knows which files belong to a simulation, and is asked once, in the process that lists the moments.
+    kuibit determines the files of a simulation, and is called once, in the process that lists the moments.
     The data are then read with h5py: kuibit reads all levels of a field, from the first of several restarts
-    that have an iteration, and keeps what it has read.  Of 841 MB on seven levels in the files of eight
+    that have an iteration, and caches them.  Of 841 MB on seven levels in the files of eight
     processes its twelve fields take 4.5 s and 1.5 GB; the part of one level that a horizon needs, 76 points
     along each axis, takes 0.5 s and 0.1 GB, in a process of its own.
     """

@@ -5,7 +5,7 @@ of the interpolation is filled from the components of one level and their images
 run; if a level does not cover it, the next coarser one is used.
 
 Cubes of `isoembed.relativity.series.amr_grid`, by which each point has a level of its own, would be slower
-here: these files have a data set for each of the twelve fields, of which whole rows are read.  For 73 points
+here: these files have a data set for each of the twelve fields and are read in whole rows.  For 73 points
 across a horizon, 25 cubes take eight times as long as one box, and twice the memory.
 """
 

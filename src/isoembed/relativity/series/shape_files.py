@@ -107,7 +107,7 @@ def _of_grchombo(path: str, times: dict[Path, dict[int, float]]) -> Moment:
     """Coordinate file with its time; its number counts outputs of the finder and is not an iteration."""
     table, parts = stats_path(path), NAME.fullmatch(Path(path).name)
     if table is None or parts is None:
-        raise FileError(f"{path} has no table stats_AH<number>.dat, which says its time and its origin")
+        raise FileError(f"{path} has no table stats_AH<number>.dat with its time and origin")
     if table not in times:
         times[table] = {}
         with contextlib.suppress(FileError):  # reading will say why
@@ -127,7 +127,7 @@ def _listed(path: str) -> list[Moment]:
     if input_ending(path) in ARRAY_ENDINGS:
         with contextlib.suppress(FileError):
             if holds_slices(path):
-                raise InvalidParameter(f"{path} holds slices, not horizons: it goes with geometry=")
+                raise InvalidParameter(f"{path} holds slices, not horizons: pass it as geometry=")
             with InputFile(path) as file:
                 there = file.some(INSTANT)
             there = {name: values for name, values in there.items() if _is_number(values)}

@@ -47,8 +47,8 @@ class SliceFormat:
     name : str
         Name for messages.
     holds : callable
-        Whether a file or a folder is of this format.  Raises `FileError` where that cannot be told because it
-        is damaged.
+        Whether a file or a folder is of this format.  Raises `FileError` if a damaged file does not
+        permit a decision.
     slices : callable
         Takes files and folders of this format, and returns the slices in them as a list of `ListedFile`.
         Raises `FileError` where one cannot be read.
@@ -198,9 +198,7 @@ def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
     if not there:
         raise FileError(f"there are no files of slices in {path}: {listing_of(path)}")
     if len(there) > 1:
-        raise FileError(
-            f"{path} holds {len(there)} slices, as `isoembed series` takes them: here one is needed"
-        )
+        raise FileError(f"{path} holds {len(there)} slices, and only `isoembed series` accepts several")
     return there[0]
 
 
@@ -232,7 +230,7 @@ def slices_of_pattern(pattern: str) -> list[ListedSlice[SliceSource]]:
 
 
 def slices_in_folder(folder: str | os.PathLike[str]) -> list[ListedFile]:
-    """Slices in the files right inside a folder, by what is in them, else by name; damaged files, too.
+    """Slices in the files directly in a folder, by content, else by name; damaged files, too.
 
     Files that are parts of a slice, such as those of the processes of a run, are taken together.  Empty if
     there are damaged files only: they may be anything.  Raises `FileError`: the folder cannot be read; or it

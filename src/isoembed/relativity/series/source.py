@@ -37,8 +37,8 @@ class Source(Protocol[T_co]):
     def read(self) -> T_co:
         """Read the data.
 
-        Raises `FileError` or `InvalidMetric`: it cannot be read, changes meanwhile, or is not what it should
-        be; one sentence says why.
+        Raises `FileError` or `InvalidMetric`: it cannot be read, changes meanwhile, or is invalid;
+        one sentence gives the reason.
         """
         ...
 
@@ -169,7 +169,7 @@ def object_digest(thing: object) -> str:
     """
     hashed = _HashedPickle()
     pickler = _Contents(hashed, protocol=4)  # from 5 on pickles tell arrays from views of them
-    pickler.fast = True  # without references to what was pickled before: equal objects count as the same
+    pickler.fast = True  # without references to earlier objects: equal objects count as the same
     try:
         pickler.dump(thing)
     except (pickle.PicklingError, AttributeError, TypeError, ValueError, RecursionError):
@@ -182,7 +182,7 @@ def _named(thing: type | FunctionType) -> str:
 
 
 class _HashedPickle:
-    """File that hashes what is written to it."""
+    """File object that hashes the data written to it."""
 
     def __init__(self) -> None:
         self.sha = hashlib.sha256()
@@ -198,13 +198,13 @@ class _Contents(pickle.Pickler):
     def reducer_override(self, thing: Any) -> Any:
         if isinstance(thing, FunctionType) or (isinstance(thing, type) and "<locals>" in thing.__qualname__):
             return str, (_named(thing),)
-        kept = [
+        modules = [
             name
             for base in type(thing).__mro__
             for name, value in vars(base).items()
             if isinstance(value, cached_property)
         ]
-        if isinstance(thing, type) or not kept:
+        if isinstance(thing, type) or not modules:
             return NotImplemented
         make, given, state, *rest = thing.__reduce_ex__(4)
-        return make, given, {name: value for name, value in state.items() if name not in kept}, *rest
+        return make, given, {name: value for name, value in state.items() if name not in modules}, *rest

@@ -140,9 +140,9 @@ class SeriesTable:
         rows, harmonics = list[Row](), dict[str, dict[str, NDArray[Any]]]()
         for result in results:
             rows.append(Row.of(result))
-            kept = {name: array for name, array in result.arrays.items() if name.startswith(HARMONICS)}
-            if kept:
-                harmonics[result.label] = kept
+            arrays = {name: array for name, array in result.arrays.items() if name.startswith(HARMONICS)}
+            if arrays:
+                harmonics[result.label] = arrays
         return cls(tuple(sorted(_dated(rows), key=lambda row: row.place)), harmonics)
 
     @property

@@ -106,7 +106,9 @@ class CartesianGrid(ThreeGeometry):
     @property
     def notes(self) -> tuple[str, ...]:
         """See `ThreeGeometry`."""
-        assumed = ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
+        assumed = (
+            ("the slice has no K_ij: it is assumed to be time-symmetric",) if self.time_symmetric else ()
+        )
         return (*self.remarks, *assumed)
 
     @property
@@ -253,9 +255,9 @@ class _Wider(DerivedGeometry):
         return values
 
 
-def _six(what: str, given: ArrayLike) -> Floats:
+def _six(name: str, given: ArrayLike) -> Floats:
     """Entries (6, nx, ny, nz) of symmetric matrices, read-only."""
-    array = array_of(what, given).astype(np.float64, copy=False)
+    array = array_of(name, given).astype(np.float64, copy=False)
     if array.ndim == 5 and array.shape[:2] == (3, 3):
         # A larger asymmetry is not rounding.
         with np.errstate(invalid="ignore"):  # of infinities
@@ -264,12 +266,12 @@ def _six(what: str, given: ArrayLike) -> Floats:
             if apart[i, j].any():
                 at = tuple(int(index) for index in np.argwhere(apart[i, j])[0])
                 raise InvalidParameter(
-                    f"{what} is not symmetric at the grid point {at}: {array[i, j][at]} and {array[j, i][at]}"
+                    f"{name} is not symmetric at the grid point {at}: {array[i, j][at]} and {array[j, i][at]}"
                 )
         array = array[np.triu_indices(3)]
     if array.ndim != 4 or len(array) != 6:
         raise InvalidParameter(
-            f"{what} must have the shape (6, nx, ny, nz) or (3, 3, nx, ny, nz), not {array.shape}"
+            f"{name} must have the shape (6, nx, ny, nz) or (3, 3, nx, ny, nz), not {array.shape}"
         )
     array = np.ascontiguousarray(array).view()
     array.setflags(write=False)

@@ -11,19 +11,19 @@ from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric, InvalidParameter
 
 
-def positive_number(what: str, value: float) -> float:
+def positive_number(name: str, value: float) -> float:
     """Checked positive finite number.  Raises `InvalidParameter`: the value is not one."""
     number = numbers(value)
     if number.ndim != 0 or not (isfinite(number) and number > 0.0):
-        raise InvalidParameter(f"{what} must be positive, not {value}")
+        raise InvalidParameter(f"{name} must be positive, not {value}")
     return float(number)
 
 
-def vector(what: str, value: Sequence[float] | Floats) -> tuple[float, float, float]:
+def vector(name: str, value: Sequence[float] | Floats) -> tuple[float, float, float]:
     """Checked triple of finite numbers.  Raises `InvalidParameter`: the value is not one."""
     array = numbers(value)
     if array.shape != (3,) or not np.isfinite(array).all():
-        raise InvalidParameter(f"{what} must be three finite numbers, not {value}")
+        raise InvalidParameter(f"{name} must be three finite numbers, not {value}")
     x, y, z = array.tolist()
     return x, y, z
 
@@ -44,7 +44,7 @@ def refuse_points(bad: Mask, x: NDArray[Any], why: str) -> None:
         raise InvalidParameter(f"point {i}, {written(x[i].real)}, {why}")
 
 
-def check_slice(what: str, x: Floats, gamma: Floats) -> None:
+def check_slice(name: str, x: Floats, gamma: Floats) -> None:
     """Raise an `InvalidMetric` if gamma (n, 3, 3), at points x (n, 3), is not positive definite."""
     with np.errstate(invalid="ignore"):
         minor = gamma[:, 0, 0] * gamma[:, 1, 1] - gamma[:, 0, 1] * gamma[:, 1, 0]
@@ -55,16 +55,16 @@ def check_slice(what: str, x: Floats, gamma: Floats) -> None:
         entries = ", ".join(f"{value:.6g}" for value in gamma[i][np.triu_indices(3)])
         missing = "; data are missing there or nearby" if np.isnan(gamma[i]).any() else ""
         raise InvalidMetric(
-            f"{what} at {written(x[i])} is not positive definite: xx, xy, ... = {entries}{missing}"
+            f"{name} at {written(x[i])} is not positive definite: xx, xy, ... = {entries}{missing}"
         )
 
 
-def check_symmetric(what: str, x: Floats, tensor: Floats, allowed: float) -> None:
+def check_symmetric(name: str, x: Floats, tensor: Floats, allowed: float) -> None:
     """Raise an `InvalidMetric` if a tensor (n, 3, 3), at points x (n, 3), is not symmetric.
 
     Parameters
     ----------
-    what : str
+    name : str
         Name of the tensor, for the message.
     x, tensor : ndarray
     allowed : float
@@ -74,17 +74,17 @@ def check_symmetric(what: str, x: Floats, tensor: Floats, allowed: float) -> Non
     if uneven.any():
         point, i, j = np.argwhere(uneven)[0]
         raise InvalidMetric(
-            f"{what} at {written(x[point])} is not symmetric: its entry {'xyz'[i]}{'xyz'[j]} is "
+            f"{name} at {written(x[point])} is not symmetric: its entry {'xyz'[i]}{'xyz'[j]} is "
             f"{tensor[point, i, j]:.6g}, and {'xyz'[j]}{'xyz'[i]} is {tensor[point, j, i]:.6g}"
         )
 
 
-def check_finite(what: str, x: Floats, values: Floats) -> Floats:
+def check_finite(name: str, x: Floats, values: Floats) -> Floats:
     """Checked values (n, ...) at points x (n, 3).  Raises `InvalidMetric`: one is not finite."""
     good = np.isfinite(values.reshape(len(x), -1)).all(axis=1)
     if not good.all():
         raise InvalidMetric(
-            f"{what} at {written(x[int(np.argmin(good))])} is not finite: data are missing there or nearby"
+            f"{name} at {written(x[int(np.argmin(good))])} is not finite: data are missing there or nearby"
         )
     return values
 

@@ -79,7 +79,7 @@ class ElementGrid(ThreeGeometry):
         object.__setattr__(self, "elements", tuple(self.elements))
         if len({element.K is None for element in self.elements}) != 1:
             raise InvalidParameter(
-                "the elements of a slice must all have K_ij, or none, and there must be one"
+                "a slice must have at least one element, and all or none of the elements must have K_ij"
             )
 
     @property
@@ -90,7 +90,7 @@ class ElementGrid(ThreeGeometry):
     @property
     def notes(self) -> tuple[str, ...]:
         """See `ThreeGeometry`."""
-        return ("the slice has no K_ij: it is taken to be time-symmetric",) if self.time_symmetric else ()
+        return ("the slice has no K_ij: it is assumed to be time-symmetric",) if self.time_symmetric else ()
 
     def metric(self, x: Floats) -> Floats:
         """See `ThreeGeometry`.

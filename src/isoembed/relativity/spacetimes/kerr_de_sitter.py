@@ -198,8 +198,8 @@ def horizon_radii(mass: float, spin: float, cosmological_constant: float) -> tup
     turns = np.sort(turns.real[there])  # minimum of Delta, and for lambda > 0 its maximum
     if turns.size != 1 + (lam > 0.0) or Delta(turns[0]) > 1e-14 or Delta(turns[-1]) * lam < 0.0:
         raise InvalidParameter(
-            f"spin {spin:.9g} and cosmological_constant {cosmological_constant:.9g} leave a mass of "
-            f"{mass:.9g} without a horizon"
+            f"there is no horizon for spin {spin:.9g}, cosmological_constant {cosmological_constant:.9g} "
+            f"and mass {mass:.9g}"
         )
     outward = float(turns[1]) if lam > 0.0 else 2.0
     inner = float(turns[0])

@@ -51,7 +51,7 @@ def kerr_surface(
     """
     kind, _, text = surface.partition("=")
     if kind not in ("horizon", "r", "ergosphere") or (kind == "horizon") != (surface == "horizon"):
-        raise InvalidParameter(f"surface {surface}: there are {SURFACES}")
+        raise InvalidParameter(f"surface {surface} is not one of {SURFACES}")
     try:
         number = 0.0 if kind == "horizon" else float(text)
     except ValueError:
@@ -60,8 +60,10 @@ def kerr_surface(
         raise InvalidParameter(f"surface {surface}: {why}, for instance {example}") from None
     if cosmological_constant:
         if charge or kind == "ergosphere" or slice != "boyer-lindquist":
-            what = "charge" if charge else f"surface {kind}" if kind == "ergosphere" else f"slice {slice}"
-            raise InvalidParameter(f"{what} does not go with a cosmological constant")
+            parameter = (
+                "charge" if charge else f"surface {kind}" if kind == "ergosphere" else f"slice {slice}"
+            )
+            raise InvalidParameter(f"{parameter} cannot be combined with a cosmological constant")
         if kind == "horizon":
             return KerrDeSitterSphere.horizon(mass, spin, cosmological_constant).data()
         return KerrDeSitterSphere(number, mass, spin, cosmological_constant).data()
@@ -82,10 +84,12 @@ def kerr_surface(
         shape = StarSurface.from_radius(geometry.spheroid(horizon if kind == "horizon" else number))
     elif slice == "painleve-gullstrand":
         if spin:
-            raise InvalidParameter(f"the slice {slice} is that of a hole without spin, not {spin:g}")
+            raise InvalidParameter(f"the slice {slice} requires zero spin, not {spin:g}")
         geometry = PainleveGullstrand(mass)
         shape = StarSurface.sphere((0.0, 0.0, 0.0), 2.0 * mass if kind == "horizon" else number)
     else:
-        raise InvalidParameter(f"slice {slice}: there are boyer-lindquist, kerr-schild, painleve-gullstrand")
+        raise InvalidParameter(
+            f"slice {slice} is not one of boyer-lindquist, kerr-schild and painleve-gullstrand"
+        )
     name = f"{surface} of mass {mass:.9g} and spin {spin:.9g} in the slice {slice}"
     return shape.data(geometry, marginal=kind == "horizon", name=name)

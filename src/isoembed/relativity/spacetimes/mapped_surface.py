@@ -146,7 +146,9 @@ class MappedSurface(Surface):
         inward = volume(triangles.faces, x / np.abs(x).max()) < 0.0
         fit = fit_mesh(x, triangles.faces[:, ::-1].copy() if inward else triangles.faces)
         crossing = self_intersections(triangles.faces, x)
-        notes = tuple(f"the mesh meets itself: faces {i} and {j} for one" for i, j in crossing[:1])
+        notes = tuple(
+            f"the mesh intersects itself, for instance in faces {i} and {j}" for i, j in crossing[:1]
+        )
         about = None if center is None else vector("the center", center)
         scattered = f"{len(x)} vertices are too few or too scattered for a smooth surface through them"
         try:
@@ -260,7 +262,7 @@ def _check_immersion(nodes: _Nodes) -> None:
         )
     if nodes.turned is not None:
         raise InvalidParameter(
-            f"the map is not an immersion: its normal turns around near the direction "
+            f"the map is not an immersion: its normal reverses near the direction "
             f"{written(nodes.turned)}, where it is folded or has an edge"
         )
     if nodes.volume <= 0.0:

@@ -44,7 +44,7 @@ def seen_from(x: Floats, center: Floats, faces: Indices | None = None) -> tuple[
 
 def _hull(u: Floats) -> Indices:
     """Triangles of the convex hull of directions.  Raises `InvalidParameter`: a half-space is empty."""
-    apart = "the points do not surround the center: a half-space has none"
+    apart = "the points do not surround the center: a half-space contains none"
     try:
         hull = ConvexHull(u)
     except QhullError:

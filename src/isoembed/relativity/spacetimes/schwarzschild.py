@@ -247,7 +247,7 @@ class Superposed(AnalyticGeometry):
     def __post_init__(self) -> None:
         object.__setattr__(self, "holes", tuple(self.holes))
         if not self.holes:
-            raise InvalidParameter("there is no hole to superpose")
+            raise InvalidParameter("there are no holes to superpose")
 
     @property
     def time_symmetric(self) -> bool:

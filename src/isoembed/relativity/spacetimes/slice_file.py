@@ -172,9 +172,7 @@ def _place(path: str | os.PathLike[str], sets: Mapping[str, Any], index: int | N
     """Origin and spacing, three numbers each, of a slice."""
     shape = sets["gxx"].shape
     if index is None and len(shape) == 4:
-        raise FileError(
-            f"{path} holds {shape[0]} slices, as `isoembed series` takes them: here one is needed"
-        )
+        raise FileError(f"{path} holds {shape[0]} slices, and only `isoembed series` accepts several")
     if len(shape) != (3 if index is None else 4):
         axes = "(nx, ny, nz)" if index is None else "(T, nx, ny, nz)"
         raise FileError(f"gxx in {path} has the shape {shape}, not {axes}")
@@ -206,8 +204,8 @@ def _slab(
     last = np.array(shape) - 1
     if not ((low >= -OUTSIDE) & (high <= last + OUTSIDE)).all():
         raise FileError(
-            f"{path} reaches from {written(origin)} to {written(origin + last * spacing)}, and what is asked "
-            f"for from {written(box[0])} to {written(box[1])}"
+            f"{path} extends from {written(origin)} to {written(origin + last * spacing)}, and the "
+            f"requested box from {written(box[0])} to {written(box[1])}"
         )
     start = np.maximum(np.floor(low).astype(np.int64) - AROUND, 0)
     stop = np.minimum(np.ceil(high).astype(np.int64) + AROUND, last) + 1

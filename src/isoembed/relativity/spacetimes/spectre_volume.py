@@ -3,8 +3,8 @@
 An observation holds the values at the nodes of all elements one after the other, the first axis of each
 element running fastest: ``InertialCoordinates_x`` ..., ``SpatialMetric_xx``, ``_yx``, ... and maybe
 ``ExtrinsicCurvature_xx`` ...; ``total_extents``, ``bases`` and ``quadratures`` have three numbers for each
-element, of which the last two count the entries of the attributes ``Basis dictionary`` and ``Quadrature
-dictionary``.  What a run of several nodes writes is in as many files.  The sign of K_ij is that of
+element, those of the last two being indices into the attributes ``Basis dictionary`` and ``Quadrature
+dictionary``.  A run on several nodes writes as many files.  The sign of K_ij is that of
 `isoembed.relativity.spacetimes.three_geometry`.
 """
 
@@ -99,11 +99,11 @@ def _elements(
             for k, (start, stop) in enumerate(spans)
             if box is None or _is_near([axis[start:stop] for axis in points], *box)
         ]
-        kept = np.concatenate([np.arange(*spans[k]) for k in wanted]) if wanted else np.arange(0)
+        selected = np.concatenate([np.arange(*spans[k]) for k in wanted]) if wanted else np.arange(0)
         tensors = [name for name in (GAMMA, K) if any(f"{name}{pair}" in group for pair in PAIRS)]
         parts = [
-            [axis[kept] for axis in points],
-            *([_component(group, name, pair, stops, path)[kept] for pair in PAIRS] for name in tensors),
+            [axis[selected] for axis in points],
+            *([_component(group, name, pair, stops, path)[selected] for pair in PAIRS] for name in tensors),
         ]
     start = 0
     for k in wanted:

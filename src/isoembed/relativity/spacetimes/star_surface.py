@@ -62,7 +62,7 @@ class StarSurface(Surface):
         coefficients = np.array(self.coefficients, dtype=np.float64)
         if coefficients.shape != (self.harmonics.size,):
             raise InvalidParameter(
-                f"{self.harmonics.size} harmonics take as many coefficients, not {coefficients.shape}"
+                f"{self.harmonics.size} harmonics require as many coefficients, not {coefficients.shape}"
             )
         coefficients.setflags(write=False)
         object.__setattr__(self, "coefficients", coefficients)

@@ -213,11 +213,11 @@ class InducedMetric:
         return by_surface, by_slice[None] / SURE
 
 
-def _unit(what: str, given: Sequence[float]) -> tuple[float, float, float]:
+def _unit(name: str, given: Sequence[float]) -> tuple[float, float, float]:
     """Unit vector along a given vector."""
-    x = np.array(vector(what, given))
+    x = np.array(vector(name, given))
     if not x.any():
-        raise InvalidParameter(f"{what} must not be zero")
+        raise InvalidParameter(f"{name} must not be zero")
     x /= np.abs(x).max()
     a, b, c = map(float, x / np.linalg.norm(x))
     return a, b, c

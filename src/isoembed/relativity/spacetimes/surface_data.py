@@ -115,7 +115,7 @@ class SurfaceData:
             object.__setattr__(self, field, self._function(getattr(self, field), field, name))
         if isinstance(self.metric, GridMetric):
             assumed = (
-                ("K(., n) is given and p is not: p is taken to be 0",)
+                ("K(., n) is given and p is not: p is assumed to be 0",)
                 if self.mean_curvature and self.normal_momentum and not self.momentum
                 else ()
             )
@@ -234,8 +234,8 @@ class SurfaceData:
         for name, error in errors.items():
             if error > 1.0 / radius:  # half of the mean curvature of a sphere
                 raise InvalidMetric(
-                    f"{name} is uncertain by {error:.2g} between the nodes of its grid, as its highest "
-                    f"Fourier coefficients tell, and 2 / r is {2.0 / radius:.2g}: the grid is too coarse"
+                    f"{name} is uncertain by {error:.2g} between the nodes of its grid, by its highest "
+                    f"Fourier coefficients, and 2 / r is {2.0 / radius:.2g}: the grid is too coarse"
                 )
 
 

@@ -256,8 +256,8 @@ class AnalyticCallable(_Callables, AnalyticGeometry):
         if wrong:
             raise InvalidParameter(
                 f"{_named(wrong)} by the complex step and {wrong.found:.6g} by differences: the function for "
-                "the metric must take complex x, of which np.linalg.norm, np.abs, np.real and arrays of "
-                "floats drop the imaginary part. Write np.sqrt((x**2).sum(axis=1)) for the radius and "
+                "the metric must accept complex x, but np.linalg.norm, np.abs, np.real and arrays of floats "
+                "discard the imaginary part. Write np.sqrt((x**2).sum(axis=1)) for the radius and "
                 "np.zeros(..., dtype=x.dtype) for an array, or use CallableGeometry(gamma, length)"
             )
         return gradient
@@ -380,8 +380,8 @@ def stationary_curvature(
 
 
 def _matrices(of: str, function: Callable[[Numbers], ArrayLike], x: Numbers) -> Numbers:
-    n, what = len(x), f"the function for {of}"
-    array = array_of(what, called(what, function, x), real=not np.iscomplexobj(x))
+    n, subject = len(x), f"the function for {of}"
+    array = array_of(subject, called(subject, function, x), real=not np.iscomplexobj(x))
     if array.shape != (n, 3, 3):
-        raise InvalidParameter(f"{what} returns the shape {array.shape} for {n} points, not ({n}, 3, 3)")
+        raise InvalidParameter(f"{subject} returns the shape {array.shape} for {n} points, not ({n}, 3, 3)")
     return array
