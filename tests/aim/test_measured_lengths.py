@@ -308,3 +308,25 @@ def test_error_bars_hold_what_is_smoothed():
 def test_error_bars_of_rigid_surfaces_are_determined():
     found = embed(in_millimeters(*rock(1, rough=1.5)), length_errors=ERROR)
     assert isoembed.Sensitivity(found).integral_deviation(ERROR).volume_nonlinearity < 0.1
+
+
+def test_a_box_with_rounded_coordinates_is_not_crumpled():
+    """The exact surface that is found is off by half an edge."""
+    number, triangles = {}, []
+    for axis, end in np.ndindex(3, 2):
+        corners = np.insert(np.argwhere(np.ones((4, 4))), axis, 3 * end, axis=1)
+        at = np.array([number.setdefault(tuple(each), len(number)) for each in corners.tolist()]).reshape(
+            4, 4
+        )
+        squares = np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]], axis=-1).reshape(-1, 4)
+        squares = squares if (end + axis) % 2 else squares[:, ::-1]
+        triangles += [square[each] for square in squares for each in ([0, 1, 2], [0, 2, 3])]
+    x = np.array(list(number)) * (10.0, 20.0 / 3, 10.0 / 3) @ zoo.rotation(5)
+    metric = PolyhedralMetric.from_mesh(np.round(x, 3), triangles)
+    found = embed(metric)
+    assert isinstance(found, MeasuredSurface)
+    assert found.converged
+    assert found.distance(x) < 0.02
+    assert "coordinates rounded to 5 digits: length_errors=0 takes the lengths as exact" in found.message
+    exact = embed(metric, length_errors=0)
+    assert not isinstance(exact, MeasuredSurface)

@@ -15,7 +15,7 @@ from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.evidence import Evidence
-from isoembed.metric.convexity import deficit_rounding
+from isoembed.metric.convexity import DEVIATIONS, deficit_rounding, deficit_spread
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.surface.alignment import aligned
@@ -166,6 +166,26 @@ def _realized(target: Embedding, log: Log) -> Embedding | None:
             end = anneal(system, end.vertices, metric.lengths, recorder, max_iterations=30)
     found = _like(target, standard_position(metric.faces, end.vertices))
     return found if found.converged else None
+
+
+def is_convex_within(metric: PolyhedralMetric, error: Floats | float) -> bool:
+    """Whether errors of the lengths, in mean edge lengths, may cause all negative deficits."""
+    t = metric.triangulation
+    if not (t.is_sphere and metric.space.is_euclidean):
+        return False
+    spread = deficit_spread(metric.faces, metric.face_lengths, t.sides_across) * np.max(error)
+    return bool((metric.deficits >= -DEVIATIONS * spread).all())
+
+
+def is_preferred(exact: Embedding, fit: Embedding) -> bool:
+    """Whether an exact surface is preferred to a smooth fit.
+
+    It is if it is smoother, unless the metric may be that of a convex surface, which the fit approximates.
+    """
+    metric = fit.metric
+    error = np.asarray(metric.length_errors) / metric.mean_length
+    smoother = exact.surface.fine_roughness <= fit.surface.fine_roughness
+    return smoother and not is_convex_within(metric, error)
 
 
 def not_convex(metric: PolyhedralMetric) -> bool:

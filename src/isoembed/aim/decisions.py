@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.aim.acceptance import is_accepted
-from isoembed.aim.choice import requested, smoothest, with_neighbors
+from isoembed.aim.choice import is_convex_within, is_preferred, requested, smoothest, with_neighbors
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron
 from isoembed.aim.pipeline import Decision, Pipeline, State
 from isoembed.aim.problem import Problem
@@ -60,13 +60,19 @@ class Neighbors(Decision):
 
 
 class FitWithinDigits(Decision):
-    """Smooth surface that agrees with rounded lengths, in place of a rough exact surface or a failure."""
+    """Smooth surface that agrees with rounded lengths, in place of a rough exact surface or a failure.
+
+    Rounded coordinates are those of an exact surface, which may have any shape; only if it may be convex is
+    another one fitted.
+    """
 
     key = "fit within digits"
 
     def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
         doubtful = answer.surface.rough_edges.any() if answer.converged else not pipeline.method.best_fit
-        return bool(doubtful) and pipeline.problem.metric.rounding is not None
+        metric = pipeline.problem.metric
+        rounded = metric.precision is not None and is_convex_within(metric, metric.precision.length_error)
+        return bool(doubtful) and (metric.rounding is not None or rounded)
 
     def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
         from isoembed.aim.measured_lengths import fit_within_digits
@@ -107,8 +113,7 @@ class SmootherWithinErrors(Decision):
         found, exact = measured_candidate(state.measured, pipeline), answer
         if not exact.converged:
             return found
-        smoother = exact.surface.fine_roughness < found.surface.fine_roughness
-        if smoother or (not found.converged and has_small_errors(pipeline.metric)):
+        if is_preferred(exact, found) or (not found.converged and has_small_errors(pipeline.metric)):
             found = replace(
                 found,
                 vertices=exact.vertices,

@@ -34,6 +34,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits
+from isoembed.aim.choice import is_preferred
 from isoembed.aim.levels import goes_by_levels
 from isoembed.aim.smoothing_energy import SmoothingEnergy
 from isoembed.arrays import Floats
@@ -87,9 +88,16 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
 
 
 def with_errors_of_digits(metric: PolyhedralMetric) -> PolyhedralMetric:
-    """Metric of rounded lengths, which has a `rounding`, with the errors of their last digit."""
-    assert metric.rounding is not None
-    return metric.with_length_errors(metric.rounding * metric.mean_length)
+    """Metric of rounded lengths or coordinates with the errors of their last digit."""
+    return metric.with_length_errors(_digits(metric) * metric.mean_length)
+
+
+def _digits(metric: PolyhedralMetric) -> float:
+    """Standard deviation of rounded lengths, or of lengths between rounded points, in mean edge lengths."""
+    if metric.rounding is not None:
+        return metric.rounding
+    assert metric.precision is not None
+    return metric.precision.length_error
 
 
 def fit_within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
@@ -119,11 +127,11 @@ def within_digits(exact: Embedding, found: MeasuredSurface) -> Embedding:
         A `MeasuredSurface`, with the exact one among its `others`; or the exact one, if no smooth surface
         agrees with the lengths within their digits, or none that is smoother.
     """
-    if exact.converged and exact.surface.fine_roughness <= found.surface.fine_roughness:
+    if exact.converged and is_preferred(exact, found):
         return exact
     if found.converged:
         return found._with_others([exact] if exact.converged else [])
-    digits = f"errors of their last digit, {exact.metric.rounding:.1e} of the mean edge length"
+    digits = f"errors of their last digit, {_digits(exact.metric):.1e} of the mean edge length"
     if found._suspects:
         doubt = f"no smooth surface has the lengths within {digits}: {found._advice(in_percent=True)}"
     elif exact.converged:

@@ -317,7 +317,13 @@ class MeasuredSurface(Embedding):
 
     def _of_digits(self) -> str:
         """Clause on errors that are those of the last digit of the lengths, as they are assumed to be."""
-        rounding = self._rounding
+        rounding, precision = self._rounding, self.metric.precision
+        error = 0.0 if precision is None else precision.length_error * self.metric.mean_length
+        if precision is not None and np.allclose(np.asarray(self.metric.length_errors), error, atol=0.0):
+            return (
+                f"; the errors, {error:.2g}, are those of coordinates rounded to {precision.name}: "
+                "length_errors=0 takes the lengths as exact"
+            )
         if rounding is None:
             return ""
         rougher = ", and the surface that has the lengths exactly is rougher" if self.others else ""

@@ -322,7 +322,9 @@ class PolyhedralMetric(TriangleMetric):
                 "number; length_errors=0 takes the lengths as exact"
             )
         # Errors that are given, be they zero, go before the digits.
-        return {"length_errors": None if exact else frozen(sigma), "rounding": None}
+        if exact:
+            return {"length_errors": None, "rounding": None, "precision": None}
+        return {"length_errors": frozen(sigma), "rounding": None}
 
     def in_space(self, space: Space) -> PolyhedralMetric:
         """Return the metric with the same triangles and lengths, of the curvature of another space.
