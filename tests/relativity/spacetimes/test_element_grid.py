@@ -94,7 +94,7 @@ def test_energies_of_a_surface_through_elements():
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
-        (lambda: ElementGrid([]), "there must be one"),
+        (lambda: ElementGrid([]), "must have at least one element"),
         (
             lambda: ElementGrid(
                 [*shell(HOLE, n=(3, 3, 3)), *shell(IsotropicSchwarzschild(1.0), n=(3, 3, 3))]

@@ -325,7 +325,7 @@ class TestFromRadius:
             ),
             (
                 lambda: StarSurface.from_radius(lambda u: 1 + 0.1 * np.abs(u[:, 0])),
-                r"not smooth enough for harmonics: those of degree 128 are still \S+e-06 of it",
+                r"not smooth enough for harmonics: those of degree 128 still contribute \S+e-06",
             ),
             (lambda: StarSurface.sphere(ORIGIN, -1.0), "the radius must be positive, not -1.0"),
             (lambda: StarSurface.sphere(ORIGIN, "big"), "the radius must be positive, not big"),
