@@ -7,7 +7,8 @@ import pytest
 
 import isoembed
 import zoo
-from isoembed import Aim, PolyhedralMetric
+from isoembed import Aim, Embedding, PolyhedralMetric
+from isoembed.aim.acceptance import are_identical
 from isoembed.errors import InvalidParameter, NotEmbedded
 from isoembed.gallery import Ergosphere, triangulate
 from isoembed.io import read_metric, read_surface
@@ -56,6 +57,16 @@ def test_approximations_of_a_double_root_are_one_realization():
     found = isoembed.embed(PolyhedralMetric.from_mesh(x, faces))
     [twin] = found.others
     assert 1e-5 < twin.distance(found) < 1e-2
+
+
+def test_residuals_of_fits_do_not_make_surfaces_identical():
+    x, faces = zoo.icosphere(1)
+    metric = PolyhedralMetric.from_mesh(x, faces)
+    exact = Embedding(metric, x, method="known", tolerance=1e-10)
+    fit = Embedding(metric, x * (1 + 1e-3 * np.sign(x[:, :1])), method="known", tolerance=1e-2)
+    assert fit.residual > 1e-4
+    assert not are_identical(exact, fit)
+    assert are_identical(exact, exact)
 
 
 def test_convex_bodies_are_not_searched():

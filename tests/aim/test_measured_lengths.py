@@ -330,3 +330,10 @@ def test_a_box_with_rounded_coordinates_is_not_crumpled():
     assert "coordinates rounded to 5 digits: length_errors=0 takes the lengths as exact" in found.message
     exact = embed(metric, length_errors=0)
     assert not isinstance(exact, MeasuredSurface)
+
+
+def test_an_exact_surface_near_the_fit_is_taken_where_it_is_smoother():
+    x, faces = zoo.icosahedron()
+    found = embed(PolyhedralMetric.from_mesh(x, faces), length_errors=1e-6)
+    assert found.residual < 1e-12
+    assert found.distance(x) < 1e-12

@@ -174,3 +174,18 @@ def test_few_whole_lengths_are_measured_if_they_fill_their_range():
     assert rounding_error(np.repeat(np.arange(36.0, 47.0), 10)) is None  # eleven different ones
     assert rounding_error(np.repeat(np.arange(30.0, 90.0, 3.0), 4)) is None  # a third of the range
     assert rounding_error(measured[::2]) is None  # 48 edges
+
+
+def test_digits_of_points_count_unless_errors_are_given_or_the_points_come_from_lengths():
+    x, faces = zoo.icosphere(1)
+    metric = PolyhedralMetric.from_mesh(np.round(x, 5), faces)
+    assert metric.point_rounding == metric.precision.length_error
+    assert metric.scaled(3.0).point_rounding == pytest.approx(metric.point_rounding)
+    for errors in (0.0, 1e-4):
+        given = metric.with_length_errors(errors)
+        assert given.precision == metric.precision  # which the faces of polyhedra need
+        assert given.point_rounding is given.scaled(3.0).point_rounding is None
+    assert len(metric.with_length_errors(0.0).tables) == len(metric.tables) + 1  # no checkpoint fits both
+    computed = metric._knowing(precision=Precision.of_lengths(1e-3))
+    assert computed.point_rounding is None
+    assert computed.precision.origin == "computed from lengths with errors"

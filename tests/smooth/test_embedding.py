@@ -458,7 +458,7 @@ def test_details_that_are_too_fine(monkeypatch):
     monkeypatch.setattr(solve, "DEGREES", (4, 6))
     with pytest.raises(
         NotEmbedded,
-        match=r"too fine for so few; .* is positive at the 4608 directions .*: if it is so everywhere",
+        match=r"too fine for so few; .* is positive at the 4608 sampled directions: if it is so everywhere",
     ) as refusal:
         embed_smooth(Disturbed(KerrNewmanHorizon(1.0, 0.8)), vertices=100)
     assert refusal.value.evidence.kind == "searched"

@@ -44,5 +44,8 @@ def identical_within(residual: float) -> float:
 
 
 def are_identical(one: Embedding, other: Embedding) -> bool:
-    """Whether two surfaces are the same realization, as far as their residuals tell."""
-    return one.distance(other) <= identical_within(max(one.residual, other.residual))
+    """Whether two surfaces are the same realization, as far as their residuals tell.
+
+    The residuals of fits, which are no realizations, tell nothing.
+    """
+    return one.distance(other) <= identical_within(min(max(one.residual, other.residual), PLACED))

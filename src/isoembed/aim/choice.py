@@ -22,6 +22,7 @@ from isoembed.surface.alignment import aligned
 from isoembed.surface.placement import standard_position
 
 MOTIONS = 4  # softest motions searched for other realizations
+NEAR_FIT = 3.0  # displacements of a flat vertex by errors of the lengths, the roots of these
 FAR = 0.05  # mean edge lengths; rough bodies have too many realizations farther away
 
 
@@ -180,12 +181,14 @@ def is_convex_within(metric: PolyhedralMetric, error: Floats | float) -> bool:
 def is_preferred(exact: Embedding, fit: Embedding) -> bool:
     """Whether an exact surface is preferred to a smooth fit.
 
-    It is if it is smoother, unless the metric may be that of a convex surface, which the fit approximates.
+    It is if it is smoother, unless the metric may be that of a convex surface, which the fit approximates,
+    and the exact one is far from the fit.
     """
     metric = fit.metric
     error = np.asarray(metric.length_errors) / metric.mean_length
     smoother = exact.surface.fine_roughness <= fit.surface.fine_roughness
-    return smoother and not is_convex_within(metric, error)
+    near = exact.distance(fit) <= NEAR_FIT * np.sqrt(np.max(error))
+    return bool(smoother and (near or not is_convex_within(metric, error)))
 
 
 def not_convex(metric: PolyhedralMetric) -> bool:

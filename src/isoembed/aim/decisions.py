@@ -71,8 +71,10 @@ class FitWithinDigits(Decision):
     def applies(self, answer: Embedding, state: State, pipeline: Pipeline) -> bool:
         doubtful = answer.surface.rough_edges.any() if answer.converged else not pipeline.method.best_fit
         metric = pipeline.problem.metric
-        rounded = metric.precision is not None and is_convex_within(metric, metric.precision.length_error)
-        return bool(doubtful) and (metric.rounding is not None or rounded)
+        error = metric.point_rounding
+        return bool(doubtful) and (
+            metric.rounding is not None or (error is not None and is_convex_within(metric, error))
+        )
 
     def run(self, answer: Embedding, state: State, pipeline: Pipeline) -> Embedding:
         from isoembed.aim.measured_lengths import fit_within_digits
@@ -99,7 +101,7 @@ class AskedFor(Decision):
 class SmootherWithinErrors(Decision):
     """Smooth fit to lengths with errors, or the exact surface if it is better.
 
-    The exact surface is better if it is smoother, or if the errors are too small for a fit.  A rougher one
+    The exact surface is better if it `is_preferred`, or if the errors are too small for a fit.  A rougher one
     would follow blunders.
     """
 

@@ -94,10 +94,9 @@ def with_errors_of_digits(metric: PolyhedralMetric) -> PolyhedralMetric:
 
 def _digits(metric: PolyhedralMetric) -> float:
     """Standard deviation of rounded lengths, or of lengths between rounded points, in mean edge lengths."""
-    if metric.rounding is not None:
-        return metric.rounding
-    assert metric.precision is not None
-    return metric.precision.length_error
+    error = metric.point_rounding if metric.rounding is None else metric.rounding
+    assert error is not None
+    return error
 
 
 def fit_within_digits(exact: Embedding, start: Floats, log: Log) -> Embedding:
@@ -131,8 +130,10 @@ def within_digits(exact: Embedding, found: MeasuredSurface) -> Embedding:
         return exact
     if found.converged:
         return found._with_others([exact] if exact.converged else [])
-    digits = f"errors of their last digit, {_digits(exact.metric):.1e} of the mean edge length"
-    if found._suspects:
+    of_points = exact.metric.rounding is None
+    origin = "coordinates" if of_points else "their last digit"
+    digits = f"errors of {origin}, {_digits(exact.metric):.1e} of the mean edge length"
+    if found._suspects and not of_points:
         doubt = f"no smooth surface has the lengths within {digits}: {found._advice(in_percent=True)}"
     elif exact.converged:
         doubt = f"no smooth surface has the lengths within {digits}; the errors may be larger"

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -290,6 +291,6 @@ def _note_given_surface(found: isoembed.Embedding, vertices: Floats, source: Pat
     if is_realization(given) and not are_identical(found, given):
         print_error(
             f"the surface in {source} has these lengths, too, and is {found.distance(given):.1g} mean edge "
-            f"lengths from the one found: --which {source} returns it",
+            f"lengths from the one found: --which {shlex.quote(str(source))} returns it",
             "note",
         )

@@ -320,10 +320,8 @@ class MeasuredSurface(Embedding):
         rounding, precision = self._rounding, self.metric.precision
         error = 0.0 if precision is None else precision.length_error * self.metric.mean_length
         if precision is not None and np.allclose(np.asarray(self.metric.length_errors), error, atol=0.0):
-            return (
-                f"; the errors, {error:.2g}, are those of coordinates rounded to {precision.name}: "
-                "length_errors=0 takes the lengths as exact"
-            )
+            hint = ": length_errors=0 takes the lengths as exact" if self.others else ""
+            return f"; the errors, {error:.2g}, are those of coordinates {precision.origin}{hint}"
         if rounding is None:
             return ""
         rougher = ", and the surface that has the lengths exactly is rougher" if self.others else ""

@@ -120,7 +120,7 @@ def _measures(
             * error
             * deficit_spread(metric.faces, metric.face_lengths, t.sides_across, metric.curvature).max()
         )
-        text = f"rounded to {metric.precision.name}: that puts deficits off by up to {noise:.1g} radians"
+        text = f"{metric.precision.origin}: that puts deficits off by up to {noise:.1g} radians"
         yield Measure("coordinates", text, {"length_error": error, "deficit_noise": noise})
     if not metric.space.is_euclidean:
         radius = metric.space.radius

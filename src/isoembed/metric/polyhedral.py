@@ -91,6 +91,7 @@ class PolyhedralMetric(TriangleMetric):
     space: Space
     precision: Precision | None
     length_errors: Floats | None
+    _digits_count: bool
 
     def __init__(
         self,
@@ -253,7 +254,7 @@ class PolyhedralMetric(TriangleMetric):
         _check_lengths(triangulation, lengths, space, given=given)
         lengths.flags.writeable = False
         self._put(triangulation=triangulation, lengths=lengths, space=space)
-        self._put(precision=None, length_errors=None)
+        self._put(precision=None, length_errors=None, _digits_count=True)
 
     def _put(self, **values: Any) -> None:
         for name, value in values.items():
@@ -278,7 +279,8 @@ class PolyhedralMetric(TriangleMetric):
         normalized = self.normalized
         curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
         measured = () if normalized.length_errors is None else (normalized.length_errors,)
-        return self.faces, normalized.lengths, *curved, *measured
+        exact = () if measured or self._digits_count else (np.zeros(1),)
+        return self.faces, normalized.lengths, *curved, *measured, *exact
 
     def with_lengths(self, lengths: ArrayLike) -> PolyhedralMetric:
         """Return the metric with the same triangles and these lengths, in the order of `edges`.
@@ -322,9 +324,8 @@ class PolyhedralMetric(TriangleMetric):
                 "number; length_errors=0 takes the lengths as exact"
             )
         # Errors that are given, be they zero, go before the digits.
-        if exact:
-            return {"length_errors": None, "rounding": None, "precision": None}
-        return {"length_errors": frozen(sigma), "rounding": None}
+        found = None if exact else frozen(sigma)
+        return {"length_errors": found, "rounding": None, "_digits_count": False}
 
     def in_space(self, space: Space) -> PolyhedralMetric:
         """Return the metric with the same triangles and lengths, of the curvature of another space.
@@ -347,7 +348,8 @@ class PolyhedralMetric(TriangleMetric):
     def _known(self, factor: float) -> dict[str, Any]:
         """Precision, errors and rounding of the lengths in another unit, which does not show their digits."""
         errors = None if self.length_errors is None else frozen(self.length_errors * factor)
-        return {"precision": self.precision, "length_errors": errors, "rounding": self.rounding}
+        known = {"precision": self.precision, "length_errors": errors, "rounding": self.rounding}
+        return {**known, "_digits_count": self._digits_count}
 
     def __repr__(self) -> str:
         t = self.triangulation
@@ -390,6 +392,16 @@ class PolyhedralMetric(TriangleMetric):
     def rounding(self) -> float | None:
         """Standard deviation over the mean length of lengths that show that they were rounded, else None."""
         return rounding_error(self.lengths)
+
+    @property
+    def point_rounding(self) -> float | None:
+        """Standard deviation over the mean length of lengths between rounded points, else None.
+
+        None if errors were given, be they zero.
+        """
+        if self.precision is None or self.precision.is_of_lengths or not self._digits_count:
+            return None
+        return self.precision.length_error
 
     @property
     def length_error(self) -> float | None:

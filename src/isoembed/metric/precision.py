@@ -32,6 +32,7 @@ class PrecisionThresholds:
 
 PRECISION = PrecisionThresholds()
 SINGLE = "single precision"
+OF_LENGTHS = "lengths with errors"
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,17 @@ class Precision:
     @classmethod
     def of_lengths(cls, vertex_error: float) -> Precision:
         """Precision of vertices computed from lengths with errors, which determine their `vertex_error`."""
-        return cls("measured lengths", vertex_error / math.sqrt(4.5))
+        return cls(OF_LENGTHS, vertex_error / math.sqrt(4.5))
+
+    @property
+    def is_of_lengths(self) -> bool:
+        """Whether the coordinates were computed from lengths with errors, of which this is a bound."""
+        return self.name == OF_LENGTHS
+
+    @property
+    def origin(self) -> str:
+        """Clause on the coordinates, such as ``"rounded to 7 digits"``."""
+        return f"{'computed from' if self.is_of_lengths else 'rounded to'} {self.name}"
 
     def in_means(self, factor: float) -> Precision:
         """Precision relative to a mean edge length smaller by this factor."""
@@ -112,7 +123,7 @@ FRACTIONS = 2.0 ** -np.arange(1.0, 7.0)
 def rounding_error(lengths: Floats) -> float | None:
     """Standard deviation of rounded lengths, divided by their mean.
 
-    A few lengths may have more decimals than the others.  None for lengths that are taken as exact: those
+    A few lengths may have one decimal more than the others.  None for lengths that are taken as exact: those
     with more than nine digits, few different values, or a unit too coarse for measurements.
     """
     unit = _detected_unit(lengths)

@@ -127,7 +127,7 @@ def repaired(
     rounding = deficit_rounding(given)
     precision = metric.precision
     doubt = None
-    if precision is not None:
+    if precision is not None and not precision.is_of_lengths:
         spread = deficit_spread(given.faces, given.face_lengths, given.twins, given.curvature)
         doubt = precision.name, precision.length_error * spread
     level = max(noise, min(tolerance, MAX_NOISE))
