@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import isoembed
 import zoo
-from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, PolyhedralMetric, embed
+from isoembed import Alexandrov, ConvexPolyhedron, GluedMetric, MeshNote, PolyhedralMetric, embed
 from isoembed.alexandrov import newton, relaxation
 from isoembed.io import read_metric
 from isoembed.metric.convexity import noise_level, repair_level
@@ -19,6 +19,8 @@ from isoembed.metric.repair import repaired
 from lost_edges import octahedron_with_a_lost_edge
 from places import SHARED
 from scrambling import scramble
+
+SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 
 
 def scrambled(vertices, faces, seed):
@@ -391,6 +393,32 @@ def test_an_edge_that_is_hardly_bent_stays_if_it_is_long():
     found = embed(PolyhedralMetric.from_mesh(vertices, faces), method="alexandrov")
     assert {frozenset(f) for f in found.faces.tolist()} == {frozenset(f) for f in faces}
     assert zoo.aligned(found.vertices, vertices) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("mesh", "curvature", "which"),
+    [
+        (zoo.tetrahedron(), -1.0, "in curved space"),
+        ((SQUARE, [[0, 1, 2], [0, 2, 3], [1, 0, 3], [2, 1, 3]]), 0.0, "of doubly covered polygons"),
+    ],
+)
+def test_errors_of_lengths_that_are_unused(mesh, curvature, which):
+    vertices, faces = mesh
+    given = PolyhedralMetric.from_mesh(vertices / 4, faces, curvature=curvature)
+    with pytest.warns(MeshNote, match=f"lengths {which} are taken as exact: their errors are unused"):
+        found = embed(given, method="alexandrov", length_errors=1e-3)
+    assert found.length_errors is None and found.converged
+
+
+def test_errors_of_lengths_are_kept_where_the_core_is_no_simplicial_complex(monkeypatch):
+    given = PolyhedralMetric.from_mesh(*zoo.octahedron())
+
+    def refuse(tables):
+        raise isoembed.InvalidMetric("edge (0, 1) is in 4 faces")
+
+    monkeypatch.setattr("isoembed.alexandrov.polyhedron.metric_on", refuse)
+    found = embed(given, method="alexandrov", length_errors=1e-3)
+    assert found.metric.precision is None and set(found.length_errors.tolist()) == {1e-3}
 
 
 def test_the_report():

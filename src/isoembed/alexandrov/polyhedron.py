@@ -10,7 +10,7 @@ import numpy as np
 from isoembed.alexandrov.derivatives import GivenLengthDerivatives
 from isoembed.arrays import Floats, Indices, Mask
 from isoembed.embedding.polyhedron import Polyhedron
-from isoembed.errors import InvalidMetric, InvalidParameter
+from isoembed.errors import InvalidMetric, InvalidParameter, warn_of_mesh
 from isoembed.intrinsic.edge_paths import EdgePaths
 from isoembed.intrinsic.halfedges import HalfEdges
 from isoembed.mesh.triangulation import Triangulation, frozen
@@ -123,23 +123,27 @@ class ConvexPolyhedron(Polyhedron):
         Diagonals of its own have the root mean square error.
         """
         error = given.length_error
-        if not error or self.core is None or not self.space.is_euclidean:
+        if not error:
+            return self
+        errors = given.length_errors if isinstance(given, PolyhedralMetric) else None
+        if self.core is None or not self.space.is_euclidean:
+            if errors is not None:
+                exact = "of doubly covered polygons" if self.core is None else "in curved space"
+                warn_of_mesh(f"lengths {exact} are taken as exact: their errors are unused")
             return self
         error *= given.mean_length
+        metric, sigma = self.metric, None
         try:
             known = vertex_error(metric_on(self.core[0]), self.core[1], error)
+            metric = metric._knowing(precision=Precision.of_lengths(known / metric.mean_length))
         except InvalidMetric:  # triangles without the flat vertices need not form a simplicial complex
-            return self
-        precision = Precision.of_lengths(known / self.metric.mean_length)
-        sigma = None
-        if isinstance(given, PolyhedralMetric) and given.length_errors is not None:
+            pass
+        if isinstance(given, PolyhedralMetric) and errors is not None:
             index = self.triangulation.edge_indices(given.edges)
             sigma = np.full(len(self.edges), error)
-            sigma[index[index >= 0]] = given.length_errors[index >= 0]
+            sigma[index[index >= 0]] = errors[index >= 0]
             sigma = frozen(sigma)
-        return replace(
-            self, metric=self.metric._knowing(precision=precision), length_errors=sigma, message=""
-        )
+        return replace(self, metric=metric, length_errors=sigma, message="")
 
     @property
     def residual(self) -> float:
