@@ -175,6 +175,26 @@ def test_coordinates_of_single_precision_stay_so_under_transformations(node, tmp
     assert 1 <= after.length_error / before.length_error < 5
 
 
+@pytest.mark.parametrize(
+    ("code", "normalized", "name", "unit"),
+    [("u2", False, "16 bits", 1.0), ("i2", True, "16 bits", 1 / 32767), ("u1", True, "8 bits", 1 / 255)],
+)
+def test_quantized_positions_under_a_transformation(code, normalized, name, unit, tmp_path):
+    least, most = np.iinfo(code).min, np.iinfo(code).max
+    x = np.round((VERTICES / np.abs(VERTICES).max() + 1) / 2 * (most - least) + least).astype(f"<{code}")
+    root, data = document(x, FACES.astype("<u2").ravel(), nodes=[{"mesh": 0, "scale": [3, 3, 3]}])
+    root["accessors"][0]["normalized"] = normalized
+    found = tables(tmp_path / "a.glb", root, data)
+    assert (found["precision"], found["rounding_error"]) == (name, pytest.approx(3 * unit / np.sqrt(6)))
+
+
+def test_the_precision_of_a_scene_is_the_coarsest_of_its_primitives(tmp_path):
+    nodes = [{"mesh": 0}, {"mesh": 0, "scale": [1e-3, 1e-3, 1e-3]}]
+    found = tables(tmp_path / "a.glb", *document(POINTS, FACES.astype("<u2").ravel(), nodes=nodes))
+    unit = np.finfo(np.float32).eps * np.abs(POINTS).max()
+    assert found["rounding_error"] == pytest.approx(unit / np.sqrt(6))
+
+
 def test_nodes_without_scenes_and_meshes_without_nodes(tmp_path):
     arrays = POINTS, FACES.astype("<u2").ravel()
     assert len(tables(tmp_path / "a.glb", *document(*arrays, nodes=[]))["faces"]) == 20

@@ -1,6 +1,6 @@
 """glTF 2.0 (.gltf, .glb): the triangles of a scene with their node transformations.
 
-The format is read-only: its coordinates have single precision, which no exact surface survives.
+The format is read-only: its coordinates have single precision or less, which no exact surface survives.
 """
 
 import base64
@@ -33,7 +33,7 @@ def read(file: InputFile) -> Tables:
     """Read the triangles of all meshes in the scene, in scene coordinates; all else is ignored.
 
     Vertices are as in the file, which repeats them at seams of normals or textures.  Transformed coordinates
-    no longer show their single precision, which is therefore stated.
+    no longer show their precision, which is therefore stated: the coarsest of all primitives.
 
     Raises
     ------
@@ -42,15 +42,17 @@ def read(file: InputFile) -> Tables:
     """
     try:
         document = _Document(file)
-        vertices, faces, n, unit = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0, 0.0
+        vertices, faces, n = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+        (unit, name), transformed = (0.0, SINGLE), False
         for mesh, matrix in document.placed():
             for primitive in _list(mesh, "primitives"):
                 points, triangles = document.triangles(primitive)
                 used, triangles = np.unique(triangles, return_inverse=True)  # primitives may share points
                 vertices.append(points[used] @ matrix[:3, :3].T + matrix[:3, 3])
-                if used.size and (matrix != np.eye(4)).any():
-                    last = np.finfo(np.float32).eps * np.abs(points[used]).max()
-                    unit = max(unit, float(last * np.linalg.norm(matrix[:3, :3], 2)))
+                if used.size:
+                    own, kind = document.precision(primitive["attributes"]["POSITION"], points[used])
+                    unit, name = max((unit, name), (own * float(np.linalg.norm(matrix[:3, :3], 2)), kind))
+                    transformed |= bool((matrix != np.eye(4)).any())
                 mirrored = np.linalg.det(matrix[:3, :3]) < 0
                 faces.append(n + triangles.reshape(-1, 3)[:, :: -1 if mirrored else 1])
                 n += len(used)
@@ -59,7 +61,7 @@ def read(file: InputFile) -> Tables:
     except (ValueError, TypeError, RecursionError, OSError) as error:  # invalid JSON, arrays or files
         raise FileError(f"{file} is not a readable glTF file: {first_line(error)}") from None
     # A length has the errors of two coordinates, uniformly distributed over a unit of the last digit.
-    stated = {"precision": SINGLE, "rounding_error": unit / math.sqrt(6)} if unit else {}
+    stated = {"precision": name, "rounding_error": unit / math.sqrt(6)} if transformed and unit else {}
     return {"vertices": np.concatenate(vertices), "faces": np.concatenate(faces), **stated}
 
 
@@ -149,6 +151,15 @@ class _Document:
         if accessor.get("normalized") and dtype.kind != "f":
             return np.maximum(values / np.iinfo(dtype).max, -1.0)
         return values
+
+    def precision(self, index: int, values: Floats) -> tuple[float, str]:
+        """Unit of the last digit of values from an accessor, and its name."""
+        accessor = self.entry("accessors", index)
+        dtype = _dtype(accessor, f"accessor {index}")
+        if dtype.kind == "f":
+            return float(np.finfo(dtype).eps * np.abs(values).max()), SINGLE
+        unit = 1 / np.iinfo(dtype).max if accessor.get("normalized") else 1.0
+        return unit, f"{8 * dtype.itemsize} bits"
 
     def view(self, part: Object, dtype: np.dtype, count: int, columns: int, name: str) -> NDArray[Any]:
         """Strided rows of numbers."""
