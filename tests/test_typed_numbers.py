@@ -39,7 +39,7 @@ def test_lengths_on_paper(text, value):
     assert millimeters(text) == pytest.approx(value, rel=1e-15)
 
 
-@pytest.mark.parametrize("text", ["2ft", "mm", "1,500mm", "2 3mm"])
+@pytest.mark.parametrize("text", ["2ft", "2dm", "2km", "2µm", "2 min", "mm", "1,500mm", "2 3mm"])
 def test_what_is_no_length(text):
     with pytest.raises(ValueError, match="could not convert string to float"):
         millimeters(text)

@@ -5,7 +5,8 @@ import re
 MILLIMETERS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, '"': 25.4}
 """The units of lengths on paper."""
 
-UNIT = r"(mm|cm|m|in|\")?"
+UNIT = r"((?<![^\W\d_])(?:mm|cm|m|in|\"))?"
+"""One of these or none, and not the end of another unit."""
 COMMA = re.compile(r"([+-]?\d+),(\d+)")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 GROUPED = re.compile(r"([+-]?\d{1,3}(?:([ ,.'])\d{3})(?:\2\d{3})*)(?!\2)([.,]\d+)")

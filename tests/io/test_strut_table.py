@@ -200,6 +200,28 @@ def test_struts_listed_by_each_of_their_faces(tmp_path):
     np.testing.assert_array_equal(twice.lengths, own.lengths)
 
 
+@pytest.mark.parametrize("finer_first", [False, True])
+def test_of_two_equal_struts_the_one_with_more_digits_is_kept(finer_first, tmp_path):
+    tables = rows(OCTAHEDRON, "34"), "".join(f"{b},{a},34.{k:02}\n" for k, (a, b) in enumerate(OCTAHEDRON))
+    metric = read_metric(written(tmp_path, "from,to,length\n" + "".join(tables[:: -1 if finer_first else 1])))
+    np.testing.assert_array_equal(np.sort(metric.lengths), 34 + np.arange(12) / 100)
+
+
+@pytest.mark.parametrize(
+    ("columns", "length", "error"),
+    [
+        ("length (mm),error", "1.5 mm", "0.1mm"),
+        ("length [in],length error (inches)", '1.5"', "0.1"),
+        ("length (as built),error", "1.5 m", "0.1"),
+        ("length,error (m)", "1.5 m", "0.1"),
+    ],
+)
+def test_units_that_agree(columns, length, error, tmp_path):
+    table = "".join(f"{a};{b};{length};{error}\n" for a, b in OCTAHEDRON)
+    metric = read_metric(written(tmp_path, f"from;to;{columns.replace(',', ';')}\n{table}"))
+    assert set(metric.lengths.tolist()) == {1.5} and set(metric.length_errors.tolist()) == {0.1}
+
+
 @pytest.mark.parametrize(
     ("text", "error", "words"),
     [
@@ -224,6 +246,26 @@ def test_struts_listed_by_each_of_their_faces(tmp_path):
             "from,to,length\n0,1,3 mm\n1,2,3 cm\n",
             FileError,
             "line 3: the length is '3 cm', but '3 mm' in line 2: all lengths need the same unit, or none",
+        ),
+        (
+            "from,to,length\n0,1,15dm\n",
+            FileError,
+            "line 2: the length is '15dm', .* what 'dm' means is unclear",
+        ),
+        (
+            "from,to,length (mm)\n0,1,12 in\n",
+            FileError,
+            r"line 2: the length is '12 in' in the column 'length \(mm\)'",
+        ),
+        (
+            "type,length (m)\nA,3\n\nfrom,to,type,length (ft)\n0,1,A,\n1,2,,9\n",
+            FileError,
+            "line 6: the length is '9 ft', but '3 m' in line 2: all lengths need the same unit",
+        ),
+        (
+            "from,to,length\n0,1,3\n1,0,3.40\n",
+            FileError,
+            "line 3: .* 1 and 0 are 3.40 apart, but 3 in line 2",
         ),
         (
             'from,to,length\n0,1,"1,250"\n1,2,881\n',
@@ -268,6 +310,22 @@ def test_struts_listed_by_each_of_their_faces(tmp_path):
 def test_what_is_wrong_with_a_table(text, error, words, tmp_path):
     with pytest.raises(error, match=words):
         read_metric(written(tmp_path, text), any_surface=True)
+
+
+@pytest.mark.parametrize(
+    ("columns", "length", "error", "words"),
+    [
+        ("length,error", "1.50 m", "0.5 mm", "error is '0.5 mm', and the length '1.50 m': units differ"),
+        ("length,error", "1.50 m", "5 cm", "error is '5 cm', and the length '1.50 m': units differ"),
+        ("length,error", "1.50", "5 cm", "error is '5 cm', and the length '1.50': units differ"),
+        ("length (m),error (mm)", "1.50", "5", "error is '5 mm', and the length '1.50 m': units differ"),
+        ("length,error (mm)", "1.50", "5 cm", r"error is '5 cm' in the column 'error \(mm\)'"),
+        ("length,error", "1.50 m", "5 µm", "error is '5 µm', .* what 'µm' means is unclear"),
+    ],
+)
+def test_errors_in_another_unit_than_their_lengths(columns, length, error, words, tmp_path):
+    with pytest.raises(FileError, match=f"line 2: the length {words}"):
+        read_metric(written(tmp_path, f"from,to,{columns}\n{rows(OCTAHEDRON, length, error)}"))
 
 
 @pytest.mark.parametrize("error", ["", "0.01"])

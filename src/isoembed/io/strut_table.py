@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import combinations, zip_longest
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ from isoembed.metric.precision import COARSE, PRECISION, common_unit
 from isoembed.metric.triangle_checks import first_broken, within_inequalities
 from isoembed.metric.wrong_length import wrong_length_clause
 from isoembed.space import EUCLIDEAN
-from isoembed.typed_numbers import split_unit, ungrouped
+from isoembed.typed_numbers import MILLIMETERS, split_unit, ungrouped
 
 LENGTHS = ("length", "chord factor")
 """Columns of lengths: the first of these that a table has."""
@@ -30,8 +30,10 @@ ONE_DIGIT = 0.03
 """Standard deviation, in mean lengths, above which decimals have one digit only, and are exact."""
 ERRORS = ("length error", "error", "sigma", "standard deviation")
 """Columns of standard deviations of the lengths: the first of these that a table has."""
-UNIT = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
+UNIT = re.compile(r"\s*[(\[]([^()\[\]]*)[)\]]$")
 """A unit behind the name of a column, as in ``length (mm)``."""
+UNITS = MILLIMETERS | {"inches": 25.4, "ft": 304.8, "feet": 304.8}
+"""Known units behind the names of columns, in millimeters; others may be comments."""
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 COMMA = re.compile(r"[+-]?\d*,(\d+)")
 """A number with a decimal comma."""
@@ -50,6 +52,7 @@ DECIMALS = re.compile(r"[+-]?\d*(?:\.(\d*))?")
 class _Row(NamedTuple):
     line: int
     cells: dict[str, str]
+    headings: Mapping[str, str]
 
     @property
     def hubs(self) -> str:
@@ -106,8 +109,7 @@ def read(file: InputFile) -> Tables:
                 )
             row = legend[kind]
         measured.append(row)
-    unit, values = _without_unit([(_written(row), f"{file}, line {row.line}") for row in measured])
-    texts = _with_points(values)
+    texts = _with_points(_without_unit(measured, file))
     lengths = [
         _number(text, f"{file}, line {row.line}: the length is {_short(_written(row))}")
         for text, row in zip(texts, measured, strict=True)
@@ -118,17 +120,8 @@ def read(file: InputFile) -> Tables:
     edges = _edges(struts, file)
     tables = {"faces": _triangles(edges, struts), "edges": edges, "lengths": np.array(lengths)}
     hubs, error = _hubs(struts), _error(texts, tables["lengths"])
-    written = {row.line: _error_written(row) for row in measured}
-    if any(written.values()):
-        tables["length_errors"] = np.array(
-            [
-                _number(
-                    ungrouped(written[row.line].removesuffix(unit)).replace(",", "."),
-                    f"{file}, line {row.line}: the length error is {_short(written[row.line])}",
-                )
-                for row in measured
-            ]
-        )
+    if any(_written(row, ERRORS) for row in measured):
+        tables["length_errors"] = np.array([_length_error(row, file) for row in measured])
     elif error:
         tables["length_errors"] = np.array(error)
     _check_triangles(**tables, hubs=hubs, rows=[row.line for row in measured])
@@ -145,6 +138,7 @@ def _rows(file: InputFile) -> Iterator[_Row]:
     lines = file.text.removeprefix("\ufeff").splitlines()
     delimiter = _delimiter(lines)
     header: list[str] = []
+    headings: dict[str, str] = {}
     types: set[str] = set()
     below_blank = False
     for number, line in enumerate(lines, 1):
@@ -166,6 +160,7 @@ def _rows(file: InputFile) -> Iterator[_Row]:
         goes_on = any(map(NUMBER.fullmatch, cells)) or named.get("type", "") in types
         if not header or _is_header(names) or (below_blank and not goes_on):
             header, below_blank = names, False
+            headings = dict(zip(names, cells, strict=True))
         elif _is_header(header):
             if any(cells[len(header) :]):
                 comma = "; a decimal comma needs quotes, or semicolons between cells"
@@ -175,7 +170,7 @@ def _rows(file: InputFile) -> Iterator[_Row]:
                 )
             types |= {named["type"]} if named.get("type") else set()
             below_blank = False
-            yield _Row(number, named)
+            yield _Row(number, named, headings)
 
 
 def _delimiter(lines: Iterable[str]) -> str:
@@ -197,31 +192,51 @@ def _is_header(names: Collection[str]) -> bool:
     return {"from", "to"} <= set(names) or ("type" in names and not set(LENGTHS).isdisjoint(names))
 
 
-def _written(row: _Row) -> str:
-    """The length in a row, as it is written; empty where there is none."""
-    return next((row.cells[name] for name in LENGTHS if row.cells.get(name)), "")
-
-
-def _error_written(row: _Row) -> str:
-    """The standard deviation of the length in a row; empty where there is none."""
-    return next((row.cells[name] for name in ERRORS if row.cells.get(name)), "")
+def _written(row: _Row, columns: Iterable[str] = LENGTHS) -> str:
+    """The length in a row, or its standard deviation, as it is written; empty where there is none."""
+    return next((row.cells[name] for name in columns if row.cells.get(name)), "")
 
 
 def _short(text: str) -> str:
     return repr(text if len(text) <= LONGEST_QUOTE else text[:LONGEST_QUOTE] + "...")
 
 
-def _without_unit(written: Sequence[tuple[str, str]]) -> tuple[str, list[tuple[str, str]]]:
-    """The common unit of lengths, empty if there is none, and their numbers with their places in the file."""
-    split = [split_unit(text) for text, _ in written]
-    for (text, where), (_, unit) in zip(written, split, strict=True):
-        if unit != split[0][1]:
+def _split(row: _Row, columns: Sequence[str], file: InputFile) -> tuple[str, str, str]:
+    """The number in a row, as it is written, the unit behind it, and this or that of its column, if any."""
+    name = next((name for name in columns if row.cells.get(name)), "")
+    value, unit = split_unit(row.cells.get(name, ""))
+    found = UNIT.search(row.headings.get(name, ""))
+    common = found[1].strip().lower() if found else ""
+    if unit and UNITS.get(common, UNITS[unit]) != UNITS[unit]:
+        raise FileError(
+            f"{file}, line {row.line}: the {columns[0]} is {_short(row.cells[name])} in the column "
+            f"{_short(row.headings[name])}"
+        )
+    return value, unit, unit or (common if common in UNITS else "")
+
+
+def _without_unit(rows: Sequence[_Row], file: InputFile) -> list[tuple[str, str]]:
+    """The numbers of lengths that have a common unit, or none, with their places in the file."""
+    split = [_split(row, LENGTHS, file) for row in rows]
+    first, unit, common = split[0]
+    for row, (value, behind, own) in zip(rows, split, strict=True):
+        if behind != unit or (own and common and UNITS[own] != UNITS[common]):
             raise FileError(
-                f"{where}: the length is {_short(text)}, but {_short(written[0][0])} in "
-                f"{written[0][1].rpartition(', ')[2]}: all lengths need the same unit, or none"
+                f"{file}, line {row.line}: the length is {_short(f'{value} {own}'.strip())}, but "
+                f"{_short(f'{first} {common}'.strip())} in line {rows[0].line}: all lengths need the same "
+                "unit, or none"
             )
-    values = [(ungrouped(value), where) for (value, _), (_, where) in zip(split, written, strict=True)]
-    return split[0][1], values
+    return [(ungrouped(each[0]), f"{file}, line {row.line}") for row, each in zip(rows, split, strict=True)]
+
+
+def _length_error(row: _Row, file: InputFile) -> float:
+    """The standard deviation of the length in a row, in the same unit."""
+    length, _, common = _split(row, LENGTHS, file)
+    value, unit, own = _split(row, ERRORS, file)
+    problem = f"{file}, line {row.line}: the length error is {_short(f'{value} {own}'.strip())}"
+    if own and (unit or common) and UNITS[own] != UNITS.get(common):
+        raise FileError(f"{problem}, and the length {_short(f'{length} {common}'.strip())}: units differ")
+    return _number(ungrouped(value).replace(",", "."), problem)
 
 
 def _with_points(written: Sequence[tuple[str, str]]) -> list[str]:
@@ -279,17 +294,23 @@ def _say_which_hub_is_which(hubs: Sequence[str]) -> None:
 def _listed_once(
     struts: Sequence[_Row], texts: Sequence[str], lengths: Sequence[float], file: InputFile
 ) -> list[int]:
-    """Rows of different struts: tables made face by face have each strut twice, with the same length."""
-    first: dict[frozenset[str], int] = {}
+    """Rows of different struts: tables made face by face have each strut twice, with the same length.
+
+    Of two rows, that with more digits.
+    """
+    kept: dict[frozenset[str], int] = {}
     for k, row in enumerate(struts):
-        j = first.setdefault(frozenset((row.cells["from"], row.cells["to"])), k)
-        unit = max(map(_last_digit, (texts[j], texts[k])))
-        if abs(lengths[k] - lengths[j]) > 0.5 * unit + PRECISION.error * unit:
+        ends = frozenset((row.cells["from"], row.cells["to"]))
+        j = kept.setdefault(ends, k)
+        units = _last_digit(texts[j]), _last_digit(texts[k])
+        if abs(lengths[k] - lengths[j]) > min((0.5 + PRECISION.error) * max(units), COARSE * lengths[k]):
             raise FileError(
                 f"{file}, line {row.line}: {row.hubs} are {texts[k][:LONGEST_QUOTE]} apart, but "
                 f"{texts[j][:LONGEST_QUOTE]} in line {struts[j].line}"
             )
-    return list(first.values())
+        if 0 < units[1] < units[0]:
+            kept[ends] = k
+    return list(kept.values())
 
 
 def _last_digit(text: str) -> float:
