@@ -170,14 +170,16 @@ class NearbyRealization:
         Raises
         ------
         NotProven
-            h is too large.
+            h is too large, or J may be singular.
         """
         rho, sigma, least = (
             norm(self.residuals) + more,
             self.sigma,
             float(self.equations.weights.min()) / GUARD,
         )
-        h = GUARD * 4 * rho / (least * sigma**2) if sigma > 0 else np.inf
+        if not sigma > 0:
+            raise NotProven("a motion of the vertices may change no length to first order, up to rounding")
+        h = GUARD * 4 * rho / (least * sigma**2)
         if not h <= LARGEST_H:
             raise NotProven(
                 f"the residuals are too large: h = 2 K rho / sigma^2 is {h:.1e}, more than {LARGEST_H}"
