@@ -59,7 +59,7 @@ def embed(
     length_errors : float or array_like, shape (E,), optional
         Standard deviations of the lengths, whose errors are independent, in their unit: one for all, or one
         for each edge.  The surface then is a `MeasuredSurface`, a smooth one whose lengths agree with these
-        within the errors, by a chi-square test, which is what converged then means.  The polyhedron of
+        within the errors; converged then means that it passes a chi-square test.  The polyhedron of
         ``"alexandrov"`` has the lengths exactly, and faces that are flat within the errors.  Errors of zero
         take the lengths as exact, even if their digits show that they were rounded.
     boundary : {"free", "plane"} or array_like, shape (B,) or (B, 3), optional

@@ -53,7 +53,7 @@ class NotEmbedded(RuntimeError):  # noqa: N818 - the contract's name
         The best attempt: of a polyhedral metric an `Embedding`, of a smooth metric a `SmoothEmbedding`; its
         ``residual`` says how far from the metric it is.
     evidence : Evidence
-        What was searched, or the proof that there is no embedding.
+        The extent of the search, or the proof that there is no embedding.
 
     Attributes
     ----------
@@ -88,10 +88,10 @@ class NoHorizon(RuntimeError):  # noqa: N818 - as the others
     ----------
     message : str
     least : float, optional
-        The least ``c R / 2`` of the surfaces of constant expansion c and areal radius R that were met on the
-        way, which is 1 for spheres in flat space and 0 on a horizon.
+        The least ``c R / 2`` of the surfaces of constant expansion c and areal radius R in the search,
+        which is 1 for spheres in flat space and 0 on a horizon.
     evidence : Evidence
-        What was searched, or the proof that there is no horizon.
+        The extent of the search, or the proof that there is no horizon.
     least_error : float, optional
         The error of `least`, where it is a minimum above zero.
     barriers : tuple of two Surface, optional
@@ -134,10 +134,10 @@ class Interrupted(KeyboardInterrupt):
     Parameters
     ----------
     checkpoint : Checkpoint or None
-        Where to go on: the ``resume`` of `isoembed.embed`.  None if nothing was kept yet; the method
-        ``"paper"`` keeps nothing.
+        The state to continue from: the ``resume`` of `isoembed.embed`.  None if nothing was kept yet; the
+        method ``"paper"`` keeps nothing.
     stages : tuple of Stage
-        What was done; the last one is incomplete.
+        The stages so far; the last one is incomplete.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ class Method(ABC):
     Attributes
     ----------
     name : str
-        What ``method=`` and reports call it.
+        Name in ``method=`` and in reports.
     keeps_triangles : bool
         Whether the surface has the given triangles; otherwise it has the metric on triangles of its own.
     takes_glued : bool

@@ -18,7 +18,7 @@ def threshold(value: Any, unit: str, meaning: str) -> Any:
     value : number or tuple of numbers
         The default.
     unit : str
-        What it is measured in, such as ``"mean edge lengths"``, ``"radians"``, ``"relative"`` or ``"count"``.
+        Unit of the value, such as ``"mean edge lengths"``, ``"radians"``, ``"relative"`` or ``"count"``.
     meaning : str
         One sentence on the effect of the threshold.
     """

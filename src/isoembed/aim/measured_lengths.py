@@ -312,11 +312,11 @@ def _fit_of_smooth_start(
         vertices, weight = fit.vertices, fit.weight / np.sqrt(10.0)
     before = found[-2:][0]
     passes = np.abs(energy.residuals(before.vertices, metric.lengths)).max() <= limit
-    # The nearer, by the ratio to what is known.
+    # The nearer, by the ratio to the standard deviation.
     nearer = before.noise > known and before.noise * fit.noise < known**2
     return before if passes and nearer else fit, None
 
 
 def _largest_ratio(degrees_of_freedom: float) -> float:
-    """Largest ratio of the noise that a fit sees to what is known that chi-square does not reject."""
+    """Largest ratio of the noise of a fit to the given errors that the chi-square test accepts."""
     return float(np.sqrt(chdtri(degrees_of_freedom, SIGNIFICANCE) / degrees_of_freedom))

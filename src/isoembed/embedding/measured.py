@@ -125,7 +125,7 @@ class MeasuredSurface(Embedding):
     def _with_flat_faces(self) -> Self:
         """Return the same surface, with the precision of its vertices if it has polygons within it.
 
-        Smooth surfaces, of which a larger tolerance would merge more triangles, have none.
+        Smooth surfaces have none: on them, a larger tolerance would merge more triangles.
         """
         metric, t = self.metric.normalized, self.triangulation
         if metric.precision is not None or not self._takes_length_errors:
@@ -284,7 +284,7 @@ class MeasuredSurface(Embedding):
         return f"{found}: on the nearest surface {test}; {remedy}{rougher if self.others else ''}"
 
     def _doubts(self) -> str:
-        """Clauses on what the tests leave open: understated errors, a length that stands out."""
+        """Clauses on doubts that remain after the tests: understated errors, a length that stands out."""
         clauses, larger = "", f"{self.scatter * self.metric.mean_length:.2g}"
         if self._follows:
             clauses = (

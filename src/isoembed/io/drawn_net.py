@@ -378,7 +378,7 @@ def _no_mate(sheets: LineGraph, left: Sequence[Side], tolerance: float, ways: in
     length = _length(sheets, left[0])
     digits = (
         ", or if their lengths differ, draw with more digits: lengths that differ by less than "
-        f"{tolerance:.2g} mm are not told apart"
+        f"{tolerance:.2g} mm are not distinguished"
         if tolerance > COARSE * length
         else ""
     )

@@ -61,8 +61,8 @@ class PolyhedralMetric(TriangleMetric):
     space : Space
         Euclidean, hyperbolic or spherical, of this curvature.
     precision : Precision or None
-        What the coordinates were rounded to that the lengths come from; None if that is not known, or they
-        were doubles.
+        Precision of the coordinates that the lengths come from; None if it is not known, or if they were
+        doubles.
     length_errors : ndarray, shape (E,), or None
         Standard deviations of the lengths, whose errors are independent; None if the lengths are exact.
         Lengths that break a triangle inequality are changed within their errors so that they do not.

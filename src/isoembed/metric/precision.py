@@ -66,7 +66,7 @@ class Precision:
 
     @property
     def is_of_lengths(self) -> bool:
-        """Whether the coordinates were computed from lengths with errors, of which this is a bound."""
+        """Whether the coordinates were computed from lengths with errors, and this bounds their effect."""
         return self.name == OF_LENGTHS
 
     @property

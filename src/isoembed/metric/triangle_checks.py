@@ -26,11 +26,11 @@ def check_triangles(
     ----------
     faces : ndarray of int, shape (F, 3)
     sides : ndarray of int, shape (F, 3)
-        Which of the lengths each half-edge has.
+        Index of the length of each half-edge.
     lengths : ndarray, shape (n,)
     space : Space
     name : callable
-        What a half-edge is called.
+        Name of a half-edge in messages.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def within_inequalities(sides: Indices, lengths: Floats, errors: Floats) -> Floa
     Parameters
     ----------
     sides : ndarray of int, shape (F, 3)
-        Which of the lengths each half-edge has.
+        Index of the length of each half-edge.
     lengths, errors : ndarray, shape (n,)
         With standard deviations.
 

@@ -71,16 +71,16 @@ class Candidate(NamedTuple):
 def wrong_length_clause(
     faces: Indices, sides: Indices, lengths: Floats, space: Space, name: Callable[[int], str]
 ) -> str:
-    """Clause on the length that is wrong, if a single one is; empty where the lengths do not tell it.
+    """Clause on the length that is wrong, if a single one is; empty where the lengths do not determine it.
 
     Parameters
     ----------
     faces, sides : ndarray of int, shape (F, 3)
-        Triangles, some of which break the triangle inequality, and which of the lengths each half-edge has.
+        Triangles, some breaking the triangle inequality, and the index of the length of each half-edge.
     lengths : ndarray, shape (E,)
     space : Space
     name : callable
-        What an edge is called.
+        Name of an edge in messages.
     """
     found = wrong_length(faces, sides, lengths, space)
     if found is None:
@@ -119,7 +119,7 @@ def wrong_length(
 
 
 class _Surface:
-    """Deficits of a metric, one length of which is wrong, as functions of this length."""
+    """Deficits of a metric with one wrong length, as functions of this length."""
 
     def __init__(self, faces: Indices, sides: Indices, lengths: Floats, space: Space, broken: Mask) -> None:
         self._faces, self._sides, self._lengths, self._space = faces, sides, lengths, space
@@ -143,9 +143,9 @@ class _Surface:
         turned = np.bincount(self._faces.ravel(), angles.ravel(), minlength=len(whole))
         deficits = cast(Floats, whole - turned)
         off = deficits - self._expected(deficits, corners)
-        elsewhere, told = np.isfinite(off) & ~self._on_rim, np.isfinite(off[corners])
+        elsewhere, usable = np.isfinite(off) & ~self._on_rim, np.isfinite(off[corners])
         elsewhere[corners] = False
-        if told.sum() < WITNESSES:
+        if usable.sum() < WITNESSES:
             return Candidate(e, (low, high))
 
         def length(turn: float) -> float:
@@ -154,7 +154,7 @@ class _Surface:
         def misfits(length: float) -> Floats:
             three = np.where(self._sides[beside] == e, length, self._lengths[self._sides[beside]])
             found = Triangles.of(three, self._space.curvature).angles
-            return cast(Floats, (off[corners] - np.bincount(at.ravel(), found.ravel()))[told])
+            return cast(Floats, (off[corners] - np.bincount(at.ravel(), found.ravel()))[usable])
 
         def square(turn: float) -> float:
             return float(np.mean(misfits(length(turn)) ** 2))

@@ -262,10 +262,10 @@ def is_axisymmetric(metric: TwoMetric) -> bool:
 
 
 def is_symmetric_about_z(function: Callable[[Floats], Floats], rounding: float = ROUNDING) -> bool:
-    """Whether a function of directions (n, 3) does not change with phi, as far as it can be seen.
+    """Whether a function of directions (n, 3) does not change with phi, at sampled directions.
 
-    It is compared with itself turned by some angles, at directions that are spread without a pattern.  What
-    it changes by rounding is relative to its largest value.
+    It is compared with itself rotated by some angles, at scattered directions.  `rounding` is the change
+    allowed, relative to its largest value.
     """
     x, y, z = fibonacci_directions(400).T
     values = []

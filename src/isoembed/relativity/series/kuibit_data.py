@@ -66,7 +66,7 @@ def kuibit_shape(horizon: Any, iteration: int, name: str = "") -> CoordinateShap
 class GridDataSlice:
     """Slice from grid data of kuibit in memory, a `SliceSource`.
 
-    What symmetric runs leave out is missing: kuibit's ``reflection_symmetry_undo`` and
+    Parts that symmetric runs omit are missing: kuibit's ``reflection_symmetry_undo`` and
     ``rotation180_symmetry_undo`` complete grid data.  Data of CarpetX have their axes the wrong way around in
     kuibit 1.6.1: its files are read by `isoembed.relativity.series.carpetx`.
 

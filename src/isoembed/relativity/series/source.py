@@ -164,8 +164,8 @@ class MissingSlice:
 def object_digest(thing: object) -> str:
     """Hash of the data of an object: of its pickle, in which functions and classes count by their names.
 
-    What the functions return is not in it: see `isoembed.relativity.series.sampled_values`.  Of an object
-    that has no pickle only the name of its class counts.
+    The values of functions are not in it: see `isoembed.relativity.series.sampled_values`.  An object that
+    cannot be pickled counts by the name of its class only.
     """
     hashed = _HashedPickle()
     pickler = _Contents(hashed, protocol=4)  # from 5 on pickles tell arrays from views of them

@@ -199,8 +199,8 @@ def write_table(path: str | os.PathLike[str], results: Iterable[Result]) -> None
     where a number is not known.
 
     HDF5 has a group for each series, in which every column is a data set along time with its ``unit``; where
-    there is one, the attribute ``error`` names the data set of errors.  What is not known is NaN, of whole
-    numbers -1.  The group ``surfaces`` of a series has one for each embedded horizon, by its label, with the
+    there is one, the attribute ``error`` names the data set of errors.  Unknown values are NaN, or -1 for
+    integers.  The group ``surfaces`` of a series has one for each embedded horizon, by its label, with the
     harmonics of the surface; `isoembed.smooth.Start.restored` makes them a surface again.
     """
     check_output(path, TABLE_ENDINGS)
