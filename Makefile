@@ -35,6 +35,9 @@ demo: $(INSTALLED)
 reproduce: $(INSTALLED)
 	$(BIN)/python -m reproduction --output build/reproduction
 
+# Files of tests are rewritten once, not by every worker of every run.
+test test-slow: export PYTHONDONTWRITEBYTECODE =
+
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile -m "not slow"
 
