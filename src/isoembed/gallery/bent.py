@@ -23,9 +23,9 @@ class Bean(MappedSurface, SurfaceWithAxes):
     height: float = option(0.9, "height h of the ends over the middle")
 
     def _check(self) -> None:
-        most = MAX_ASPECT * min(self.axes)
-        if abs(self.height) > most:
-            raise ValueError(f"{self.name}: |height| must be at most {most:.6g}, not {self.height}")
+        maximum = MAX_ASPECT * min(self.axes)
+        if abs(self.height) > maximum:
+            raise ValueError(f"{self.name}: |height| must be at most {maximum:.6g}, not {self.height}")
 
     def _points(self, u: Floats) -> Floats:
         points = u * self._semiaxes
@@ -57,9 +57,9 @@ class BentTube(MappedSurface, SurfaceWithAxes):
     radius: float = option(1.5, "radius R of the circle, more than c and more than a/pi", positive)
 
     def _check(self) -> None:
-        least = 1.0001 * max(self.axes[2], self.axes[0] / pi)
-        if self.radius < least:
-            raise ValueError(f"{self.name}: radius must be at least {least:.6g}, not {self.radius}")
+        minimum = 1.0001 * max(self.axes[2], self.axes[0] / pi)
+        if self.radius < minimum:
+            raise ValueError(f"{self.name}: radius must be at least {minimum:.6g}, not {self.radius}")
 
     def _polar(self, u: Floats) -> tuple[float, Floats, Floats, Floats, Floats]:
         """Angle a/R, sine and cosine of the angle, distance from the center and its excess over R."""

@@ -33,12 +33,12 @@ class HarmonicSurface(MappedSurface):
     radius: float = option(1.0, "radius R of the sphere", positive)
 
     def _check(self) -> None:
-        for name, value, least, most in (
+        for name, value, lower, upper in (
             ("degree", self.degree, 1, MAX_DEGREE),
             ("order", self.order, 0, self.degree),
         ):
-            if not least <= value <= most:
-                raise ValueError(f"{self.name}: {name} must be between {least} and {most}, not {value}")
+            if not lower <= value <= upper:
+                raise ValueError(f"{self.name}: {name} must be between {lower} and {upper}, not {value}")
         if abs(self.amplitude) > 0.99:
             raise ValueError(f"{self.name}: amplitude must be between -0.99 and 0.99, not {self.amplitude}")
 

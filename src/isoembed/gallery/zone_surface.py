@@ -173,8 +173,10 @@ class Catenoid(ZoneOfRevolution):
 
     def _check(self) -> None:
         if self.height > 10.0 * self.waist:
-            most = 10.0 * self.waist
-            raise ValueError(f"{self.name}: height must be at most 10 waist = {most:.6g}, not {self.height}")
+            maximum = 10.0 * self.waist
+            raise ValueError(
+                f"{self.name}: height must be at most 10 waist = {maximum:.6g}, not {self.height}"
+            )
 
     @property
     def _unit(self) -> float:

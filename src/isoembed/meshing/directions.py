@@ -19,8 +19,8 @@ def directions_of(surface: Surface, points: ArrayLike) -> Floats:
     """
     x = np.asarray(points, dtype=np.float64) / surface._unit
     # Newton's method starts at the nearest point of known direction
-    known = spread_directions(surface, fibonacci_lattice(2000))
-    u = known[cKDTree(surface._points(known)).query(x)[1]]
+    samples = spread_directions(surface, fibonacci_lattice(2000))
+    u = samples[cKDTree(surface._points(samples)).query(x)[1]]
     size = float(np.abs(x).max(initial=0.0))
     for _ in range(20):  # Newton steps
         residuals, normals = x - surface._points(u), surface._normals(u)

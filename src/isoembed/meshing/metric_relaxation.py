@@ -97,25 +97,25 @@ class MetricMesh:
         """
         mesh, everywhere = self, np.ones(len(self.u), dtype=bool)
         everywhere[: self.boundary] = everywhere[self.n_vertices :] = False
-        best, least = mesh, np.inf
+        best, smallest = mesh, np.inf
         for sweep in range(31):  # thirty sweeps of all vertices
             mesh._flip_roughly()
             beyond = float(mesh._beyond().max())
-            if beyond < least:
-                best, least = mesh.copy(), beyond
-            if least <= 0.0:
+            if beyond < smallest:
+                best, smallest = mesh.copy(), beyond
+            if smallest <= 0.0:
                 break
             mesh._move(density, everywhere, sweep < OPTIMAL_SWEEPS)
 
-        mesh, least, moved = best.copy(), np.inf, np.ones(len(self.u), dtype=bool)
+        mesh, smallest, moved = best.copy(), np.inf, np.ones(len(self.u), dtype=bool)
         fewest, stale, spent = len(mesh.tables.corners), 0, 0
         for touch in range(301):  # of the vertices near bad angles
             spent += mesh._flip(moved)
             beyond_each = mesh._beyond()
             beyond, bad = float(beyond_each.max()), int(np.count_nonzero(beyond_each > 0.0))
             fewest, stale = (bad, 0) if bad < fewest else (fewest, stale + 1)
-            if beyond < least:
-                best, least = mesh.copy(), beyond
+            if beyond < smallest:
+                best, smallest = mesh.copy(), beyond
             much = spent > MAX_GEODESICS * len(mesh.tables.corners) / 2.0
             if bad == 0 or stale == 40 or much:  # sweeps without progress
                 break
@@ -171,8 +171,8 @@ class MetricMesh:
     def _beyond(self) -> Floats:
         """Excess (F,) of each triangle's angles beyond the window."""
         # degrees
-        angles, (least, largest) = angles_from_lengths(self.tables.lengths), np.radians((35.0, 100.0))
-        beyond = np.maximum(least - angles.min(axis=1), angles.max(axis=1) - largest)
+        angles, (lower, upper) = angles_from_lengths(self.tables.lengths), np.radians((35.0, 100.0))
+        beyond = np.maximum(lower - angles.min(axis=1), angles.max(axis=1) - upper)
         return np.where(self.is_cone, 0.0, beyond)
 
     def _about(self, faces: Mask, rings: int) -> Mask:

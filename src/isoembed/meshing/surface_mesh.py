@@ -30,7 +30,7 @@ def _inward_faces(vertices: Floats, normals: Floats, faces: Indices) -> int:
     return int(np.count_nonzero(outward <= 0.0))
 
 
-def checked_count(name: str, value: SupportsIndex, least: int, most: float = np.inf) -> int:
+def checked_count(name: str, value: SupportsIndex, minimum: int, maximum: float = np.inf) -> int:
     """Validate an integer between bounds.
 
     Raises
@@ -42,10 +42,10 @@ def checked_count(name: str, value: SupportsIndex, least: int, most: float = np.
         n = index(value)
     except TypeError:
         raise InvalidParameter(f"{name} must be an integer, not {value!r}") from None
-    if n < least:
-        raise InvalidParameter(f"{name} must be at least {least}, not {n}")
-    if n > most:
-        raise InvalidParameter(f"{name} must be at most {most}, not {n}")
+    if n < minimum:
+        raise InvalidParameter(f"{name} must be at least {minimum}, not {n}")
+    if n > maximum:
+        raise InvalidParameter(f"{name} must be at most {maximum}, not {n}")
     return n
 
 
@@ -113,13 +113,13 @@ def _regular(surface: Surface, n: int) -> tuple[Floats, Indices]:
 
 
 def _relaxed(surface: Surface, u: Floats, faces: Indices, twin: Indices) -> tuple[Floats, Indices]:
-    least, largest = np.radians(ANGLES)
+    lower, upper = np.radians(ANGLES)
     best, best_score = (u, faces), (len(faces) + 1, np.inf)
     for _ in range(101):  # a hundred sweeps of all vertices
         x, normals = surface._points(u), surface._normals(u)
         faces, twin = flip_to_delaunay(x, normals, faces, twin)
         angles = corner_angles(x, faces)
-        beyond = max(least - angles.min(), angles.max() - largest)
+        beyond = max(lower - angles.min(), angles.max() - upper)
         score = (_inward_faces(x, normals, faces), float(beyond))
         if score < best_score:
             best, best_score = (u, faces), score

@@ -116,12 +116,13 @@ class AxisymmetricEmbedding:
             lambda x: components(x) / scale, np.array([-1.0, 0.0, 1.0]), weighted=False
         )
         Q = Piecewise(P.breaks, sheared.coefficients - P.coefficients)
-        known = 20.0 * float(getattr(metric, "error", EXACT).pointwise)  # errors of lengths grow at the poles
+        # Errors of lengths grow at the poles.
+        length_error = 20.0 * float(getattr(metric, "error", EXACT).pointwise)
         cones = []
         for name, x in (("south", -1.0), ("north", 1.0)):
             t, p, q = (float(f(np.array([x]))[0]) for f in (T, P, Q))
             # A larger difference of T and P at a pole is a cone.
-            allowed = max(1e-7, 10.0 * resolution, known) * p
+            allowed = max(1e-7, 10.0 * resolution, length_error) * p
             cones.append(p - t)
             if abs(t - p) > allowed:
                 raise InvalidMetric(
@@ -133,7 +134,7 @@ class AxisymmetricEmbedding:
                     f"the metric is not smooth at the {name} pole:"
                     f" q_tp sin(theta) / q_pp = {q / p:.9g} there, not 0"
                 )
-        if known > 1e-7:  # remove cones within the errors of the metric
+        if length_error > 1e-7:  # remove cones within the errors of the metric
             slope, straight = 0.5 * np.diff(cones), np.zeros_like(T.coefficients)
             straight[0] = np.mean(cones) + 0.5 * slope * (T.breaks[:-1] + T.breaks[1:])
             straight[1] = 0.5 * slope * np.diff(T.breaks)
@@ -243,9 +244,9 @@ class AxisymmetricEmbedding:
             places.append(
                 float(minimize_scalar(at, bounds=(x[i + 1], x[i - 1]), method="bounded", options=options).x)
             )
-        least = min(places, key=at)
-        size = float((self.T(np.array([least])) * self.P(np.array([least])))[0])
-        return at(least) / self.unit / self.unit, self._noise / size / self.unit / self.unit
+        minimizer = min(places, key=at)
+        size = float((self.T(np.array([minimizer])) * self.P(np.array([minimizer])))[0])
+        return at(minimizer) / self.unit / self.unit, self._noise / size / self.unit / self.unit
 
     @cached_property
     def bands(self) -> tuple[Band, ...]:
@@ -404,9 +405,9 @@ class AxisymmetricEmbedding:
         x = self._samples
         values = f(x)
         # f may have a pair of roots between samples where it is small compared with its differences.
-        inner, least = values[1:-1], np.minimum(values[:-2], values[2:])
-        most = np.maximum(values[:-2], values[2:])
-        dips = np.flatnonzero((inner > 0.0) & (inner <= least) & (inner <= most - inner)) + 1
+        inner, smaller = values[1:-1], np.minimum(values[:-2], values[2:])
+        larger = np.maximum(values[:-2], values[2:])
+        dips = np.flatnonzero((inner > 0.0) & (inner <= smaller) & (inner <= larger - inner)) + 1
         lowest = [minimize_scalar(at, bounds=(x[i + 1], x[i - 1]), method="bounded").x for i in dips]
         x = np.sort(np.append(x, lowest))[::-1]
         values = f(x)

@@ -46,14 +46,14 @@ def fitting_coordinates(u: Floats, faces: Indices, points: Floats) -> SphereMap 
     energies is due to S. K. Veerapaneni, A. Rahimian, G. Biros, D. Zorin, J. Comput. Phys. 230 (2011) 5610.
     """
     vertices = _Vertices.of(u, faces, points)
-    best = given = vertices.smoothed(SphereMap.linear(np.eye(3)))
+    best = initial = vertices.smoothed(SphereMap.linear(np.eye(3)))
     for degree, gain in MAPS:
         # The round sphere has the least energy, 4 pi.
         if best.energy > gain * 4.0 * np.pi:
             found = vertices.lowered(best, Harmonics(degree, degree))
             if found.energy * gain <= best.energy:
                 best = found
-    return None if best is given else best.coordinates
+    return None if best is initial else best.coordinates
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,8 @@ class _Vertices:
         areas /= areas.sum()
         x = points - areas @ points
         x = x / np.sqrt(areas @ np.einsum("ni,ni->n", x, x))
-        most = int(np.sqrt(len(u) / 3.0)) - 1  # three vertices per harmonic
-        degree = min(14, most)  # degree of the smoothing fit
+        max_degree = int(np.sqrt(len(u) / 3.0)) - 1  # three vertices per harmonic
+        degree = min(14, max_degree)  # degree of the smoothing fit
         return cls(u, x, areas, Harmonics(degree, degree))
 
     def smoothed(self, coordinates: SphereMap) -> _Smoothed:

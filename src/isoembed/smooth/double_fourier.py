@@ -182,17 +182,17 @@ def around(phi: ArrayLike) -> int:
 
 def exact_theta(theta: ArrayLike) -> Floats:
     """Angles theta (n,), with single-precision angles of a standard grid replaced by the exact ones."""
-    given = one_dimensional(theta, "theta")
-    n = len(given)
+    nodes = one_dimensional(theta, "theta")
+    n = len(nodes)
     one_to_n = np.arange(1.0, n + 1.0)
     grids = [
         (one_to_n - 0.5) * (np.pi / n),
-        np.linspace(0.0, np.pi, n) if n > 1 else given,
+        np.linspace(0.0, np.pi, n) if n > 1 else nodes,
         one_to_n * (np.pi / (n + 1)),
     ]
-    if is_legendre(given):
+    if is_legendre(nodes):
         grids.append(np.asarray(np.arccos(legendre.leggauss(n)[0])[::-1]))
-    return next((exact for exact in grids if _is_rounded(given, exact)), given)
+    return next((exact for exact in grids if _is_rounded(nodes, exact)), nodes)
 
 
 def is_legendre(theta: Floats) -> bool:
@@ -205,21 +205,21 @@ def is_legendre(theta: Floats) -> bool:
 
 def exact_phi(phi: ArrayLike) -> Floats:
     """Angles phi (m,), with single-precision angles of a standard grid replaced by the exact ones."""
-    given = one_dimensional(phi, "phi")
-    m = len(given)
+    nodes = one_dimensional(phi, "phi")
+    m = len(nodes)
     for steps in (m, m - 1):  # without and with the end point
         if steps > 0:
             half = np.pi / steps
-            exact = np.round(given[0] / half) * half + 2.0 * half * np.arange(m)
-            if _is_rounded(given, exact):
+            exact = np.round(nodes[0] / half) * half + 2.0 * half * np.arange(m)
+            if _is_rounded(nodes, exact):
                 return exact
-    return given
+    return nodes
 
 
-def _is_rounded(given: Floats, exact: Floats) -> bool:
+def _is_rounded(nodes: Floats, exact: Floats) -> bool:
     """Whether angles are roundings of exact ones to single precision, or computed in it."""
-    single = np.all(given == given.astype(np.float32))
-    return bool(single and np.all(np.abs(given - exact) <= _rounding(exact)))
+    single = np.all(nodes == nodes.astype(np.float32))
+    return bool(single and np.all(np.abs(nodes - exact) <= _rounding(exact)))
 
 
 def _rounding(angles: Floats) -> Floats:

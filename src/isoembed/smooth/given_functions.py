@@ -29,10 +29,10 @@ def called(name: str, function: Callable[..., Any], *arguments: NDArray[Any]) ->
         ) from error
 
 
-def array_of(name: str, given: ArrayLike, *, real: bool = True) -> NDArray[Any]:
+def array_of(name: str, values: ArrayLike, *, real: bool = True) -> NDArray[Any]:
     """Convert user input or the result of a function to an array of numbers, or raise `InvalidParameter`."""
     try:
-        array = np.asarray(given)
+        array = np.asarray(values)
     except ValueError:
         raise InvalidParameter(f"{name} has values of several shapes") from None
     if array.dtype.kind not in "iuf" and (real or array.dtype.kind != "c"):

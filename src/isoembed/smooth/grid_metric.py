@@ -180,11 +180,11 @@ class GridMetric:
         InvalidMetric
             The values have a wrong shape, or one is not finite; the message contains the name.
         """
-        given = self._given(values, name)
-        series = self._series(given[..., None], self.phi)
+        nodal = self._nodal(values, name)
+        series = self._series(nodal[..., None], self.phi)
         return UncertainFunction(
             lambda u: series.at(np.asarray(u, dtype=np.float64))[:, 0],
-            _error(Spectrum.of(series, _with_square), given),
+            _error(Spectrum.of(series, _with_square), nodal),
         )
 
     def one_form(
@@ -207,7 +207,7 @@ class GridMetric:
         sin, cos = np.sin(self.theta)[:, None], np.cos(self.theta)[:, None]
         e_theta = np.stack(np.broadcast_arrays(cos * np.cos(angles), cos * np.sin(angles), -sin), axis=2)
         e_phi = np.stack(np.broadcast_arrays(-np.sin(angles), np.cos(angles), 0.0 * sin), axis=2)
-        theta, phi = self._given(meridional, name), self._given(azimuthal, name)
+        theta, phi = self._nodal(meridional, name), self._nodal(azimuthal, name)
         # Cartesian components are smooth across the poles, those along the angles are not.
         away = np.where(sin > 0.0, sin, 1.0)
         series = self._series(theta[..., None] * e_theta + (phi / away)[..., None] * e_phi, angles)
@@ -232,13 +232,13 @@ class GridMetric:
         root = np.sqrt(Qtt * Qpp - Qtp**2)
         return unit * float(2.0 * np.sum(sin * root) / np.sum(sin * (Qtt + Qpp) / root))
 
-    def _given(self, values: ArrayLike, name: str) -> Floats:
-        given = _component(values, name, (len(self.theta), len(self.phi)))
-        finite = np.isfinite(given)
+    def _nodal(self, values: ArrayLike, name: str) -> Floats:
+        nodal = _component(values, name, (len(self.theta), len(self.phi)))
+        finite = np.isfinite(nodal)
         if not finite.all():
             i, j = (int(k) for k in np.argwhere(~finite)[0])
-            raise InvalidMetric(f"{name} is {given[i, j]} at theta[{i}], phi[{j}]")
-        return given
+            raise InvalidMetric(f"{name} is {nodal[i, j]} at theta[{i}], phi[{j}]")
+        return nodal
 
     def _series(self, values: Floats, phi: Floats) -> DoubleFourier:
         """Series of values (n, m, c) at the angles theta of the nodes and given angles phi."""

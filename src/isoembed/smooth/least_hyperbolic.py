@@ -112,17 +112,17 @@ def least_hyperbolic(metric: TwoMetric) -> LeastHyperbolic:
     .. [1] C.-Y. Lin and Y.-K. Wang, "On isometric embeddings into anti-de Sitter spacetimes", Int. Math. Res.
        Not. 2015, 7130; arXiv:1401.6026.
     """
-    least, spread = _least_gaussian_curvature(metric)
+    minimum, spread = _minimum_gaussian_curvature(metric)
     profile = _profile(metric)
     if profile is None:
-        space = Space(least.value) if least.value < 0.0 else EUCLIDEAN
-        return LeastHyperbolic(space, least.value, None, least.error)
+        space = Space(minimum.value) if minimum.value < 0.0 else EUCLIDEAN
+        return LeastHyperbolic(space, minimum.value, None, minimum.error)
     greatest = profile.greatest_curvature
     space = EUCLIDEAN if profile.embeds else Space(greatest)
     # (1 - rho'^2) / rho^2 is a mean of K over the cap inside the circle; for small caps it includes noise of
     # the truncated degrees of K, which doubled the error where it was measured.
     error = profile.greatest_curvature_error + 3.0 * spread
-    return LeastHyperbolic(space, least.value, greatest, error)
+    return LeastHyperbolic(space, minimum.value, greatest, error)
 
 
 def _profile(metric: TwoMetric) -> AxisymmetricEmbedding | None:
@@ -139,7 +139,7 @@ def _profile(metric: TwoMetric) -> AxisymmetricEmbedding | None:
         return None
 
 
-def _least_gaussian_curvature(metric: TwoMetric) -> tuple[Estimate, float]:
+def _minimum_gaussian_curvature(metric: TwoMetric) -> tuple[Estimate, float]:
     """Least K, and the error of K from the errors of the lengths."""
     if isinstance(metric, DeviatingMetric):
         K = UncertainCurvature.of(metric)
@@ -154,20 +154,20 @@ def _least_gaussian_curvature(metric: TwoMetric) -> tuple[Estimate, float]:
 def _unbiased(K: UncertainCurvature) -> Estimate:
     """Least K, corrected for the bias of the minimum."""
     values = K.values
-    least = float(values.min())
+    minimum = float(values.min())
     bias = 0.0
     for source in K.deviations:
         ends = [0.5 * float((values + d).min() + (values - d).min()) for d in source]
-        bias += float(np.mean(ends)) - least
+        bias += float(np.mean(ends)) - minimum
     error = SURE * K.largest
-    near = values <= least + 2.0 * error
+    near = values <= minimum + 2.0 * error
     cut = float(K.cut[near].max(initial=0.0))
     return Estimate(_lowest(K, K.u, values) - bias, error - bias + cut)
 
 
 def _lowest(K: Callable[[Floats], Floats], u: Floats, values: Floats) -> float:
     """Least value of K, refined from values at dense directions u (n, 3)."""
-    least = float(values.min())
+    minimum = float(values.min())
     for i in np.argsort(values)[:4]:  # start from the lowest samples
         frame = np.stack(angle_frame(u[i : i + 1]))[:, 0]
 
@@ -179,5 +179,5 @@ def _lowest(K: Callable[[Floats], Floats], u: Floats, values: Floats) -> float:
         simplex = size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
         # The error of the minimum is quadratic in that of its position.
         options = {"xatol": 1e-7, "fatol": 0.0, "initial_simplex": simplex}
-        least = min(least, float(minimize(near, np.zeros(2), method="Nelder-Mead", options=options).fun))
-    return least
+        minimum = min(minimum, float(minimize(near, np.zeros(2), method="Nelder-Mead", options=options).fun))
+    return minimum

@@ -110,7 +110,7 @@ def _best_degree(fit: VertexFit, degrees: tuple[int, ...], faces: Indices) -> Ve
         fit = fit.raised(degree)
         if degree > 1 and not fit.is_possible:
             break
-        fit = _relaxed(fit.moved(fit.least(fit.residuals)), faces)
+        fit = _relaxed(fit.moved(fit.least_squares(fit.residuals)), faces)
         fits.append(fit)
         best = min(range(len(fits)), key=lambda i: fits[i].validation)
         if fit.misfit <= ROUNDING or best < len(fits) - 2:  # two degrees fit no better
@@ -142,7 +142,7 @@ def _held_out_misfit(fit: VertexFit, faces: Indices) -> float:
     without = replace(fit, used=used)
     if not without.is_determined:
         return 1.0 / (1.0 - LEVERAGE)
-    without = _relaxed(without.moved(without.least(without.residuals)), faces)
+    without = _relaxed(without.moved(without.least_squares(without.residuals)), faces)
     misfit = np.average(without.distances**2, weights=fit.angles * (1.0 - used))
     # Errors are at least four times the misfit.
     return max(4.0, float(np.sqrt(misfit)) / max(fit.misfit, ROUNDING))

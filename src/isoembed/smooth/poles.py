@@ -91,14 +91,14 @@ def series_sights(theta: Floats, phi: Floats, Q: Floats) -> list[PoleSight]:
         for pole, sign in enumerate((1.0, -1.0)):
             taylor[pole, order, parity::2] = np.tensordot(slopes * sign**k, a[:, parity::2], axes=1)
     parts = np.moveaxis(taylor.reshape(*taylor.shape[:3], h, 3), 3, 0)
-    least = 1e-9 * np.max(np.abs(Q), axis=(0, 1, 3))  # a tensor may vanish at a pole
-    return [_seen(parts[i], doubts[i], float(least[i])) for i in range(h)]
+    floors = 1e-9 * np.max(np.abs(Q), axis=(0, 1, 3))  # a tensor may vanish at a pole
+    return [_seen(parts[i], doubts[i], float(floors[i])) for i in range(h)]
 
 
-def _seen(taylor: Modes, doubts: Floats, least: float) -> PoleSight:
+def _seen(taylor: Modes, doubts: Floats, floor: float) -> PoleSight:
     """Behavior from the terms (2, orders, modes, 3) of the Taylor series in the distance from each pole."""
     means = taylor[:, 0, 0, ::2].real
-    size = np.maximum(np.abs(means.mean(axis=1)), least)[:, None]
+    size = np.maximum(np.abs(means.mean(axis=1)), floor)[:, None]
     conflicts = np.array([[_forbidden(part, j, p) for j, part in enumerate(taylor[p])] for p in range(2)])
     return PoleSight(conflicts / size, doubts / size, means)
 

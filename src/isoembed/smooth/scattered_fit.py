@@ -123,8 +123,8 @@ class _LeastSquares:
     @classmethod
     def of(cls, u: Floats, values: Floats, weights: Floats) -> _LeastSquares:
         m = len(u)
-        most = max(0, min(40, int(np.sqrt(0.5 * m)) - 1))
-        highest = min(most, 8)  # initial degree, which is doubled
+        max_degree = max(0, min(40, int(np.sqrt(0.5 * m)) - 1))
+        highest = min(max_degree, 8)  # initial degree, which is doubled
         root = np.sqrt(weights * (4.0 * np.pi / weights.sum()))
         while True:
             harmonics = Harmonics(highest, highest)
@@ -140,9 +140,9 @@ class _LeastSquares:
             validation = squares / (1.0 - sizes / m) ** 2
             # The lowest degree that is as good as the best within chance.
             best = int(np.argmax(validation <= (1.0 + np.sqrt(8.0 / m)) * validation.min()))
-            if highest == most or (best <= 3 * highest // 4 and _is_noise(rest / root, u, values)):
+            if highest == max_degree or (best <= 3 * highest // 4 and _is_noise(rest / root, u, values)):
                 break
-            highest = min(2 * highest, most)
+            highest = min(2 * highest, max_degree)
 
         def undetermined(l: int) -> bool:
             singular = svdvals(R[: sizes[l], : sizes[l]])

@@ -209,37 +209,37 @@ def _check_seam(metric: AngleMetric, zone: Zone) -> None:
 
 def _checked(sights: Callable[[Floats], list[PoleSight]], look: _Look, allowed: float) -> PoleSight:
     """Behavior of components at the poles; raises for too large a conflict or one explained by a mistake."""
-    (given,) = sights(look.Q[..., None, :])
-    if np.max(given.misfits) <= VISIBLE:
-        return given
+    (limits,) = sights(look.Q[..., None, :])
+    if np.max(limits.misfits) <= VISIBLE:
+        return limits
     with np.errstate(all="ignore"):
         repaired = sights(np.stack([repair(look.Q, look.sin) for repair, _ in MISTAKES], axis=-2))
-    cause = _cause(given.misfits, np.array([sight.misfits for sight in repaired]))
+    cause = _cause(limits.misfits, np.array([sight.misfits for sight in repaired]))
     if look.latitude and cause != EXCHANGED:
         cause = LATITUDE
-    if not cause and given.conflict <= allowed:
-        return given
-    if not cause and given.is_cone:
-        cause = DEGREES if _by_degrees(given) else f"a cone{look.reservation}"
-    raise InvalidMetric(f"the metric is not smooth at the poles: {_seen(given, look)}; {cause}".rstrip("; "))
+    if not cause and limits.conflict <= allowed:
+        return limits
+    if not cause and limits.is_cone:
+        cause = DEGREES if _by_degrees(limits) else f"a cone{look.reservation}"
+    raise InvalidMetric(f"the metric is not smooth at the poles: {_seen(limits, look)}; {cause}".rstrip("; "))
 
 
-def _by_degrees(given: PoleSight) -> bool:
+def _by_degrees(sight: PoleSight) -> bool:
     """Whether q_tt and q_pp differ at a pole by a factor of the squared degree in radians."""
-    ratio = np.abs(given.means[:, 1] / given.means[:, 0])
+    ratio = np.abs(sight.means[:, 1] / sight.means[:, 0])
     return bool(np.any(np.abs(np.abs(np.log(ratio)) / np.log(np.radians(1.0) ** -2) - 1.0) < 1e-3))
 
 
-def _cause(given: Floats, repaired: Floats) -> str:
+def _cause(misfits: Floats, repaired: Floats) -> str:
     """First of the mistakes whose repair reduces the misfits (orders,), from the lowest order on."""
-    for order, misfit in enumerate(given):
-        least = np.max(repaired[:, : order + 1], axis=1)
+    for order, misfit in enumerate(misfits):
+        lowest = np.max(repaired[:, : order + 1], axis=1)
         # A mistake is the cause if its repair divides the misfit by 30.
-        good = (misfit > VISIBLE) & (least * 30.0 < misfit)
+        good = (misfit > VISIBLE) & (lowest * 30.0 < misfit)
         if good.any():
             # Without q_tp several repairs are equally good; the first is the simplest.
-            best = np.min(least[good])
-            return MISTAKES[int(np.argmax(good & (least <= max(2.0 * best, VISIBLE))))][1]
+            best = np.min(lowest[good])
+            return MISTAKES[int(np.argmax(good & (lowest <= max(2.0 * best, VISIBLE))))][1]
     return ""
 
 

@@ -218,11 +218,11 @@ class _Goal:
 
     def _attainable(self, surface: SmoothEmbedding) -> float:
         """Relative accuracy of int H dA attainable in less than minutes; 0 for no limit."""
-        least = surface.least_curvature - self.space.curvature
+        excess = surface.least_curvature - self.space.curvature
         # The surface is not smooth where K - k vanishes.
-        if not self.space.is_euclidean and abs(least) * surface.area < 4.0 * np.pi * 0.01:
+        if not self.space.is_euclidean and abs(excess) * surface.area < 4.0 * np.pi * 0.01:
             return 1e-8
-        return 1e-10 if least < 0.0 else 0.0  # more takes minutes where K < 0
+        return 1e-10 if excess < 0.0 else 0.0  # more takes minutes where K < 0
 
     def _is_in_vain(self, surface: SmoothEmbedding, residuals: list[float]) -> bool:
         """Whether more harmonics hardly reduce the residual; one degree decides if a surface is found."""

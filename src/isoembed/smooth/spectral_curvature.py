@@ -65,7 +65,7 @@ def spectral_curvature(metric: TwoMetric, relative_error: float = 0.0) -> Uncert
 def metric_series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, Floats, bool]:
     """Components xx, xy, xz, yy, yz, zz (size, 6) in harmonics, and whether these resolve the metric."""
     symmetric = is_axisymmetric(metric)
-    degree, most = 16, 512 if symmetric else 64  # initial degree, which is doubled
+    degree, max_degree = 16, 512 if symmetric else 64  # initial degree, which is doubled
     while True:
         harmonics = Harmonics(degree, ORDER if symmetric else degree)
         # 32 angles average out rounding.
@@ -78,7 +78,7 @@ def metric_series(metric: TwoMetric, relative_error: float) -> tuple[Harmonics, 
             coefficients[sizes <= NEGLIGIBLE * size] = 0.0  # rounding, amplified by second derivatives
             coefficients, harmonics = trimmed(coefficients, harmonics, needed)
             return harmonics, coefficients, True
-        if 2 * degree > most:
+        if 2 * degree > max_degree:
             return harmonics, coefficients, False
         degree *= 2
 

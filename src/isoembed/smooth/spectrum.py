@@ -98,7 +98,7 @@ def _fall(values: Floats, samples: int) -> float:
     rate = _rate(values)
     if rate > 0.0:
         return float(np.exp(-0.9 * rate * n))  # safety factor on the rate
-    known = n >= 8  # fewer coefficients do not determine the decay
+    is_determined = n >= 8  # fewer coefficients do not determine the decay
     factor = 4.0 ** (-0.5 * n)  # fastest decay that is assumed
     # From one degree to the next if both parities occur, for functions that end before the grid does.
     for last, before in zip(values[:-3:-1], values[-2:-4:-1], strict=False):
@@ -109,10 +109,10 @@ def _fall(values: Floats, samples: int) -> float:
             return 1.0
         last, before = float(values[-width:].max()), float(values[-2 * width : -width].max())
         # Statistical fluctuation of the largest coefficient.
-        chance = 1.0 + 2.0 / np.sqrt(width * samples) if known else 1.0
+        chance = 1.0 + 2.0 / np.sqrt(width * samples) if is_determined else 1.0
         ratio = min(1.0, chance * last / before) if before > 0.0 else 1.0
         factor = max(factor, ratio ** (n / (2.0 * width)))
-    return 3.0 * factor if known else factor  # ratio of the sum to the largest
+    return 3.0 * factor if is_determined else factor  # ratio of the sum to the largest
 
 
 def _rate(values: Floats) -> float:

@@ -276,9 +276,9 @@ def _vertices_of_size(area: Cells, density: Cells, size: float, unit: float) -> 
 
 def _checked_number(n: float, size: float) -> int:
     """The number of vertices that edges of a size make, refused where it is not within bounds."""
-    fewest, most = MIN_VERTICES, MOST_VERTICES
-    if not fewest - 0.5 <= n < most + 0.5:
-        bound = f"least {fewest}" if n < fewest else f"most {most}"
+    minimum, maximum = MIN_VERTICES, MOST_VERTICES
+    if not minimum - 0.5 <= n < maximum + 0.5:
+        bound = f"least {minimum}" if n < minimum else f"most {maximum}"
         raise InvalidParameter(
             f"edges of the length {size:.6g} make {n:.3g} vertices, but there must be at {bound}"
         )

@@ -105,16 +105,16 @@ def _evaluated(
 ) -> Floats:
     """Values (3, n) of a function of two coordinates (n,); raises as `components_at`."""
     subject = "the function for the metric"
-    given = called(subject, components, first, second)
-    if not isinstance(given, tuple | list | np.ndarray) or len(given) != 3:
-        shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
-        count = f" of length {len(given)}" if isinstance(given, tuple | list) else shape
+    result = called(subject, components, first, second)
+    if not isinstance(result, tuple | list | np.ndarray) or len(result) != 3:
+        shape = f" of shape {result.shape}" if isinstance(result, np.ndarray) else ""
+        count = f" of length {len(result)}" if isinstance(result, tuple | list) else shape
         raise InvalidMetric(
-            f"{subject} returns a {type(given).__name__}{count}, not the three {', '.join(names[:2])} and "
+            f"{subject} returns a {type(result).__name__}{count}, not the three {', '.join(names[:2])} and "
             f"{names[2]}"
         )
     q = np.empty((3, *first.shape))
-    for name, component, values in zip(names, given, q, strict=True):
+    for name, component, values in zip(names, result, q, strict=True):
         array = array_of(subject, component)
         if array.shape not in ((), (1,), first.shape):
             raise InvalidMetric(
@@ -205,14 +205,14 @@ class PulledBack:
         return projected(q, u)
 
 
-def check_two_metric(given: object) -> None:
+def check_two_metric(metric: object) -> None:
     """Raise `InvalidMetric` for an object that is not a metric, such as a function."""
-    if not callable(getattr(given, "tensor", None)):
+    if not callable(getattr(metric, "tensor", None)):
         advice = (
-            "AngleMetric makes one of a function of theta and phi" if callable(given) else "see AngleMetric"
+            "AngleMetric makes one of a function of theta and phi" if callable(metric) else "see AngleMetric"
         )
         raise InvalidMetric(
-            f"the metric is a {type(given).__name__}, which has no method tensor(u): {advice}"
+            f"the metric is a {type(metric).__name__}, which has no method tensor(u): {advice}"
         )
 
 

@@ -121,8 +121,8 @@ class VertexFit:
         return replace(self, coefficients=self.coefficients + change)
 
     def nearer(self) -> VertexFit:
-        """Fit after a Gauss-Newton step toward least normal distances."""
-        return self.moved(self._least_along(self.residuals))
+        """Fit after a Gauss-Newton step that reduces the normal distances."""
+        return self.moved(self._weighted_least_squares(self.residuals))
 
     def corrected(self, faces: Indices) -> VertexFit:
         """Fit of the same surface with the vertices at their nearest points on it."""
@@ -142,12 +142,12 @@ class VertexFit:
         more = deviating(self.harmonics)
         signs = random.choice((-1.0, 1.0), (DEVIATIONS, len(self.x), 1))
         signed = signs * self.distances[:, None] * self.normals
-        drawn = np.array([resized(self.least(v), self.harmonics, more) for v in signed])
+        drawn = np.array([resized(self.least_squares(v), self.harmonics, more) for v in signed])
         higher = more.labels[0] > self.harmonics.degree
         following = self.raised(more.degree)
         size = self.misfit * np.sqrt(4.0 * np.pi / np.count_nonzero(higher))
         if following.is_determined:
-            size = float(np.sqrt(np.mean(following.least(self.residuals)[higher] ** 2)))
+            size = float(np.sqrt(np.mean(following.least_squares(self.residuals)[higher] ** 2)))
         drawn[:, higher] = size * random.normal(size=drawn[:, higher].shape)
         return drawn
 
@@ -170,12 +170,12 @@ class VertexFit:
             return False
         return float(dtrcon(R)[0]) >= 1e-4  # reciprocal condition
 
-    def least(self, vectors: Floats) -> Floats:
+    def least_squares(self, vectors: Floats) -> Floats:
         """Coefficients (size, 3) of the least-squares fit to vectors (V, 3)."""
         pulled = self.table.T @ (self.weights[:, None] * vectors)
         return np.asarray(cho_solve((self._triangle, False), pulled))
 
-    def _least_along(self, vectors: Floats) -> Floats:
+    def _weighted_least_squares(self, vectors: Floats) -> Floats:
         """Iterative least squares with a small weight of tangential parts, preconditioned by R."""
         R, n = self._triangle, self.normals
 
@@ -191,8 +191,9 @@ class VertexFit:
 
         shape = (self.x.size, 3 * self.harmonics.size)
         operator = LinearOperator(shape, matvec=forward, rmatvec=backward, dtype=np.float64)
-        tolerance, most = 1e-4, 200  # later steps add digits
-        found = lsmr(operator, weighted(vectors).ravel(), atol=tolerance, btol=tolerance, maxiter=most)
+        tolerance, max_iterations = 1e-4, 200  # later steps add digits
+        right = weighted(vectors).ravel()
+        found = lsmr(operator, right, atol=tolerance, btol=tolerance, maxiter=max_iterations)
         return np.asarray(solve_triangular(R, found[0].reshape(-1, 3)))
 
 
