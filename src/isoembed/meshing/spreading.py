@@ -12,7 +12,7 @@ from isoembed.meshing.sphere import directions_at
 
 Zone = tuple[float, float]
 WHOLE: Zone = (0.0, np.pi)
-CHUNK = 4096  # points whose angles are looked up at once, which bounds the memory
+CHUNK = 4096  # points that are looked up or evaluated at once: intermediate arrays remain in the cache
 
 
 def roundest_axis(sizes: Floats) -> int:
@@ -47,7 +47,11 @@ class Cells:
         cls, function: Callable[[Floats], Floats], shape: tuple[int, int], axis: int = 2, zone: Zone = WHOLE
     ) -> Cells:
         """Sample a function, which takes unit vectors (k, 3) and returns (k,)."""
-        return cls(function(cell_centers(shape, axis, zone)).reshape(shape), axis, zone)
+        u, values = cell_centers(shape, axis, zone), np.empty(shape)
+        for begin in range(0, len(u), CHUNK):
+            part = slice(begin, begin + CHUNK)
+            values.reshape(-1)[part] = function(u[part])
+        return cls(values, axis, zone)
 
     def integral(self) -> float:
         """Integral over the zone of the unit sphere."""
