@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from isoembed.errors import InvalidMetric
+from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.smooth import double_fourier
 from isoembed.smooth.double_fourier import DoubleFourier
-from isoembed.smooth.grid_metric import GridMetric
+from isoembed.smooth.grid_metric import GridMetric, sampled_on_grid
 from isoembed.smooth.harmonics import Harmonics
 
 THETA = {
@@ -374,3 +375,16 @@ class TestAnglesInSinglePrecision:
         with pytest.raises(InvalidMetric, match=r"phi\[29\] = 3\.9611\d+ is not 3\.9611\d+: 46") as said:
             GridMetric(exact.theta, phi, exact.q_tt, exact.q_tp, exact.q_pp)
         assert "in radians, in eight digits or more" in str(said.value)
+
+
+@pytest.mark.parametrize(("bumps", "nodes"), [(2, 96), (20, 192), (100, 768)])
+def test_a_meridian_has_the_nodes_that_it_requires(bumps, nodes):
+    class Wavy:
+        def tensor(self, u):
+            scale = np.exp(0.1 * np.cos(bumps * np.arccos(np.clip(u[:, 2], -1.0, 1.0))))
+            return scale[:, None, None] * (np.eye(3) - u[:, :, None] * u[:, None, :])
+
+    grid = sampled_on_grid(Wavy())
+    assert grid.q_tt.shape == (nodes, 1)
+    u = fibonacci_directions(500)
+    np.testing.assert_allclose(grid.tensor(u), Wavy().tensor(u), atol=1e-12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
+from isoembed.meshing.sphere import directions_at
 from isoembed.smooth.double_fourier import (
     STENCIL,
     DoubleFourier,
@@ -25,6 +27,8 @@ from isoembed.smooth.two_metric import TwoMetric, angle_components, are_definite
 from isoembed.smooth.uncertain import UncertainFunction, Uncertainty
 
 SEAM = 1e-6  # largest relative difference of the columns phi = 0 and phi = 2 pi
+FINEST = 768  # angles theta on a meridian, at most, of a metric sampled for meshes
+RESOLVED = 1e-13  # largest relative error between the nodes of a grid that is fine enough for them
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -282,9 +286,22 @@ class GridMetric:
 
 
 def sampled_on_grid(metric: TwoMetric) -> TwoMetric:
-    """Interpolation of a metric on a fine grid, accurate enough for meshes and fast to evaluate."""
+    """Interpolation of a metric on a fine grid, accurate enough for meshes and fast to evaluate.
+
+    If the metric is symmetric about the z-axis, the grid is as fine as the values on a meridian require.
+    """
     try:
-        return GridMetric._sampled(metric, *((768, 1) if is_axisymmetric(metric) else (96, 192)))
+        if not is_axisymmetric(metric):
+            return GridMetric._sampled(metric, 96, 192)
+        theta = (np.arange(FINEST) + 0.5) * (np.pi / FINEST)
+        u = directions_at(np.cos(theta), 0.0)
+        exact = metric.tensor(u)
+        for n in (FINEST // 8, FINEST // 4):
+            with suppress(InvalidMetric):  # the grid is too coarse
+                grid = GridMetric._sampled(metric, n, 1)
+                if np.abs(grid.tensor(u) - exact).max() <= RESOLVED * np.abs(exact).max():
+                    return grid
+        return GridMetric._sampled(metric, FINEST, 1)
     except InvalidMetric:  # the grid is too coarse
         return metric
 
