@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from isoembed.aim.acceptance import are_identical, is_realization
+from isoembed.aim.polygon_planarity import has_planar_polygons
 from isoembed.arrays import Floats
 from isoembed.embedding.embedding import Embedding
 from isoembed.errors import InvalidParameter, NotEmbedded
@@ -29,7 +30,7 @@ FAR = 0.05  # mean edge lengths; rough bodies have too many realizations farther
 def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) -> Embedding:
     """The smoothest realization, with the others attached; if there is none, the nearest attempt.
 
-    For a convex metric the convex realization precedes all others.
+    Those in which given polygons are planar precede all others, and for a convex metric the convex one.
 
     Parameters
     ----------
@@ -47,7 +48,13 @@ def smoothest(surfaces: Sequence[Embedding], is_convex: bool, searched: bool) ->
     if not different:
         return min(surfaces, key=lambda surface: surface.residual)
     if len(different) > 1:
-        different.sort(key=lambda s: (is_convex and s.surface.concave_edges.any(), s.surface.fine_roughness))
+        different.sort(
+            key=lambda s: (
+                not has_planar_polygons(s),
+                is_convex and s.surface.concave_edges.any(),
+                s.surface.fine_roughness,
+            )
+        )
     others = [_turned_to(different[0], other) for other in different[1:]]
     if not searched:
         return different[0]._with_others(others)

@@ -19,6 +19,7 @@ from isoembed.aim.convexification import NEAR_MARGIN
 from isoembed.aim.decisions import fitted_surface, has_small_errors, measured_candidate
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron, polished_polyhedron
 from isoembed.aim.pipeline import Pipeline, State, Strategy
+from isoembed.aim.polygon_planarity import has_planar_polygons
 from isoembed.aim.problem import Problem
 from isoembed.aim.stage_seconds import AT_ONCE, BY_A_POLYTOPE, GUIDED, LOCAL, PULL_BACK
 from isoembed.arrays import Floats
@@ -198,6 +199,39 @@ class NewtonOnLengths(Strategy):
             problem.is_convex or solution.branch_deviation < LENGTHS_DEVIATION
         )
         return replace(state, trusted=on_branch and state.candidates[-1].converged, cost=cost)
+
+
+class PlanarPolygons(Strategy):
+    """Surface on which given polygons are planar, where none is found yet.
+
+    Starts at the start and at accepted candidates; finds a candidate that is trusted.
+    """
+
+    key = "planar polygons"
+
+    def applies(self, state: State, pipeline: Pipeline) -> bool:
+        metric = pipeline.problem.metric
+        return (
+            len(metric.diagonals) > 0
+            and metric.space.is_euclidean
+            and not any(is_accepted(found) and has_planar_polygons(found) for found in state.candidates)
+        )
+
+    def run(self, state: State, pipeline: Pipeline) -> State:
+        from isoembed.aim.planar_polygons import with_planar_polygons
+
+        problem = pipeline.problem
+        starts = [] if state.start is None else [state.start]
+        starts += [found.vertices for found in state.candidates if is_accepted(found)]
+        with pipeline.log.stage("planar polygons") as recorder:
+            for start in starts:
+                near = with_planar_polygons(problem.metric, start, recorder)
+                found = problem.surface(near)
+                if not is_exact(found):  # rounded coordinates, whose polygons are not exactly planar
+                    found = problem.annealed(near, recorder)
+                if is_exact(found) and has_planar_polygons(found):
+                    return state.adding(found, trusted=True)
+        return state
 
 
 class FitOfNoise(Strategy):
@@ -451,6 +485,7 @@ STRATEGIES = (
     NewtonFromPolytope(),
     NearestPolyhedron(),
     NewtonOnLengths(),
+    PlanarPolygons(),
     FitOfNoise(),
     PatchReflections(),
     GuidedPath(),

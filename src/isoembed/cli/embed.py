@@ -59,8 +59,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         metavar="INPUT",
         help=f"a metric (.npz or .json with faces, edges, lengths), or a mesh ({' '.join(MESH_ENDINGS)}) "
-        "used for its edge lengths only, or a strut table (.csv); - reads JSON from standard "
-        "input; with several inputs, --output is a folder",
+        "used for its edge lengths and its planar polygons, or a strut table (.csv); - reads JSON from "
+        "standard input; with several inputs, --output is a folder",
     )
     parser.add_argument(
         "--method",

@@ -190,6 +190,8 @@ def metric_of(tables: Tables) -> PolyhedralMetric:
         metric = PolyhedralMetric(*given, length_errors=errors, **options)
     else:
         metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **options)
+        if "diagonals" in tables:
+            metric = metric.with_diagonals(tables["diagonals"])
         if errors is not None:
             metric = metric.with_length_errors(errors)
     if "rounding_error" in tables:
@@ -227,7 +229,7 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
         return tables
     merge = 0.0 if merge is None and repeated else merge
     options = {key: tables[key] for key in ("curvature", "precision", "rounding_error") if key in tables}
-    vertices, triangles = triangle_mesh(
+    vertices, triangles, diagonals = triangle_mesh(
         tables["vertices"],
         tables["faces"],
         merge,
@@ -238,6 +240,8 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
     )
     if len(vertices) == len(tables["vertices"]):  # none was merged or omitted
         options |= {key: tables[key] for key in CURVATURES if key in tables}
+    if len(diagonals):
+        options["diagonals"] = diagonals
     return {"vertices": vertices, "faces": triangles, **options}
 
 

@@ -4,6 +4,7 @@ import math
 import numbers
 import warnings
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,6 +37,25 @@ class MergingThresholds:
 MERGING = MergingThresholds()
 
 
+class TriangleMesh(NamedTuple):
+    """Triangles of a mesh, some of which are parts of planar polygons.
+
+    Attributes
+    ----------
+    points : ndarray, shape (V, n)
+    triangles : ndarray of int64, shape (F, 3)
+    diagonals : ndarray of int64, shape (D, 2)
+        Ends of the edges inside planar polygons.
+    """
+
+    points: Floats
+    triangles: Indices
+    diagonals: Indices
+
+
+NO_DIAGONALS = np.empty((0, 2), dtype=np.int64)
+
+
 def triangle_mesh(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -45,8 +65,8 @@ def triangle_mesh(
     leave_out: bool = False,
     repeated: bool = False,
     error: float = 0.0,
-) -> tuple[Floats, Indices]:
-    """Points and triangles of a mesh; changes are reported by a `MeshNote`.
+) -> TriangleMesh:
+    """Triangles of a mesh; changes are reported by a `MeshNote`.
 
     Parameters
     ----------
@@ -68,9 +88,8 @@ def triangle_mesh(
 
     Returns
     -------
-    vertices : ndarray, shape (V', n)
-    faces : ndarray of int64, shape (F', 3)
-        The given ones if there is nothing to do.
+    TriangleMesh
+        With the given vertices and faces if there is nothing to do.
 
     Raises
     ------
@@ -93,7 +112,7 @@ def triangle_mesh(
             f"{': their table looks transposed' if len(points) == 3 < points.shape[1] else ''}"
         )
     if merge is None and not leave_out and (sizes == 3).all():
-        return points, corners.reshape(-1, 3)
+        return TriangleMesh(points, corners.reshape(-1, 3), NO_DIAGONALS)
     if merge is not None:
         if not isinstance(merge, numbers.Real) or not 0 <= merge < 1:
             raise InvalidParameter(f"merge is {merge!r}, not a number of mean edge lengths in [0, 1)")
@@ -104,10 +123,11 @@ def triangle_mesh(
     if len(sizes) == len(given_sizes):
         _check_sides(corners, sizes)
     if (sizes == 3).all():
-        triangles = corners.reshape(-1, 3)
+        triangles, diagonals = corners.reshape(-1, 3), NO_DIAGONALS
     else:
-        triangles = _cut(straight, corners, sizes, math.ldexp(error, -_exponent(points)))
-    return (points, triangles) if merge is None and not leave_out else _renumbered(points, triangles, given)
+        triangles, diagonals = _cut(straight, corners, sizes, math.ldexp(error, -_exponent(points)))
+    mesh = TriangleMesh(points, triangles, diagonals)
+    return mesh if merge is None and not leave_out else _renumbered(mesh, given)
 
 
 def _check_sides(corners: Indices, sizes: Indices) -> None:
@@ -196,7 +216,7 @@ def _is_mended(points: Floats, faces: ArrayLike, merge: float, space: Space) -> 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MeshNote)
         try:
-            Triangulation(triangle_mesh(points, faces, merge, space=space)[1]).check_sphere()
+            Triangulation(triangle_mesh(points, faces, merge, space=space).triangles).check_sphere()
         except InvalidMetric:
             return False
     return True
@@ -279,7 +299,8 @@ def _split(points: Floats, corners: Indices, sizes: Indices, distance: float) ->
     return with_vertices_on_sides(corners, sizes, places, vertices)
 
 
-def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> Indices:
+def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> tuple[Indices, Indices]:
+    """Triangles of polygons, and the diagonals of those that are planar."""
     if points.shape[1] != 3:
         raise InvalidMetric(
             f"face {np.argmax(sizes != 3)} has {sizes[np.argmax(sizes != 3)]} corners, and the "
@@ -298,21 +319,31 @@ def _cut(points: Floats, corners: Indices, sizes: Indices, error: float) -> Indi
             f"{_count(warped.sum(), 'face is', 'faces are')} not planar, and replaced by triangles; "
             f"the first is face {f}, with corners {warps[f]:.1g} of its size off a plane"
         )
-    return triangles
+    return triangles, _diagonals(triangles, np.repeat(np.where(warped, -1, np.arange(len(sizes))), sizes - 2))
 
 
-def _renumbered(points: Floats, triangles: Indices, given: Indices) -> tuple[Floats, Indices]:
+def _diagonals(triangles: Indices, polygon: Indices) -> Indices:
+    """Edges between triangles of one polygon, (D, 2); triangles with the number -1 are in none."""
+    ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    sides = np.column_stack([ends, np.repeat(polygon, 3)])
+    found, count = np.unique(sides[sides[:, 2] >= 0], axis=0, return_counts=True)
+    return found[count == 2, :2]
+
+
+def _renumbered(mesh: TriangleMesh, given: Indices) -> TriangleMesh:
     """Vertices in triangles, renumbered; reports those that were not in the given faces either."""
+    points, triangles, diagonals = mesh
     used = np.bincount(triangles.ravel(), minlength=len(points)) > 0
     if used.all():
-        return points, triangles
+        return mesh
     unused = np.bincount(given, minlength=len(points)) == 0
     if unused.any():
         warn_of_mesh(
             f"{_count(unused.sum(), 'vertex is', 'vertices are')} in no face, and left out; the first is "
             f"vertex {np.argmax(unused)}"
         )
-    return points[used], (np.cumsum(used) - 1)[triangles]
+    numbers = np.cumsum(used) - 1
+    return TriangleMesh(points[used], numbers[triangles], numbers[diagonals])
 
 
 def _count(number: int, one: str, more: str) -> str:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 SAME_LENGTH = 1e-12  # relative difference of two values for one edge
 ANGLE_ROUNDING = 1e-9  # radians: of deficits, and of sums of angles across edges
+NO_EDGES = frozen(np.empty(0, dtype=np.int64))
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -66,6 +67,9 @@ class PolyhedralMetric(TriangleMetric):
     length_errors : ndarray, shape (E,), or None
         Standard deviations of the lengths, whose errors are independent; None if the lengths are exact.
         Lengths that break a triangle inequality are changed within their errors so that they do not.
+    diagonals : ndarray of int, shape (D,)
+        Edges inside of planar polygons that were cut into triangles: among the realizations that are found,
+        one in which these polygons are planar is preferred.
 
     Raises
     ------
@@ -91,6 +95,7 @@ class PolyhedralMetric(TriangleMetric):
     space: Space
     precision: Precision | None
     length_errors: Floats | None
+    diagonals: Indices
     _digits_count: bool
 
     def __init__(
@@ -170,7 +175,7 @@ class PolyhedralMetric(TriangleMetric):
         """
         space = Space(curvature)
         given = vertices if space.is_euclidean else _ambient(vertices, space, model)
-        points, triangles = triangle_mesh(given, faces, merge, space=space)
+        points, triangles, diagonals = triangle_mesh(given, faces, merge, space=space)
         try:
             triangulation = Triangulation(triangles)
             if not triangulation.is_closed and merging_advice(points, triangles):
@@ -182,7 +187,7 @@ class PolyhedralMetric(TriangleMetric):
                 size = float(np.ldexp(1.0, int(np.frexp(size)[1])))
             with np.errstate(over="ignore"):  # a length beyond the floats is refused as infinite
                 lengths = size * lengths_between(triangulation, points / size, space.scaled(1 / size))
-                metric = cls.on(triangulation, lengths, space)
+                metric = cls.on(triangulation, lengths, space).with_diagonals(diagonals)
             if not space.is_euclidean:
                 return metric
             return metric._knowing(precision=Precision.of(points, metric.mean_length))
@@ -254,11 +259,15 @@ class PolyhedralMetric(TriangleMetric):
         _check_lengths(triangulation, lengths, space, given=given)
         lengths.flags.writeable = False
         self._put(triangulation=triangulation, lengths=lengths, space=space)
-        self._put(precision=None, length_errors=None, _digits_count=True)
+        self._put(precision=None, length_errors=None, diagonals=NO_EDGES, _digits_count=True)
 
     def _put(self, **values: Any) -> None:
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    def with_diagonals(self, pairs: Indices) -> PolyhedralMetric:
+        """Return the same metric with the edges that have these ends, (D, 2), as `diagonals`."""
+        return self._knowing(diagonals=frozen(self.triangulation.edge_indices(pairs)))
 
     def rounded_as(self, other: PolyhedralMetric | GluedMetric) -> PolyhedralMetric:
         """Return the metric with the `precision` of another in the same unit, whose surface it is."""
@@ -280,7 +289,8 @@ class PolyhedralMetric(TriangleMetric):
         curved = () if normalized.space.is_euclidean else (np.array(normalized.curvature),)
         measured = () if normalized.length_errors is None else (normalized.length_errors,)
         exact = () if measured or self._digits_count else (np.zeros(1),)
-        return self.faces, normalized.lengths, *curved, *measured, *exact
+        planar = (self.diagonals,) if len(self.diagonals) else ()
+        return self.faces, normalized.lengths, *curved, *measured, *exact, *planar
 
     def with_lengths(self, lengths: ArrayLike) -> PolyhedralMetric:
         """Return the metric with the same triangles and these lengths, in the order of `edges`.
@@ -346,10 +356,10 @@ class PolyhedralMetric(TriangleMetric):
         return scaled._knowing(**self._known(factor))
 
     def _known(self, factor: float) -> dict[str, Any]:
-        """Precision, errors and rounding of the lengths in another unit, which does not show their digits."""
+        """All but triangles and lengths, in another unit, which does not show the digits of the lengths."""
         errors = None if self.length_errors is None else frozen(self.length_errors * factor)
         known = {"precision": self.precision, "length_errors": errors, "rounding": self.rounding}
-        return {**known, "_digits_count": self._digits_count}
+        return {**known, "diagonals": self.diagonals, "_digits_count": self._digits_count}
 
     def __repr__(self) -> str:
         t = self.triangulation

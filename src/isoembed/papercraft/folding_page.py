@@ -93,7 +93,7 @@ def folding_page_writer(
             f"the net has {len(unfolding.sheets)} sheets: a page shows the folding of a single sheet"
         )
     flat, faces = partly_folded(unfolding, 0.0)
-    points, triangles = triangle_mesh(flat, faces)
+    points, triangles, _ = triangle_mesh(flat, faces)
     triangulation = Triangulation(triangles)  # the sheet is a disk: narrow slits stay open
     metric = PolyhedralMetric.on(triangulation, lengths_between(triangulation, points, EUCLIDEAN))
     sizes = np.array([len(face) for face in faces])
