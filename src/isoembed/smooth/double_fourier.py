@@ -17,7 +17,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from isoembed.arrays import Floats, Mask
+from isoembed.arrays import Floats, Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of
 
@@ -86,7 +86,7 @@ class DoubleFourier:
 
     @cached_property
     def table(self) -> Floats:
-        """Values on a finer grid, with a margin of half a stencil for `at`."""
+        """Values on a finer grid, with a margin of half a stencil for `at`; one column if phi has one angle."""
         (rows, columns), margin = self._table_shape, STENCIL // 2
         theta = np.arange(-margin, rows + margin + 1, dtype=np.float64) * (np.pi / rows)
         a = self.coefficients
@@ -97,7 +97,8 @@ class DoubleFourier:
             spectrum[:, parity : a.shape[1] : 2] = values.reshape(len(theta), *part.shape[1:])
         spectrum[:, 1:] /= 2.0
         fine = np.fft.irfft(spectrum * columns, columns, axis=1)
-        return np.ascontiguousarray(fine[:, np.arange(-margin, columns + margin + 1) % columns])
+        margins = np.arange(-margin, columns + margin + 1) % columns
+        return np.ascontiguousarray(fine if columns == 1 else fine[:, margins])
 
     def on(self, theta: Floats, phi: Floats) -> Floats:
         """Values (k, l, c) on the product grid of theta (k,) and phi (l,), by direct summation."""
@@ -113,7 +114,8 @@ class DoubleFourier:
     def _table_shape(self) -> tuple[int, int]:
         """Numbers of steps from pole to pole and around."""
         finer = FINER if self.values.size * FINER**2 <= LARGE else FINER // 2
-        return finer * len(self.theta), finer * max(len(self.phi), 2 * STENCIL // FINER)
+        m = len(self.phi)
+        return finer * len(self.theta), 1 if m == 1 else finer * max(m, 2 * STENCIL // FINER)
 
     def at(self, u: Floats) -> Floats:
         """Values (n, c) at unit vectors u (n, 3); at the poles the limit along phi = 0."""
@@ -271,18 +273,24 @@ def _weights(t: Floats) -> Floats:
     return np.ascontiguousarray(weights.T)
 
 
+def _stencils(positions: Floats, count: int) -> tuple[Indices, Floats]:
+    """First nodes (n,) and weights (n, stencil) at fractional indices (n,) of nodes with a margin, or of one."""
+    if count == 1:
+        return np.zeros(len(positions), dtype=np.int64), np.ones((len(positions), 1))
+    before = np.minimum(positions.astype(np.int64), count - STENCIL - 2)
+    return before + 1, _weights(positions - before)
+
+
 def _interpolated(table: Floats, rows: Floats, columns: Floats) -> Floats:
     """Interpolated values (n, c) at fractional indices (n,) inside a table (rows, columns, c)."""
     n_rows, n_columns, count = table.shape
-    stencil = STENCIL
-    i = np.minimum(rows.astype(np.int64), n_rows - stencil - 2)
-    j = np.minimum(columns.astype(np.int64), n_columns - stencil - 2)
-    w_row, w_column = _weights(rows - i), _weights(columns - j)
-    windows = sliding_window_view(table.reshape(n_rows, -1), (stencil, stencil * count))
+    (i, w_row), (j, w_column) = _stencils(rows, n_rows), _stencils(columns, n_columns)
+    width = w_column.shape[1]
+    windows = sliding_window_view(table.reshape(n_rows, -1), (STENCIL, width * count))
     values = np.empty((len(rows), count))
     for start in range(0, len(rows), CHUNK):
         some = slice(start, start + CHUNK)
-        nodes = windows[i[some] + 1, (j[some] + 1) * count]
-        across = (w_row[some, None] @ nodes).reshape(-1, stencil, count)
+        nodes = windows[i[some], j[some] * count]
+        across = (w_row[some, None] @ nodes).reshape(-1, width, count)
         values[some] = (w_column[some, None] @ across)[:, 0]
     return values
