@@ -85,7 +85,7 @@ def test_whole_steps_go_astray_where_a_line_search_arrives():
     assert free.reason is Reason.EXHAUSTED
     assert abs(free.point.x[0]) > abs(start[0])
     assert free.best.x is start
-    assert free.least == np.arctan(3.0) < free.value
+    assert free.best_value == np.arctan(3.0) < free.value
     search = LineSearch(decrease=0.1, shortest=1e-3)
     found = newton(start, arctangent, step_on_arctangent, search, converged=below(1e-14), max_iterations=20)
     assert found.converged
@@ -130,7 +130,7 @@ def test_stagnation_at_rounding():
         max_iterations=50,
     )
     assert found.reason is Reason.STALLED
-    assert found.least <= 4.5e-16
+    assert found.best_value <= 4.5e-16
     assert found.iterations < 8
 
 

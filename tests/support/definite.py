@@ -2,14 +2,20 @@
 
 import scipy.sparse as sp
 
-from isoembed.proof.definite import PROVEN_SHARE, PositiveDefinite, hidden, least_eigenvalue, lost_to_rounding
+from isoembed.proof.definite import (
+    PROVEN_SHARE,
+    PositiveDefinite,
+    hidden,
+    lost_to_rounding,
+    smallest_eigenvalue,
+)
 from isoembed.proof.rounding import GUARD
 
 
 def prove_definite(matrix, order):
     """The matrix with a lower bound on its eigenvalues, about half of the least one."""
     permuted = sp.csc_array(matrix[order][:, order])
-    lu, estimate = least_eigenvalue(permuted)
+    lu, estimate = smallest_eigenvalue(permuted)
     shift = PROVEN_SHARE * estimate
     lost = lost_to_rounding(permuted, shift)
     if not lost < shift:

@@ -76,7 +76,7 @@ def anneal(
         stalled=lambda p, size, before: rounding(p, size, before) or not size < diverged,
         max_iterations=max_iterations,
     )
-    return Annealed(found.best.x, found.least, found.converged)
+    return Annealed(found.best.x, found.best_value, found.converged)
 
 
 def anneal_on_sphere(

@@ -40,14 +40,14 @@ def realization(surface: Embedding) -> Callable[..., jax.Array]:
     """
     if not jax.config.jax_enable_x64:
         raise RuntimeError('lengths are doubles: jax.config.update("jax_enable_x64", True) first')
-    known, n, count = Realization(surface), len(surface.vertices), len(surface.metric.edges)
-    shape = known.boundary.shape
+    nearby, n, count = Realization(surface), len(surface.vertices), len(surface.metric.edges)
+    shape = nearby.boundary.shape
     placed = jax.ShapeDtypeStruct((n, 3), jnp.float64)
     pulled = tuple(jax.ShapeDtypeStruct(each, jnp.float64) for each in ((count,), shape))
 
     @lru_cache(maxsize=1)
     def linearized(lengths: bytes, boundary: bytes) -> Linearized:
-        return known.linearized(np.frombuffer(lengths), np.frombuffer(boundary).reshape(shape))
+        return nearby.linearized(np.frombuffer(lengths), np.frombuffer(boundary).reshape(shape))
 
     def at(lengths: Floats, boundary: Floats) -> Linearized:
         return linearized(np.asarray(lengths).tobytes(), np.asarray(boundary).tobytes())
@@ -75,6 +75,6 @@ def realization(surface: Embedding) -> Callable[..., jax.Array]:
     realized.defvjp(remembered, pulled_back)
 
     def vertices(lengths: jax.Array, boundary: jax.Array | None = None) -> jax.Array:
-        return realized(lengths, jnp.asarray(known.boundary) if boundary is None else boundary)
+        return realized(lengths, jnp.asarray(nearby.boundary) if boundary is None else boundary)
 
     return vertices

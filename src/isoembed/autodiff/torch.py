@@ -36,7 +36,7 @@ def realization(surface: Embedding) -> Callable[..., torch.Tensor]:
     TypeError
         The lengths are not doubles.
     """
-    known, n = Realization(surface), len(surface.vertices)
+    nearby, n = Realization(surface), len(surface.vertices)
 
     class Vertices(torch.autograd.Function):
         @staticmethod
@@ -47,10 +47,10 @@ def realization(surface: Embedding) -> Callable[..., torch.Tensor]:
             rows = lengths.detach().cpu().numpy().reshape(-1, lengths.shape[-1])
             boundary_data = boundary.detach().cpu().numpy()
             if lengths.requires_grad or boundary.requires_grad:
-                ctx.surfaces = [known.linearized(row, boundary_data) for row in rows]
+                ctx.surfaces = [nearby.linearized(row, boundary_data) for row in rows]
                 found = [each.vertices for each in ctx.surfaces]
             else:
-                found = [known(row, boundary_data) for row in rows]
+                found = [nearby(row, boundary_data) for row in rows]
             shape = (*lengths.shape[:-1], n, 3)
             return torch.from_numpy(np.array(found).reshape(shape)).to(lengths.device)
 
@@ -64,7 +64,7 @@ def realization(surface: Embedding) -> Callable[..., torch.Tensor]:
             by_lengths = torch.from_numpy(np.array(pulled).reshape(shape)).to(gradient.device)
             return by_lengths, torch.from_numpy(np.array(at_boundary)).to(gradient.device)
 
-    own = torch.from_numpy(np.array(known.boundary))
+    own = torch.from_numpy(np.array(nearby.boundary))
 
     def vertices(lengths: torch.Tensor, boundary: torch.Tensor | None = None) -> torch.Tensor:
         return Vertices.apply(lengths, own if boundary is None else boundary)

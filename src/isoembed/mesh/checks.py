@@ -134,16 +134,16 @@ def _natural(indices: NDArray, item: str, row: Callable[[int], int]) -> Indices:
     return np.ascontiguousarray(indices, dtype=np.int64)
 
 
-def real_array(given: ArrayLike, item: str, quantity: str) -> Floats:
+def real_array(data: ArrayLike, item: str, quantity: str) -> Floats:
     """Float copy of an array of real numbers; raises an error at the first invalid entry."""
     try:
-        values = np.asarray(given)
+        values = np.asarray(data)
     except ValueError:  # rows of different sizes
-        sizes = [np.size(row) for row in given]  # type: ignore[union-attr]
+        sizes = [np.size(row) for row in data]  # type: ignore[union-attr]
         k = next(k for k, size in enumerate(sizes) if size != sizes[0])
         raise InvalidMetric(f"{item} {k} has {sizes[k]} {quantity}s, {item} 0 has {sizes[0]}") from None
     if values.dtype.kind not in "iuf":
-        for k, row in enumerate(given if np.ndim(given) else [given]):  # type: ignore[arg-type]
+        for k, row in enumerate(data if np.ndim(data) else [data]):  # type: ignore[arg-type]
             for value in np.ravel(np.array(row, dtype=object)):
                 number = isinstance(value, numbers.Real) and not isinstance(value, bool | np.bool_)
                 if not number or abs(value) > sys.float_info.max:

@@ -7,11 +7,11 @@ import numpy as np
 from isoembed.arrays import Floats
 
 
-def extrapolated(known: list[tuple[float, Floats]], t: float) -> Floats:
+def extrapolated(history: list[tuple[float, Floats]], t: float) -> Floats:
     """Polynomial predictor of a path at time t, from points at given distinct times."""
-    times = np.array([s for s, _ in known])
-    guess = np.zeros_like(known[0][1])
-    for i, (s, x) in enumerate(known):
+    times = np.array([s for s, _ in history])
+    guess = np.zeros_like(history[0][1])
+    for i, (s, x) in enumerate(history):
         others = np.delete(times, i)
         guess += np.prod((t - others) / (s - others)) * x
     return guess

@@ -36,7 +36,7 @@ class Solution(Generic[P]):
     ----------
     point, value
         Last point.
-    best, least
+    best, best_value
         Point with the smallest value, which differs from the last one only after `FULL_STEPS`.
     reason : Reason
     iterations : int
@@ -46,7 +46,7 @@ class Solution(Generic[P]):
     point: P
     value: float
     best: P
-    least: float
+    best_value: float
     reason: Reason
     iterations: int
 
@@ -90,7 +90,7 @@ def descend(
         Maximum number of trials in all iterations.
     """
     best = point = start
-    least, size, before, parameter = np.inf, value(start), np.inf, acceptance.first
+    best_value, size, before, parameter = np.inf, value(start), np.inf, acceptance.first
     trials = count()
 
     def accepted() -> tuple[P, float, float] | Reason:
@@ -110,8 +110,8 @@ def descend(
         return Reason.REJECTED
 
     for iteration in range(max_iterations + 1):
-        if size < least:
-            best, least = point, size
+        if size < best_value:
+            best, best_value = point, size
         if converged(point, size, before):
             reason = Reason.CONVERGED
         elif stalled(point, size, before):
@@ -121,8 +121,8 @@ def descend(
         elif isinstance(found := accepted(), Reason):
             reason = found
         else:
-            before = least
+            before = best_value
             point, size, parameter = found
             continue
         break
-    return Solution(point, size, best, least, reason, iteration)
+    return Solution(point, size, best, best_value, reason, iteration)

@@ -94,14 +94,16 @@ def labels(
     return found
 
 
-def _fitting(text: str, ends: Floats, size: float, least: float, obstacles: Sequence[Pieces]) -> Label | None:
+def _fitting(
+    text: str, ends: Floats, size: float, smallest: float, obstacles: Sequence[Pieces]
+) -> Label | None:
     """Largest label of a side that overlaps nothing."""
     length = float(np.hypot(*(ends[1] - ends[0])))
-    while size >= least and WIDTH * len(text) * size >= length:
+    while size >= smallest and WIDTH * len(text) * size >= length:
         size *= SHRINK
     around = np.concatenate([_beside(text, ends, part, size).box for part in (0.0, 1.0)])
     close = [some.near(around) for some in obstacles]
-    while size >= least:
+    while size >= smallest:
         for part in PLACES:
             one = _beside(text, ends, part, size)
             if not any(overlaps(one.box, some) for some in close):

@@ -60,16 +60,16 @@ class Material:
 
     def __post_init__(self) -> None:
         for name, kind in (("joints", Joints), ("bends", Bends), ("surface", Surface)):
-            known = get_args(kind)
-            if getattr(self, name) not in known:
-                raise InvalidParameter(f"{name} is {getattr(self, name)!r}, not one of {', '.join(known)}")
+            choices = get_args(kind)
+            if getattr(self, name) not in choices:
+                raise InvalidParameter(f"{name} is {getattr(self, name)!r}, not one of {', '.join(choices)}")
         positive = ("spacing", "hole", "dash", "gap")
         for name in (field.name for field in fields(self) if field.type is float):
             value = getattr(self, name)
-            least = "above 0" if name in positive else "of at least 0"
+            bound = "above 0" if name in positive else "of at least 0"
             if not is_number(value) or not 0 <= value < math.inf or (name in positive and value == 0):
                 text = f"{value:g}" if is_number(value) else repr(value)
-                raise InvalidParameter(f"{name} is {text}, not a number {least}")
+                raise InvalidParameter(f"{name} is {text}, not a number {bound}")
         if self.allowance and self.joints == "tabs":
             raise InvalidParameter(
                 f"an allowance of {self.allowance:g} mm is for joints='stitches' or joints='none'"

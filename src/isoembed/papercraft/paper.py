@@ -53,9 +53,9 @@ class Paper:
         InvalidParameter
             The name is unknown, or the paper is too small for a ruler.
         """
-        for known, size in FORMATS.items():
-            if str(name).lower() == known.lower():
-                return cls(known, *size)
+        for format_name, size in FORMATS.items():
+            if str(name).lower() == format_name.lower():
+                return cls(format_name, *size)
         page = re.fullmatch(f"{NUMBER}x{NUMBER}{UNIT}", str(name), re.IGNORECASE)
         roll = re.fullmatch(f"roll:{NUMBER}{UNIT}", str(name), re.IGNORECASE)
         try:
@@ -71,11 +71,11 @@ class Paper:
             raise InvalidParameter(
                 f"paper is {name!r}, not one of {', '.join(FORMATS)}, nor WIDTHxHEIGHT or roll:WIDTH in mm"
             ) from None
-        least = min(found.width, found.height)
-        if least < LEAST:
+        shorter = min(found.width, found.height)
+        if shorter < LEAST:
             larger = (
                 f"; in centimeters, write '{name}cm'"
-                if str(name)[-1].isdigit() and 10 * least >= LEAST
+                if str(name)[-1].isdigit() and 10 * shorter >= LEAST
                 else ""
             )
             raise InvalidParameter(

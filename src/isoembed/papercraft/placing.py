@@ -99,10 +99,10 @@ def laid_out(
         The paper is unknown, a face is larger than a page, or both scale and size are given.
     """
     page = replace(Paper.of(paper), beyond=beyond)
-    given = _given(scale, size)
-    if given is None:
+    option = _option(scale, size)
+    if option is None:
         return _on_pages(unfolding, page, min(best_turn(sheet, page.room)[1] for sheet in unfolding.sheets))
-    name, value = given
+    name, value = option
     wanted = value if name == "scale" else value / _extent(unfolding)
     pages = [one for one in dict.fromkeys((page, page.turned)) if _largest(unfolding, one)[0] >= wanted]
     if not pages:
@@ -111,18 +111,18 @@ def laid_out(
     return min(layouts, key=lambda one: (len(one.unfolding.sheets), one.pages, _cut_length(one.unfolding)))
 
 
-def _given(scale: float | None, size: float | None) -> tuple[str, float] | None:
+def _option(scale: float | None, size: float | None) -> tuple[str, float] | None:
     """Name and value of the scale or size, if given."""
-    given = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
-    for name, value in given:
+    options = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
+    for name, value in options:
         if not is_number(value) or not 0 < value < np.inf:
             text = f"{value:g}" if is_number(value) else repr(value)
             raise InvalidParameter(f"{name} is {text}, not a positive finite number of mm")
-    if len(given) == 2:
+    if len(options) == 2:
         raise InvalidParameter(
             f"give either a scale, here {scale:g} mm, or a size, here {size:g} mm, not both"
         )
-    return given[0] if given else None
+    return options[0] if options else None
 
 
 def _extent(unfolding: Unfolding) -> float:
@@ -152,11 +152,11 @@ def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
     return found * (1 + SLACK), worst
 
 
-def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, value: float) -> str:
+def _too_large(unfolding: Unfolding, page: Paper, wanted: float, option: str, value: float) -> str:
     """Error message about the face that does not fit, with a scale and a paper for which it would."""
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
-    most = value * largest / wanted
-    digits = 10.0 ** (np.floor(np.log10(most)) - 3)
+    maximum = value * largest / wanted
+    digits = 10.0 ** (np.floor(np.log10(maximum)) - 3)
     american = page.name in FORMATS and not page.name.startswith("A")
     series = [other for other in FORMATS if page.name not in FORMATS or other.startswith("A") != american]
     by_area = sorted(FORMATS, key=lambda other: (other not in series, np.prod(FORMATS[other])))
@@ -167,8 +167,8 @@ def _too_large(unfolding: Unfolding, page: Paper, wanted: float, given: str, val
         if max(_largest(unfolding, one)[0] for one in (paper, paper.turned)) >= wanted
     )
     return (
-        f"{given} is {value:.6g} mm, but {name} fits on {page.name} up to "
-        f"{given}={np.floor(most / digits) * digits:.6g}; {next(enough, NO_FORMAT)}"
+        f"{option} is {value:.6g} mm, but {name} fits on {page.name} up to "
+        f"{option}={np.floor(maximum / digits) * digits:.6g}; {next(enough, NO_FORMAT)}"
     )
 
 

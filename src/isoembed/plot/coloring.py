@@ -220,13 +220,13 @@ def quantity(embedding: Embedding, color: str | Quantity | ArrayLike) -> Quantit
     if not isinstance(color, str):
         return _own(embedding, color)
     name = color
-    known = {spelled(each): each for each in QUANTITIES}
-    if spelled(name) not in known:
-        near = did_you_mean(spelled(name), known)
+    names = {spelled(each): each for each in QUANTITIES}
+    if spelled(name) not in names:
+        near = did_you_mean(spelled(name), names)
         raise InvalidParameter(
             f"there is no quantity {name!r} to show; there are {', '.join(QUANTITIES)}{near}"
         )
-    name = known[spelled(name)]
+    name = names[spelled(name)]
     found = QUANTITIES[name](embedding)
     nowhere = np.full(embedding.triangulation.n_vertices, np.nan)
     return Quantity(name, f"this surface has no {name}", nowhere) if found is None else found
@@ -254,7 +254,7 @@ def _own(embedding: Embedding, color: Quantity | ArrayLike) -> Quantity:
 def face_means(values: Floats, faces: Polygons) -> Floats:
     """Mean of the defined values at the corners of each face, shape (F,)."""
     corners, sizes = flattened(faces)
-    known, begins = np.isfinite(values[corners]), np.cumsum(sizes) - sizes
-    sums = np.add.reduceat(np.where(known, values[corners], 0.0), begins)
-    counts = np.add.reduceat(known.astype(np.float64), begins)
+    finite, begins = np.isfinite(values[corners]), np.cumsum(sizes) - sizes
+    sums = np.add.reduceat(np.where(finite, values[corners], 0.0), begins)
+    counts = np.add.reduceat(finite.astype(np.float64), begins)
     return sums / np.where(counts, counts, np.nan)

@@ -121,11 +121,11 @@ class Film:
                 continue
             after = following.vertices / unit
             try:
-                given = from_model(space, snapshot.vertices, "ambient")
+                points = from_model(space, snapshot.vertices, "ambient")
                 if embedding.triangulation.is_closed:
-                    vertices = aligned(outward(embedding.faces, given, space), after, space)
+                    vertices = aligned(outward(embedding.faces, points, space), after, space)
                 else:
-                    vertices = aligned_image(given, after)
+                    vertices = aligned_image(points, after)
             except InvalidParameter:  # not within the drawable half of the sphere
                 continue
             # Surfaces that look the same are omitted.

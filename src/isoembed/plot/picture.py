@@ -334,8 +334,8 @@ def draw(
     from matplotlib.colors import to_rgb
 
     shown = values[view.faces]
-    known = np.isfinite(shown)[:, None]
-    shaded = view.shade(np.where(known, scale.to_rgba(np.nan_to_num(shown))[:, :3], UNKNOWN))
+    finite = np.isfinite(shown)[:, None]
+    shaded = view.shade(np.where(finite, scale.to_rgba(np.nan_to_num(shown))[:, :3], UNKNOWN))
     width = float(np.clip(14.0 / np.sqrt(len(values)), 0.1, 0.7))
     rims = shaded * (0.45 + 0.35 * np.minimum(2 * shaded.mean(axis=1, keepdims=True), 1.0))  # darker
     shapes = Shapes(list(view.polygons), shaded, rims, np.full(len(shaded), width))

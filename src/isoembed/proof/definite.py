@@ -57,7 +57,7 @@ class PositiveDefinite:
         return x
 
 
-def least_eigenvalue(matrix: sp.csc_array) -> tuple[SuperLU, float]:
+def smallest_eigenvalue(matrix: sp.csc_array) -> tuple[SuperLU, float]:
     """Factors of a symmetric matrix in its given order, and its smallest eigenvalue by inverse iteration."""
     lu = symmetric_lu(matrix)
     x = np.random.default_rng(0).normal(size=matrix.shape[0])

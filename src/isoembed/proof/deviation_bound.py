@@ -131,10 +131,10 @@ def _mean_curvature(
     of_areas += np.bincount(t.faces.ravel(), np.repeat(16 * U * perimeters**2 / moved.areas, 3))
     areas = vertex_areas(t, x)
     H = np.abs(vertex_mean_curvature(t, x, areas))
-    least = areas * (1 - rounding) - GUARD * of_areas
+    lower = areas * (1 - rounding) - GUARD * of_areas
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = GUARD * (of_integrals + H * of_areas) / least + rounding * H
-    return np.where(least > 0, found, np.inf)
+        found = GUARD * (of_integrals + H * of_areas) / lower + rounding * H
+    return np.where(lower > 0, found, np.inf)
 
 
 def _integral(moved: MovedTriangles, nearby: NearbyRealization, lengths: Floats, theta: Floats) -> float:

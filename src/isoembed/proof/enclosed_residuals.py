@@ -152,9 +152,9 @@ def _moved_goals(
     quarter, squared, (a, b) = chords.curvature / 4, chords.squares[0], edges.T
     products = 2 * vertices * corrections + corrections * corrections
     change = quarter * products.sum(axis=1)
-    most = abs(quarter) * (2 * np.abs(vertices * corrections) + corrections * corrections).sum(axis=1)
+    bounds = abs(quarter) * (2 * np.abs(vertices * corrections) + corrections * corrections).sum(axis=1)
     squares = abs(quarter) * (vertices * vertices).sum(axis=1)
     m = 1 + np.copysign(squares, quarter)
     moved = squared * (m[a] * change[b] + m[b] * change[a] + change[a] * change[b])
-    sizes = (1 + squares[a]) * most[b] + (1 + squares[b]) * most[a] + most[a] * most[b]
+    sizes = (1 + squares[a]) * bounds[b] + (1 + squares[b]) * bounds[a] + bounds[a] * bounds[b]
     return moved, 40 * U * squared * sizes

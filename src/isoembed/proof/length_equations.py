@@ -83,9 +83,9 @@ class LengthEquations:
         m = 1 + space.curvature / 4 * np.einsum("ij,ij->i", points, points)
         found = cls(space, edges, lengths, vertices, points, m, space.sn(lengths) * m[a] * m[b])
         low, high = found._near_densities
-        known = (low > 0) & (high < 2)
-        if not known.all():
-            raise NotProven(f"vertex {int(np.argmin(known))} is too far from the center for floats")
+        valid = (low > 0) & (high < 2)
+        if not valid.all():
+            raise NotProven(f"vertex {int(np.argmin(valid))} is too far from the center for floats")
         return found
 
     @cached_property
@@ -229,7 +229,7 @@ class LengthEquations:
             return GUARD * float((GUARD * step + radius).max())
         return GUARD * float(((GUARD * step + radius) / self._near_densities[0] + self._off).max())
 
-    def least_distance(self, move: float) -> float:
+    def smallest_distance(self, move: float) -> float:
         """Lower bound on the distance in space for a coordinate displacement of a vertex that stays near."""
         if self.space.curvature <= 0:
             return move  # m is at most 1
@@ -294,14 +294,14 @@ class LengthEquations:
             return np.where(flat, (chords * slopes) ** 2 / (2 * self.lengths), 0.0)
         space, k = self.space, min(self.space.curvature, 0.0)
         sines = np.where(flat, 2 * GUARD * slopes * self._distortion, 0.0)
-        most = self.lengths + farther
-        half = GUARD * space.sn(most / 2) / space.cs(most / 2)
+        upper = self.lengths + farther
+        half = GUARD * space.sn(upper / 2) / space.cs(upper / 2)
         room = 1 + k * (half * (1 + sines**2)) ** 2
         if not (~flat | (sines < 0.5) & (room > 0) & (half > 0)).all():
             e = int(np.argmax(np.where(flat, sines, 0.0)))
             raise NotProven(f"the faces beside edge {e} {self.edges[e].tolist()} may be bent too much")
         more = GUARD * 2 * half * sines**2 / np.where(flat, room, 1.0)
-        longest = most + more
+        longest = upper + more
         sn = longest if space.curvature > 0 else space.sn(longest)
         m = self._near_densities[1]
         return np.where(flat, GUARD * m[a] * m[b] * sn * more / self.divisors, 0.0)

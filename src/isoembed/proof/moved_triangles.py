@@ -101,9 +101,9 @@ class MovedTriangles:
     @cached_property
     def turns(self) -> Floats:
         """Bounds on the rotation angles of normals, including rounding errors, in radians, (F,)."""
-        known = self.stretch < 1
-        turned = -np.log1p(-np.where(known, self.stretch, 0.0))
-        return np.where(known, GUARD * turned + self.rounding, np.inf)
+        valid = self.stretch < 1
+        turned = -np.log1p(-np.where(valid, self.stretch, 0.0))
+        return np.where(valid, GUARD * turned + self.rounding, np.inf)
 
     @cached_property
     def dihedral_angles(self) -> Floats:
@@ -137,7 +137,7 @@ class MovedTriangles:
         change = (q * traces).sum(axis=1) + (q * norms).sum(axis=1) ** 2
         # The traces for right angles are pure rounding error.
         change = GUARD * (change + 64 * U * (q * norms).sum(axis=1))
-        known = change < 1
-        root = np.sqrt(1 - np.where(known, change, 0.0))
-        grown = np.where(known, change / (1 + root), np.inf)
+        valid = change < 1
+        root = np.sqrt(1 - np.where(valid, change, 0.0))
+        grown = np.where(valid, change / (1 + root), np.inf)
         return GUARD * self.areas * (1 + self.rounding) * (grown + self.rounding)

@@ -172,19 +172,19 @@ class NearbyRealization:
         NotProven
             h is too large, or J may be singular.
         """
-        rho, sigma, least = (
+        rho, sigma, min_weight = (
             norm(self.residuals) + more,
             self.sigma,
             float(self.equations.weights.min()) / GUARD,
         )
         if not sigma > 0:
             raise NotProven("a motion of the vertices may change no length to first order, up to rounding")
-        h = GUARD * 4 * rho / (least * sigma**2)
+        h = GUARD * 4 * rho / (min_weight * sigma**2)
         if not h <= LARGEST_H:
             raise NotProven(
                 f"the residuals are too large: h = 2 K rho / sigma^2 is {h:.1e}, more than {LARGEST_H}"
             )
-        return h, GUARD * 2 * rho / (sigma * (1 + float(np.sqrt(1 - h)))) / least
+        return h, GUARD * 2 * rho / (sigma * (1 + float(np.sqrt(1 - h)))) / min_weight
 
     def reach(self, radius: float) -> float:
         """Bound on the distance of vertices from the exact ones in projective coordinates."""
@@ -217,11 +217,11 @@ class NearbyRealization:
 
     def isolation(self, radius: float) -> float:
         """Isolation radius R in space, rounded down: other realizations are at least this far away."""
-        least = (self.sigma - GUARD * 8**0.5 * radius) / (2**0.5 * GUARD)
+        lower = (self.sigma - GUARD * 8**0.5 * radius) / (2**0.5 * GUARD)
         if self.equations.space.is_euclidean:
-            return max(0.0, least)
+            return max(0.0, lower)
         room = self.equations.room - GUARD * (self.step + radius)
-        return max(0.0, self.equations.least_distance(min(least / 3, room)))
+        return max(0.0, self.equations.smallest_distance(min(lower / 3, room)))
 
 
 def norm(bounds: Floats) -> float:

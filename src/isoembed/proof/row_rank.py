@@ -43,8 +43,8 @@ from isoembed.proof.definite import (
     Pivots,
     PositiveDefinite,
     hidden,
-    least_eigenvalue,
     lost_to_rounding,
+    smallest_eigenvalue,
 )
 from isoembed.proof.rounding import GUARD, UNDERFLOW, U, gamma
 
@@ -80,17 +80,17 @@ def prove_row_rank(J: sp.csr_array, order: Indices) -> tuple[PositiveDefinite, f
     """
     J = sp.csr_array(J[order])
     A = sp.csc_array(J @ J.T)
-    lu, estimate = least_eigenvalue(A)
+    lu, estimate = smallest_eigenvalue(A)
     shift = PROVEN_SHARE * estimate
     rounding = lost_to_rounding(A, shift) + _forming(J)
-    least = (shift - rounding) / GUARD
+    lower = (shift - rounding) / GUARD
     if not rounding < shift:
         if estimate < 1e-4 * rounding:  # too far below the error bound for a proof
             raise hidden(estimate, rounding)
-        least = _Deflated.of(J, A, lu, rounding).least_eigenvalue()
-        if not least > 0:
+        lower = _Deflated.of(J, A, lu, rounding).smallest_eigenvalue()
+        if not lower > 0:
             raise hidden(estimate, rounding)
-    return PositiveDefinite(least, lu, order), float(np.sqrt(least)) / GUARD
+    return PositiveDefinite(lower, lu, order), float(np.sqrt(lower)) / GUARD
 
 
 def _forming(J: sp.csr_array) -> float:
@@ -120,7 +120,7 @@ class _Deflated:
                 break
         return cls(J, V, eigenvalues, across)
 
-    def least_eigenvalue(self) -> float:
+    def smallest_eigenvalue(self) -> float:
         """Lower bound on the eigenvalues of J J^T; 0 if there is none."""
         (n, m), J, V = self.V.shape, self.J, self.V
         sizes, terms = abs(J), max(np.diff(J.indptr).max(), np.bincount(J.indices).max())
@@ -157,8 +157,8 @@ def _across(A: sp.csc_array, V: Floats, nu: float) -> float:
     return nu - _interior_error(factors, n, diagonal) - U * float(np.abs(shifted.diagonal()).max())
 
 
-def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
-    """Eigenvectors (n, m) and eigenvalues (m,) up to `most`, limited by `VECTOR_COUNTS`."""
+def _soft(A: sp.csc_array, lu: SuperLU, cutoff: float) -> tuple[Floats, Floats]:
+    """Eigenvectors (n, m) and eigenvalues (m,) up to `cutoff`, limited by `VECTOR_COUNTS`."""
     from scipy.sparse.linalg import LinearOperator, eigsh  # slow to import
 
     n = A.shape[0]
@@ -168,9 +168,9 @@ def _soft(A: sp.csc_array, lu: SuperLU, most: float) -> tuple[Floats, Floats]:
         k = min(count, n - 1)
         values, vectors = eigsh(inverse, k=k, which="LA", v0=start, tol=1e-5)  # the vectors need few digits
         values = 1 / values
-        if values.max() > most:
+        if values.max() > cutoff:
             break
-    chosen = values <= most
+    chosen = values <= cutoff
     return vectors[:, chosen], values[chosen]
 
 

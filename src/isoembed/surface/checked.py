@@ -27,8 +27,8 @@ def checked_errors(metric: PolyhedralMetric, errors: ArrayLike) -> Floats:
     InvalidParameter
         The errors have another shape, are negative or not finite.
     """
-    given, shape = np.asarray(errors, dtype=np.float64), metric.lengths.shape
-    sigma = checked(np.broadcast_to(given, shape) if given.ndim == 0 else given, shape, "errors")
+    array, shape = np.asarray(errors, dtype=np.float64), metric.lengths.shape
+    sigma = checked(np.broadcast_to(array, shape) if array.ndim == 0 else array, shape, "errors")
     if sigma.ndim > 1:
         raise InvalidParameter(f"the errors have the shape {sigma.shape}, not {shape}")
     if (sigma < 0).any():

@@ -306,16 +306,16 @@ def vertex_error(metric: PolyhedralMetric, vertices: Floats, error: float) -> fl
         Standard deviation of each length.
     """
     t = metric.triangulation
-    most = largest_vertex_error(metric, error)
+    upper_bound = largest_vertex_error(metric, error)
     try:
         derivatives = LengthDerivatives.of(t, vertices, metric.lengths)
     except SingularMatrix:
-        return most
+        return upper_bound
     squares = np.zeros(t.n_edges)
     for draw in _signs(t.n_edges, BEND_PROBES):
         squares += dihedral_rates(t, vertices, derivatives.jvp(error * draw)) ** 2
     bent = np.sqrt(squares / BEND_PROBES) / bend_rates(t, vertices, error)
-    return min(BEND_DEVIATIONS * float(bent.max()), most)
+    return min(BEND_DEVIATIONS * float(bent.max()), upper_bound)
 
 
 def largest_vertex_error(metric: PolyhedralMetric, error: float) -> float:

@@ -39,8 +39,8 @@ class Estimate:
         """Number of digits of `rounded`."""
         if not (isfinite(self.value) and self.value and 0.0 < self.error < inf):
             return MOST
-        known = log10(abs(self.value)) - log10(self.error)
-        return min(max(ceil(min(known, MOST)) + 1, 1), MOST)
+        significant = log10(abs(self.value)) - log10(self.error)
+        return min(max(ceil(min(significant, MOST)) + 1, 1), MOST)
 
     def __float__(self) -> float:
         return self.value

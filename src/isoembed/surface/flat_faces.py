@@ -200,13 +200,13 @@ def coplanar_faces(
     turned = turning_errors(t, vertices, space)
     flat, flanks = (angles <= FLAT_ANGLE) & ~t.boundary_edges, t.edge_flanks // 3
     faces = flat_faces(t, ~flat[t.face_edges.ravel()])
-    known = np.bincount(faces, turned <= FLAT_ANGLE) > 0  # faces with a triangle that is not a sliver
+    has_normal = np.bincount(faces, turned <= FLAT_ANGLE) > 0  # faces with a triangle that is not a sliver
     doubtful = np.flatnonzero(~flat & (angles <= FLAT_ANGLE + turned[flanks].max(axis=1)))
-    joined = np.arange(len(known))
+    joined = np.arange(len(has_normal))
     for e in doubtful[np.argsort(angles[doubtful], kind="stable")].tolist():
         one, other = joined[faces[flanks[e]]]
-        if one != other and not (known[one] and known[other]):
-            known[one] |= known[other]
+        if one != other and not (has_normal[one] and has_normal[other]):
+            has_normal[one] |= has_normal[other]
             joined[joined == other] = one
     found = np.unique(joined[faces], return_inverse=True)[1]
     if error:

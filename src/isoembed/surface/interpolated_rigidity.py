@@ -55,8 +55,8 @@ class InterpolatedRigidity:
         counts = np.bincount(of_edge, minlength=len(few))
         rank = np.arange(len(edges)) - np.repeat(np.cumsum(counts) - counts, counts)
         # Evenly spaced subset of at most MAX_EDGES edges per cell.
-        of, most = counts[of_edge], MAX_EDGES
-        sampled = (of <= most) | ((rank + 1) * most // of > rank * most // of)
+        of, limit = counts[of_edge], MAX_EDGES
+        sampled = (of <= limit) | ((rank + 1) * limit // of > rank * limit // of)
         self.edges, self.of_edge = edges[sampled], of_edge[sampled]
 
     def interpolated(self, positions: Floats) -> tuple[CellRows, CellRows]:

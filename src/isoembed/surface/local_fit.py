@@ -30,7 +30,7 @@ HUB_DEGREE = 32  # neighbors of a vertex of higher degree need not be near each 
 Graph = tuple[NDArray[Any], NDArray[Any]]  # neighbors of vertex i: indices[indptr[i]:indptr[i + 1]]
 
 
-def neighborhoods(graph: Graph, least: int = TWO_RINGS, vertices: range | None = None) -> Graph:
+def neighborhoods(graph: Graph, minimum: int = TWO_RINGS, vertices: range | None = None) -> Graph:
     """Vertices within two edges of each vertex, or within three if these are too few.
 
     Paths do not lead through vertices with more than 32 edges, so that the total size of all neighborhoods is
@@ -40,7 +40,7 @@ def neighborhoods(graph: Graph, least: int = TWO_RINGS, vertices: range | None =
     ----------
     graph : (indptr, indices)
         Adjacency graph of a triangulation.
-    least : int
+    minimum : int
         Neighborhoods of fewer vertices are extended by a third ring.
     vertices : range, optional
         The n consecutive vertices whose neighborhoods are returned; by default all V.
@@ -52,7 +52,7 @@ def neighborhoods(graph: Graph, least: int = TWO_RINGS, vertices: range | None =
     """
     chosen = range(len(graph[0]) - 1) if vertices is None else vertices
     indptr, indices = (table.astype(np.int32, copy=False) for table in graph)
-    return rings(indptr, indices, least, chosen.start, chosen.stop)
+    return rings(indptr, indices, minimum, chosen.start, chosen.stop)
 
 
 class Surroundings(NamedTuple):
@@ -95,11 +95,11 @@ class Surroundings(NamedTuple):
         tables = (self.vertices[order], self.normals[order], self.units[order], self.heights[order])
         return Surroundings((indptr, indices), *tables, self.curvature)
 
-    def neighborhoods(self, least: int, at_once: int) -> Iterator[tuple[int, Graph]]:
+    def neighborhoods(self, minimum: int, at_once: int) -> Iterator[tuple[int, Graph]]:
         """The `neighborhoods` of all vertices in chunks, each with the index of its first vertex."""
         n = len(self.vertices)
         for first in range(0, n, at_once):
-            yield first, neighborhoods(self.graph, least, range(first, min(first + at_once, n)))
+            yield first, neighborhoods(self.graph, minimum, range(first, min(first + at_once, n)))
 
 
 def edge_lengths_about(triangulation: Triangulation, lengths: Floats) -> Floats:

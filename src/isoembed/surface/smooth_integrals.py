@@ -197,9 +197,9 @@ class SmoothIntegrals:
             The values have another shape or are not finite.
         """
         t, points, space = self.triangulation, self._points, self._scaled_space
-        given = _checked(values, (t.n_vertices,), "values")
-        size = float(np.abs(given).max()) or 1.0
-        data = given / size
+        array = _checked(values, (t.n_vertices,), "values")
+        size = float(np.abs(array).max()) or 1.0
+        data = array / size
         flat = self._flat_areas
         means = data[t.faces].mean(axis=1)
         squares = measures.edge_lengths(t.edges, points, space) ** 2
@@ -226,9 +226,9 @@ class SmoothIntegrals:
         For a smooth function, the part not resolved by the triangulation; otherwise an estimate of noise, or
         of the error of a wrong value.
         """
-        given = _checked(values, (self.triangulation.n_vertices,), "values")
-        size = float(np.abs(given).max()) or 1.0
-        columns = np.stack([given / size, *np.zeros((2, len(given)))], axis=1)
+        array = _checked(values, (self.triangulation.n_vertices,), "values")
+        size = float(np.abs(array).max()) or 1.0
+        columns = np.stack([array / size, *np.zeros((2, len(array)))], axis=1)
         return size * misfits(self.triangulation, self._points, columns, QUARTIC)[:, 0]
 
     def sum_at_vertices(self, values: Floats) -> float:
@@ -334,8 +334,8 @@ def _deficits(triangulation: Triangulation, points: Floats, space: Space) -> Flo
     return np.asarray(2 * np.pi - np.bincount(faces.ravel(), angles))
 
 
-def _checked(given: ArrayLike, shape: tuple[int, ...], name: str) -> Floats:
-    array = np.asarray(given, dtype=np.float64)
+def _checked(values: ArrayLike, shape: tuple[int, ...], name: str) -> Floats:
+    array = np.asarray(values, dtype=np.float64)
     if array.shape != shape:
         raise InvalidParameter(f"the {name} have shape {array.shape}, not {shape}")
     finite = np.isfinite(array).reshape(len(array), -1).all(axis=1)

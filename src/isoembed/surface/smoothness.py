@@ -130,8 +130,8 @@ def misfits(triangulation: Triangulation, vertices: Floats, values: Floats, degr
 
 def _residuals(surface: Surroundings, degree: int = 3) -> Iterator[FitResiduals]:
     """Yield `fit_residuals` in chunks of vertices, which bounds the memory of the charts."""
-    least = TWO_RINGS if degree <= 3 else THREE_RINGS
-    for first, near in surface.neighborhoods(least, CHUNK):
+    minimum = TWO_RINGS if degree <= 3 else THREE_RINGS
+    for first, near in surface.neighborhoods(minimum, CHUNK):
         yield FitResiduals.of(first, near, polar_charts(first, *near, surface), degree)
 
 

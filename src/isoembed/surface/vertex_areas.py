@@ -80,10 +80,10 @@ def vertex_area_changes(
     (a, b), around = _others(p), sum(_others(q))
     changes = q * (a + b) + (p + 2 * np.abs(a - b)) * around + (q + around) * around
     kites = np.abs(p * (a + b) - (a - b) ** 2) / (32 * areas)
-    least = areas - grown[:, None]
+    lower = areas - grown[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        changed = (changes / 32 + kites * grown[:, None]) / least
-    of_duals = _around(t, np.where(least > 0, changed, np.inf))
+        changed = (changes / 32 + kites * grown[:, None]) / lower
+    of_duals = _around(t, np.where(lower > 0, changed, np.inf))
     of_thirds = _around(t, np.repeat(grown[:, None] / 3, 3, axis=1))
     duals, thirds = _duals_and_thirds(t, vertices, EUCLIDEAN)
     within = duals + of_duals < FARTHEST * (thirds - of_thirds)

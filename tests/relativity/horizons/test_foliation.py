@@ -58,7 +58,7 @@ def test_beyond_the_end_there_are_two(gap):
 def test_leaves_are_barriers():
     foliation = foliate(pair(0.7), StarSurface.sphere((0.0, 0.0, 0.0), 3.0), symmetric=True)
     outer, inner = foliation.barriers
-    assert inner.greatest < 0.0 < outer.least
+    assert inner.upper < 0.0 < outer.lower
     surfaces = [leaf.surface for leaf in foliation.leaves]
     assert all(inside(small, large) for large, small in pairwise(surfaces))
     assert not inside(surfaces[0], surfaces[1])

@@ -43,8 +43,8 @@ def ramp(count: int) -> list[str]:
     """
     share = np.linspace(0.0, 1.0, count)
     lightness, hue = (low + (high - low) * share for low, high in (LIGHTNESS, np.radians(HUE)))
-    least, growth, place = CHROMA
-    chroma = least + growth * (share - place) ** 2
+    minimum, growth, place = CHROMA
+    chroma = minimum + growth * (share - place) ** 2
     return _hexadecimal(lightness, chroma, hue)
 
 

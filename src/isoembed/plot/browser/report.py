@@ -31,7 +31,7 @@ def report_html(report: Mapping[str, Any]) -> str:
     report : mapping
         Output of `isoembed.report`.
     """
-    given, residual, convexity = report["input"], report["residual"], report["convexity"]
+    inputs, residual, convexity = report["input"], report["residual"], report["convexity"]
     paths = [("along the given edges", residual["paths"])] if "paths" in residual else []
     space = report["space"]
     curved = (
@@ -41,7 +41,7 @@ def report_html(report: Mapping[str, Any]) -> str:
         ("method", f'<span class="words">{escape(report["method"])}</span>'),
         ("tolerance", report["tolerance"]),
         *curved,
-        *((name, given[key]) for name, key in INPUT.items()),
+        *((name, inputs[key]) for name, key in INPUT.items()),
     ]
     errors = [("mean", residual["mean"]), ("standard deviation", residual["std"])]
     measures = [(name, report[key]) for name, key in MEASURES.items()]

@@ -37,9 +37,9 @@ class Abscissa:
             ("time", "t = ", "time  $t$"),
             ("iteration", "iteration ", "iteration"),
         ):
-            known = np.isfinite(table[column])
-            if known.any():
-                undefined = [row.label for row, there in zip(table.rows, known, strict=True) if not there]
+            finite = np.isfinite(table[column])
+            if finite.any():
+                undefined = [row.label for row, there in zip(table.rows, finite, strict=True) if not there]
                 also = (
                     f"\nnot shown, of no known {column}: {escaped(enumerated(undefined))}"
                     if undefined

@@ -73,7 +73,7 @@ def series_figure(table: SeriesTable, names: Sequence[str]) -> Figure:
     for name in names:
         if name not in SYMBOLS:
             raise InvalidParameter(f"there is no quantity {name!r}; there are {', '.join(SYMBOLS)}")
-    shown = [name for name in names if _known(table, name)]
+    shown = [name for name in names if _has_values(table, name)]
     if not shown:
         raise InvalidParameter(f"no horizon has a value of {', '.join(names)}")
     check_drawable()
@@ -131,7 +131,7 @@ def series_figures(results: Iterable[Result]) -> dict[str, Figure]:
     return {
         name: series_figure(table, columns)
         for name, columns in FIGURES.items()
-        if any(_known(table, column) for column in columns)
+        if any(_has_values(table, column) for column in columns)
     }
 
 
@@ -149,7 +149,7 @@ def write_series_figure(path: str | os.PathLike[str], table: SeriesTable, names:
     write_atomically({Path(path): figure_writer(path, series_figure(table, names))})
 
 
-def _known(table: SeriesTable, name: str) -> bool:
+def _has_values(table: SeriesTable, name: str) -> bool:
     """Whether a quantity has any known value."""
     return any(bool(np.isfinite(table[column]).any()) for column in AXIS.get(name, (name,)))
 
@@ -165,7 +165,7 @@ class _Curve:
     style: dict[str, Any]
 
     @property
-    def known(self) -> Mask:
+    def finite(self) -> Mask:
         return np.isfinite(self.values) & np.isfinite(self.x)
 
     @property
@@ -176,16 +176,16 @@ class _Curve:
     @property
     def isolated(self) -> Mask:
         """Mask of points without neighbors on the curve."""
-        there = np.concatenate([[False], self.known, [False]])
-        return self.known & ~there[:-2] & ~there[2:]
+        there = np.concatenate([[False], self.finite, [False]])
+        return self.finite & ~there[:-2] & ~there[2:]
 
 
 def _draw_panel(axes: Axes, name: str, curves: Sequence[_Curve]) -> None:
     from matplotlib.ticker import MaxNLocator
 
     for curve in curves:
-        y = np.where(curve.known, curve.values, np.nan)
-        marker = "o" if curve.known.sum() <= 60 else ""  # more markers would cover the line
+        y = np.where(curve.finite, curve.values, np.nan)
+        marker = "o" if curve.finite.sum() <= 60 else ""  # more markers would cover the line
         axes.plot(curve.x, y, linestyle=STYLES.get(curve.column, "-"), marker=marker, **curve.style)
         if curve.column in ERRORS:
             edges = y - curve.band, y + curve.band
@@ -202,7 +202,7 @@ def _draw_panel(axes: Axes, name: str, curves: Sequence[_Curve]) -> None:
     axes.set_ylabel(SYMBOLS[name], color=INK, fontsize=9)
     axes.tick_params(colors=INK, labelsize=8, direction="in", top=True, right=True)
     axes.grid(alpha=0.25, linewidth=0.5)
-    errors = np.concatenate([curve.errors[curve.known] for curve in curves])
+    errors = np.concatenate([curve.errors[curve.finite] for curve in curves])
     errors = errors[np.isfinite(errors)]
     if errors.size:
         says = f"errors up to {power_of_ten(float(errors.max()))}"
@@ -211,8 +211,8 @@ def _draw_panel(axes: Axes, name: str, curves: Sequence[_Curve]) -> None:
 
 def _limits(curves: Sequence[_Curve]) -> tuple[float, float]:
     """Axis limits: all values, and error bands as far as these do not dwarf the values."""
-    values = np.concatenate([curve.values[curve.known] for curve in curves])
-    bands = np.concatenate([curve.band[curve.known] for curve in curves])
+    values = np.concatenate([curve.values[curve.finite] for curve in curves])
+    bands = np.concatenate([curve.band[curve.finite] for curve in curves])
     if not values.size:  # no time is known
         return 0.0, 1.0
     low, high = float(values.min()), float(values.max())

@@ -18,7 +18,7 @@ from isoembed.plot.coloring import Quantity, face_means
 from isoembed.plot.endings import ANIMATION_ENDINGS
 from isoembed.plot.picture import INK, PAPER, color_bar, color_scale, draw
 from isoembed.plot.placed import TIP, draw_arrow, draw_length, draw_triad
-from isoembed.plot.series.labels import CURVATURE, colors_of, escaped, known_of
+from isoembed.plot.series.labels import CURVATURE, colors_of, escaped, facts_of
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
 from isoembed.plot.series.scenes import Scene, evenly, scenes
 from isoembed.plot.view import Pose, View, camera
@@ -185,7 +185,7 @@ def _draw_surfaces(
 def _write_below(picture: Figure, scene: Scene, colors: dict[str, str], note: str) -> None:
     """Write the properties of the horizons, one line per series, and the outcome of lost ones."""
     rows = [horizon.row for horizon in scene.shown] + list(scene.missing)
-    lines = {row.series: known_of(row, "    ") for row in rows}
+    lines = {row.series: facts_of(row, "    ") for row in rows}
     for k, name in enumerate(colors):
         if name in lines:
             words = f"{escaped(name)}    {lines[name]}"

@@ -52,9 +52,9 @@ def power_of_ten(value: float) -> str:
     return rf"${mantissa} \times 10^{{{int(power)}}}$"
 
 
-def known_of(row: Row, between: str) -> str:
+def facts_of(row: Row, between: str) -> str:
     """Masses and spin of an embedded horizon, or its status."""
     if "residual" not in row.numbers:
         return row.status
-    known = ((symbol, row.numbers.get(name)) for name, symbol in FACTS.items())
-    return between.join(f"{symbol} = {value:.4f}" for symbol, value in known if value is not None)
+    values = ((symbol, row.numbers.get(name)) for name, symbol in FACTS.items())
+    return between.join(f"{symbol} = {value:.4f}" for symbol, value in values if value is not None)

@@ -20,7 +20,7 @@ from isoembed.plot.browser.ramp import ramp
 from isoembed.plot.coloring import SMALLEST_RESIDUAL, Quantity
 from isoembed.plot.endings import PAGE_ENDINGS
 from isoembed.plot.page import COLORS, own_ramp
-from isoembed.plot.series.labels import known_of
+from isoembed.plot.series.labels import facts_of
 from isoembed.plot.series.page_report import run_caption, run_report_html
 from isoembed.plot.series.placing import PlacedHorizon, PlacedHorizons
 from isoembed.plot.series.scenes import Scene, evenly, scenes
@@ -72,7 +72,7 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
     if not everything:
         raise InvalidParameter("no horizon of the run is embedded: there is nothing to show")
     names = [name for name in FIELDS if all(name in one.fields for one in placed.horizons.values())]
-    shown = evenly(everything, _most(everything, len(names)))
+    shown = evenly(everything, _max_scenes(everything, len(names)))
     packed, pose = Packed(), _pose(shown)
     shades = [_Shade.of(name, shown) for name in names]
     meshes = dict[bytes, int]()
@@ -123,7 +123,7 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
 NO_FACES, NO_VERTICES = np.empty((0, 3), dtype=np.int64), np.empty((0, 3))
 
 
-def _most(shown: Sequence[Scene], fields: int) -> int:
+def _max_scenes(shown: Sequence[Scene], fields: int) -> int:
     """Largest number of scenes on a page."""
     sizes = [
         len(one.vertices) * (6 + 2 * fields) + one.faces.size * (2 if len(one.vertices) < 2**14 else 4)
@@ -147,7 +147,7 @@ def _pose(shown: Sequence[Scene]) -> Pose:
 def _report_lines(scene: Scene) -> list[str]:
     """Text about the horizons of a scene."""
     rows = [one.row for one in scene.shown] + list(scene.missing)
-    return [f"{row.series}: {known_of(row, ', ')}" for row in sorted(rows, key=lambda row: row.place)]
+    return [f"{row.series}: {facts_of(row, ', ')}" for row in sorted(rows, key=lambda row: row.place)]
 
 
 @dataclass(frozen=True, eq=False)

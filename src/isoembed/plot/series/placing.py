@@ -159,6 +159,6 @@ def _turn(arrays: Mapping[str, NDArray[Any]], before: Floats | None) -> tuple[Fl
 
 def _placed(row: Row, arrays: Mapping[str, NDArray[Any]], turn: Floats, center: Floats) -> PlacedHorizon:
     fields = {name.removeprefix(FIELD): array for name, array in arrays.items() if name.startswith(FIELD)}
-    known = AXIS[0] in row.numbers
-    axis = np.array([row.numbers[name] for name in AXIS]) @ turn if known else None
+    has_axis = AXIS[0] in row.numbers
+    axis = np.array([row.numbers[name] for name in AXIS]) @ turn if has_axis else None
     return PlacedHorizon(row, arrays["vertices"] @ turn + center, arrays["faces"], fields, center, axis)

@@ -57,9 +57,9 @@ def scenes(placed: PlacedHorizons) -> tuple[Scene, ...]:
     return tuple(found[there[0] : there[-1] + 1]) if there else ()
 
 
-def evenly(shown: Sequence[Scene], most: int) -> tuple[Scene, ...]:
-    """Select at most `most` evenly spaced scenes, including the first and the last."""
-    chosen = np.rint(np.linspace(0, len(shown) - 1, min(most, len(shown)))).astype(int)
+def evenly(shown: Sequence[Scene], count: int) -> tuple[Scene, ...]:
+    """Select at most `count` evenly spaced scenes, including the first and the last."""
+    chosen = np.rint(np.linspace(0, len(shown) - 1, min(count, len(shown)))).astype(int)
     return tuple(shown[k] for k in chosen.tolist())
 
 
@@ -73,12 +73,12 @@ class _Track:
 
     @classmethod
     def of(cls, times: Floats, rows: Iterable[Row]) -> _Track:
-        known = np.isfinite(times)
-        there = tuple(row for row, yes in zip(rows, known, strict=True) if yes)
-        steps = np.diff(times[known])
+        finite = np.isfinite(times)
+        there = tuple(row for row, yes in zip(rows, finite, strict=True) if yes)
+        steps = np.diff(times[finite])
         # A horizon is shown for half a spacing before and after its own time.
         lasting = 0.5 * float(np.median(steps)) if steps.size else 0.0
-        return cls(times[known], there, (1.0 + 1e-9) * lasting)  # allows for rounding of equal spacings
+        return cls(times[finite], there, (1.0 + 1e-9) * lasting)  # allows for rounding of equal spacings
 
     def nearest(self, at: float) -> Row | None:
         """Nearest row in time, unless it is too far."""

@@ -117,7 +117,7 @@ def chen_wang_yau(
         raise InvalidParameter(next(note for note in reversed(plain.notes) if "k " in note))
     k = embedding.space.curvature
     symmetric = is_symmetric(data, embedding)
-    most = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
+    max_heights = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
     n, before = max(FEWEST_HEIGHTS, int(GROWTH * embedding.harmonics.degree)), np.inf
     while True:
         u, weights = sphere_rule(n, symmetric, embedding.coordinates)
@@ -130,7 +130,7 @@ def chen_wang_yau(
         value = float(np.copysign(np.sqrt(square), momentum[0]))
         error, before = abs(value - before), value
         n = int(GROWTH * n)
-        if error <= RTOL * radius or (np.isfinite(error) and n > most):
+        if error <= RTOL * radius or (np.isfinite(error) and n > max_heights):
             break
     center = momentum[1:] / value
     potential = _potential(embedding, u, center)

@@ -242,14 +242,14 @@ def embed_surface(
     return EmbeddedSurface(data, embedding, least)
 
 
-def _with_displacement(least: LeastHyperbolic, data: SurfaceData) -> LeastHyperbolic:
+def _with_displacement(bound: LeastHyperbolic, data: SurfaceData) -> LeastHyperbolic:
     """Least hyperbolic space, with the displacement of a horizon added to the error of its curvature."""
     if not data.displacement:
-        return least
+        return bound
     u, weights = gauss_rule(24, 48)
     area = float(weights @ area_density(data.metric.tensor(u)))
     # A factor exp(f) of lengths, f of degree 2, changes K of a sphere to (K + 6 f / R^2) exp(-2 f).
-    return replace(least, error=least.error + 8.0 * data.displacement * 4.0 * np.pi / area)
+    return replace(bound, error=bound.error + 8.0 * data.displacement * 4.0 * np.pi / area)
 
 
 def space_report(space: Space, least: LeastHyperbolic | None = None) -> dict[str, Any]:

@@ -186,12 +186,12 @@ def norm_hindrance(
     allowed : tuple of float
         Magnitudes of negative k and ``k^2 - p^2`` that count as rounding.
     """
-    for name, values, least, kind in (
+    for name, values, lower, kind in (
         ("k^2 - p^2", squared, -allowed[1], "spacelike there"),
         ("k", k, -allowed[0], "spacelike and outward everywhere"),
     ):
         i = int(np.argmin(values))
-        if values[i] < least:
+        if values[i] < lower:
             return (
                 f"{name} = {values[i]:.3g} < 0 at {place(i)}: the mean curvature vector is not {kind}, and "
                 "there is no Kijowski-Liu-Yau energy"

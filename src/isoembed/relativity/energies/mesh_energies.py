@@ -58,8 +58,8 @@ def mesh_energies(
         underflows in the unit of length.
     """
     n = embedding.triangulation.n_vertices
-    given = {"mean curvature": mean_curvature, "momentum": momentum}
-    for name, values in given.items():
+    curvatures = {"mean curvature": mean_curvature, "momentum": momentum}
+    for name, values in curvatures.items():
         if values is not None and np.shape(values) != (n,):
             raise InvalidParameter(
                 f"the {name} has the shape {np.shape(values)}: there are {n} vertices, so it must be ({n},)"
@@ -118,8 +118,8 @@ def mesh_deviation(
     """
     noisy = checked_errors(embedding.metric, errors)
     shared = shared_errors(embedding.metric.lengths, noisy)
-    given = lengths or "geodesic"
-    values = _values(mesh_energies(embedding, mean_curvature, momentum, lengths=given))
+    kind = lengths or "geodesic"
+    values = _values(mesh_energies(embedding, mean_curvature, momentum, lengths=kind))
     squares = dict.fromkeys(values, 0.0)
     rng = np.random.default_rng(0)
     for _ in range(PROBES):
@@ -134,7 +134,7 @@ def mesh_deviation(
             method=embedding.method,
             tolerance=embedding.tolerance,
         )
-        other = _values(mesh_energies(moved, mean_curvature, momentum, lengths=given))
+        other = _values(mesh_energies(moved, mean_curvature, momentum, lengths=kind))
         for name in squares:
             squares[name] += ((other[name] - values[name]) / step) ** 2 if name in other else np.nan
     mean = {name: float(np.sqrt(total / PROBES)) for name, total in squares.items()}
@@ -188,8 +188,8 @@ class _Noise:
         of_k, of_p = smooth.misfits(k), smooth.misfits(p)
         squares = of_k**2 + of_p**2
         squared = 2.0 * np.hypot(k * of_k, p * of_p) + squares
-        of_most = 6.0 * np.median(np.abs([of_k, squared]), axis=1)  # four standard deviations
-        return cls(squares, squared, (float(of_most[0]), float(of_most[1])))
+        deviations = 6.0 * np.median(np.abs([of_k, squared]), axis=1)  # four standard deviations
+        return cls(squares, squared, (float(deviations[0]), float(deviations[1])))
 
     def of_root(self, squared: Floats) -> Floats:
         """Mean error (V,) of the square root of k^2 - p^2."""

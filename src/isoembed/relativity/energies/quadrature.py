@@ -134,14 +134,14 @@ def _integrated(
     axial symmetry the nodes are rotated each time, to detect departures from symmetry.
     """
     relative = ROUNDING + data.lengths_error.mean + data.displacement
-    most = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
+    max_heights = MOST_HEIGHTS_SYMMETRIC if symmetric else MOST_HEIGHTS
     settled: dict[str, Estimate] = {}
     before: dict[str, Estimate] = {}
     turned = False
     while True:
         nodes = _Nodes.of(data, *sphere_rule(n, symmetric, coordinates, turned))
         values, notes = nodes.integrals(relative)
-        last = GROWTH * n > most
+        last = GROWTH * n > max_heights
         for name in values.keys() - settled.keys():
             value, error = values[name].value, values[name].error
             change = abs(value - before[name].value) if name in before else np.inf
@@ -234,11 +234,11 @@ class _Nodes:
 
     def _norm(self, squared: Floats, smooth: Floats, anywhere: Floats) -> Estimate:
         """``int sqrt(k^2 - p^2)`` with its error, from averaged errors and the curvature of the root."""
-        middle, low, high, least, most = (
+        middle, low, high, lower, upper = (
             np.sqrt(np.maximum(squared + shift, 0.0))
             for shift in (0.0, -smooth, smooth, -SCATTER * anywhere, SCATTER * anywhere)
         )
-        bend = np.abs(0.5 * (least + most) - middle)
+        bend = np.abs(0.5 * (lower + upper) - middle)
         return Estimate(_sum(self.dA, middle), _sum(self.dA, high - low + bend))
 
     def _place(self, i: int) -> str:

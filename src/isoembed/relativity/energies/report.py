@@ -100,8 +100,8 @@ def _horizon_lines(horizon: dict[str, Any]) -> Iterator[str]:
             f"operator is {horizon['stability']:.6g} / R^2, R the areal radius: {stable}"
         )
     if horizon.get("outermost"):
-        known = horizon["outermost"]
-        yield f"no other horizon was found to enclose it ({known['evidence']}): {known['basis']}"
+        outermost = horizon["outermost"]
+        yield f"no other horizon was found to enclose it ({outermost['evidence']}): {outermost['basis']}"
     if "stability_spectrum" in horizon:
         yield from spectrum_lines(horizon["stability_spectrum"])
     yield (

@@ -102,7 +102,7 @@ def wang_yau(
     if time is None:
         found = search.minimum(degrees, accuracy)
     else:
-        found = search.given(own if time is at else time.in_coordinates(coordinates))
+        found = search.result_at(own if time is at else time.in_coordinates(coordinates))
     return found if coordinates is None else _returned(found, data.metric, coordinates)
 
 

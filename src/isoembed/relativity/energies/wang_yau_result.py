@@ -98,9 +98,9 @@ class WangYau:
         }
 
 
-def inadmissible(least: float) -> str:
+def inadmissible(value: float) -> str:
     """Note on a least ``K + det D^2 tau / W^2`` that is not positive."""
     return (
-        f"tau is not admissible: K + det D^2 tau / W^2 is {least:.3g} somewhere. The number may be quoted as "
+        f"tau is not admissible: K + det D^2 tau / W^2 is {value:.3g} somewhere. The number may be quoted as "
         "E(tau), not as the Wang-Yau energy, which is the least over admissible tau"
     )

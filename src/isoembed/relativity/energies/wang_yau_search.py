@@ -48,7 +48,7 @@ class Search:
         """Functional for X and tau in given harmonics."""
         return Functional.of(self.data, self.base, self.at, harmonics, time)
 
-    def given(self, tau: TimeFunction) -> WangYau:
+    def result_at(self, tau: TimeFunction) -> WangYau:
         """Energy of a given time function, by continuation from that of the base."""
         t = tau.coefficients[1:]
         if tau is self.at or not np.any(t):
@@ -72,10 +72,10 @@ class Search:
             change, at = abs(found.energy - at.energy), found
             if change <= accuracy * self.scale:
                 break
-        least = float(eigenvalues.min())
-        if abs(least) <= FLAT * eigenvalues.max():
-            least = 0.0  # a boost, in Minkowski space
-        return self._result(at, change, least)
+        smallest = float(eigenvalues.min())
+        if abs(smallest) <= FLAT * eigenvalues.max():
+            smallest = 0.0  # a boost, in Minkowski space
+        return self._result(at, change, smallest)
 
     def _newton(self, at: EmbeddedTime, second: SecondVariation) -> tuple[EmbeddedTime, Floats]:
         """Minimum by Newton's method, with descent for negative second derivatives, and their eigenvalues."""
@@ -131,15 +131,17 @@ class Search:
             elif step > SHORTEST_STEP:
                 step *= 0.5
             else:
-                least = EmbeddedTime(functional, fraction * t, X).admissible
+                lower = EmbeddedTime(functional, fraction * t, X).admissible
                 raise NotEmbedded(
                     f"the metric q + d tau d tau is not embedded beyond {fraction:.3g} times the given tau: "
-                    f"there K + det D^2 tau / W^2 is at least {least:.3g}",
+                    f"there K + det D^2 tau / W^2 is at least {lower:.3g}",
                     self.base,
                 )
         return there
 
-    def _result(self, found: EmbeddedTime, change: float = 0.0, least: float | None = None) -> WangYau:
+    def _result(
+        self, found: EmbeddedTime, change: float = 0.0, second_derivative: float | None = None
+    ) -> WangYau:
         """Energy with its error, where `change` is that from the lower degree of tau."""
         found = found.refined()
         if found.misfit > self.strained:
@@ -164,7 +166,7 @@ class Search:
         notes = []
         if found.admissible <= 0.0:
             notes.append(inadmissible(found.admissible))
-        if least is not None and least < 0.0:
+        if second_derivative is not None and second_derivative < 0.0:
             notes.append("the second derivatives are not all positive: this may be no minimum")
         if self.data.normal_momentum is None and isinstance(self.data.metric, GridMetric):
             notes.append(
@@ -179,7 +181,7 @@ class Search:
             embedding=SmoothEmbedding(metric, self.harmonics, X, self.base.tolerance, np.inf),
             admissible=found.admissible,
             gradient=float(np.linalg.norm(found.gradient)),
-            least_second_derivative=least,
+            least_second_derivative=second_derivative,
             embeddings=self.embeddings,
             notes=tuple(notes),
         )

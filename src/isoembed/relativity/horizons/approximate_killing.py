@@ -73,13 +73,13 @@ class Rotations:
         return float(np.linalg.norm(self.shearing @ c) / np.linalg.norm(self.size @ c))
 
     @property
-    def least_sheared(self) -> Floats:
+    def weights_of_least_shear(self) -> Floats:
         """Unit vector of weights (3,) of the rotation of least shear."""
         weights = np.linalg.solve(self.size, svd(self.shearing @ np.linalg.inv(self.size))[2][-1])
         return np.asarray(weights / np.linalg.norm(weights))
 
     @property
-    def least_shears(self) -> Floats:
+    def shears(self) -> Floats:
         """Stationary values (3,) of the shear, in increasing order."""
         return np.asarray(svd(self.shearing @ np.linalg.inv(self.size), compute_uv=False)[::-1])
 

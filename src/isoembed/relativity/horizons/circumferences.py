@@ -63,13 +63,13 @@ class Circumferences:
             over one dimension only.
         """
         atlas = _Atlas.of(metric, zeta)
-        most = 512 if zeta.axisymmetric else MOST_NODES
+        max_nodes = 512 if zeta.axisymmetric else MOST_NODES
         n, before = FEWEST_NODES, np.full(2, np.inf)
         while True:
             speed, _ = atlas.circles(np.zeros(1), np.array([0.5 * np.pi]), atlas.around(n))
             values = np.array([2.0 * np.pi * speed.mean(), atlas.meridian(n)])
             change = np.abs(values - before)
-            if np.all(change <= 1e-13 * values) or GROWTH * n > most:  # converged in the number of nodes
+            if np.all(change <= 1e-13 * values) or GROWTH * n > max_nodes:  # converged in the number of nodes
                 break
             n, before = int(GROWTH * n), values
         mean = relative_error.mean

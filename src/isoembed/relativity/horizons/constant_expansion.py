@@ -30,8 +30,8 @@ class ConstantExpansionSurface:
     surface : StarSurface
     expansion : float
         Constant part c of the expansion.
-    least, greatest : float
-        Least and greatest expansion at the nodes, minus and plus the error of the slice.
+    lower, upper : float
+        Bounds on the expansion: its extremes at the nodes, minus and plus the error of the slice.
     error : float
         Error of c from the error of the slice, at constant mean radius.
     areal_radius : float
@@ -47,8 +47,8 @@ class ConstantExpansionSurface:
 
     surface: StarSurface
     expansion: float
-    least: float
-    greatest: float
+    lower: float
+    upper: float
     error: float
     areal_radius: float
     rate: float
@@ -100,9 +100,9 @@ def constant_expansion_surface(
         spread = 0.5 * R * float(np.ptp(theta))
         smooth = tail <= max(TRUNCATION, solution.noise)
         fall = 0.5 * R * abs(solution.expansion)
-        least = max(1e-5, R * float(errors.max()))  # near a horizon the sign varies over the surface
+        allowed = max(1e-5, R * float(errors.max()))  # near a horizon the sign varies over the surface
         # A variation of more than 2 % requires a higher degree.
-        constant = spread <= max(min(0.02, 0.5 * fall), least)
+        constant = spread <= max(min(0.02, 0.5 * fall), allowed)
         surface = StarSurface(guess.center, harmonics, f)
         resolved = harmonics.degree * clearance(geometry, surface) >= surface.mean_radius
         if (smooth and constant and resolved) or harmonics.degree >= highest:
@@ -114,8 +114,8 @@ def constant_expansion_surface(
     return ConstantExpansionSurface(
         surface=StarSurface(guess.center, harmonics, f),
         expansion=solution.expansion,
-        least=float((theta - errors).min()),
-        greatest=float((theta + errors).max()),
+        lower=float((theta - errors).min()),
+        upper=float((theta + errors).max()),
         error=abs(float(solution.equations.solved(by_slice)[0])),
         areal_radius=R,
         rate=rate,

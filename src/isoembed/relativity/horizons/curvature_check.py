@@ -77,24 +77,24 @@ class CurvatureCheck:
             return brought and cls._between(
                 "gaussian_curvature", brought(u), error_of(brought).pointwise, u, data
             )
-        field, given = brought_curvature(found.fields)
-        if given is None:
+        field, stored = brought_curvature(found.fields)
+        if stored is None:
             return None
-        known = np.isfinite(given)
-        u = (found.points - found.center if directions is None else directions)[known]
+        finite = np.isfinite(stored)
+        u = (found.points - found.center if directions is None else directions)[finite]
         u /= np.linalg.norm(u, axis=1)[:, None]
         if len(u) < 8:  # too few to compare
             return None
-        noise = fitted(u, given[known], np.ones(len(u))).misfit
-        return cls._between(field, given[known], noise, u, data)
+        noise = fitted(u, stored[finite], np.ones(len(u))).misfit
+        return cls._between(field, stored[finite], noise, u, data)
 
     @classmethod
     def _between(
-        cls, field: str, given: Floats, noise: float, u: Floats, data: SurfaceData
+        cls, field: str, stored: Floats, noise: float, u: Floats, data: SurfaceData
     ) -> CurvatureCheck:
         K = spectral_curvature(data.metric, data.lengths_error.mean)
         own = K(u)
-        difference = own - given
+        difference = own - stored
         largest = float(np.abs(difference).max())
         return cls(field, largest, _rms(difference), _rms(own), K.error.pointwise + noise)
 

@@ -253,10 +253,10 @@ def _within(horizon: FoundHorizon, around: list[NoHorizon]) -> FoundHorizon:
     if unknown:
         sentence = f"it is not known whether a larger horizon encloses this one: {unknown[0]}"
         return replace(horizon, outermost=Evidence("searched", sentence), notes=(*horizon.notes, sentence))
-    least = min(around, key=lambda failure: failure.least or 0.0)
+    lowest = min(around, key=lambda failure: failure.least or 0.0)
     basis = (
         "the surfaces of constant expansion around more holes reach a least c R / 2 above zero: "
-        f"{least.least:.6g} +- {least.least_error:.1g}"
+        f"{lowest.least:.6g} +- {lowest.least_error:.1g}"
     )
     return replace(horizon, outermost=Evidence("searched", basis))
 

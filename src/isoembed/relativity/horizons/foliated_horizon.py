@@ -71,7 +71,7 @@ def _between(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) -> 
         else:
             return replace(horizon, outermost=_outermost(foliation))
     outer, inner = foliation.barriers
-    proved = inner.greatest < 0.0 < outer.least
+    proved = inner.upper < 0.0 < outer.lower
     kind: Literal["proved", "searched"] = "proved" if proved else "searched"
     verdict = (
         "a horizon exists between two surfaces, but was not resolved"
@@ -103,7 +103,7 @@ def _outermost(foliation: Foliation) -> Evidence:
     above = [leaf for leaf in foliation.leaves if leaf.expansion > 0.0]
     if foliation.leaves[0].expansion <= 0.0:
         return Evidence("searched", "surfaces of constant expansion from a trapped one outward")
-    positive = "positive" if all(leaf.least > 0.0 for leaf in above) else "positive in the mean"
+    positive = "positive" if all(leaf.lower > 0.0 for leaf in above) else "positive in the mean"
     return Evidence(
         "searched",
         f"inside the surface of areal radius {above[0].areal_radius:.6g}: the expansion is {positive} on "
@@ -125,12 +125,12 @@ def _degenerate(geometry: ThreeGeometry, foliation: Foliation, symmetric: bool) 
 
 def coarse_grid(geometry: ThreeGeometry, surface: Surface) -> str:
     """Sentence on the resolution of a grid, if a surface is too small for it; otherwise empty."""
-    least = geometry.least_diameter(surface.points(gauss_rule(*NODES)[0]))
-    if (diameter := 2.0 * surface.mean_radius) >= least:
+    minimum = geometry.least_diameter(surface.points(gauss_rule(*NODES)[0]))
+    if (diameter := 2.0 * surface.mean_radius) >= minimum:
         return ""
     return (
         f"this surface has a diameter of {diameter:.3g} in coordinates, and the grid resolves horizons "
-        f"of at least {least:.3g}: use a finer grid around the hole"
+        f"of at least {minimum:.3g}: use a finer grid around the hole"
     )
 
 
@@ -141,23 +141,23 @@ def _below(sentence: str) -> str:
 
 def _none(geometry: ThreeGeometry, foliation: Foliation) -> NoHorizon:
     """Exception for a foliation without a change of sign."""
-    least = foliation.least
-    center = ", ".join(f"{x:.4g}" for x in least.surface.center)
-    error = 0.5 * foliation.minimum_error * least.areal_radius if foliation.excludes else None
+    leaf = foliation.least
+    center = ", ".join(f"{x:.4g}" for x in leaf.surface.center)
+    error = 0.5 * foliation.minimum_error * leaf.areal_radius if foliation.excludes else None
     off = "" if error is None else f" +- {error:.1g}"
     evidence = Evidence(
         "searched",
         f"{len(foliation.leaves)} surfaces of constant expansion, of areal radius "
         f"{foliation.leaves[0].areal_radius:.6g} to {foliation.leaves[-1].areal_radius:.6g}",
     )
-    at = f"at R = {least.areal_radius:.6g} around ({center})"
+    at = f"at R = {leaf.areal_radius:.6g} around ({center})"
     # c R / 2 is 1 in flat space; a value below 0.5 indicates a hole.
-    coarse = coarse_grid(geometry, least.surface) if least.normalized_expansion < 0.5 else ""
+    coarse = coarse_grid(geometry, leaf.surface) if leaf.normalized_expansion < 0.5 else ""
     return NoHorizon(
         "no horizon was found: among surfaces of constant expansion c and areal radius R, the least c R / 2 "
-        f"is {least.normalized_expansion:.6g}{off}, {at}, and a horizon has 0; the search ended because "
+        f"is {leaf.normalized_expansion:.6g}{off}, {at}, and a horizon has 0; the search ended because "
         f"{foliation.end}{_below(coarse)}",
-        least.normalized_expansion,
+        leaf.normalized_expansion,
         evidence,
         error,
     )

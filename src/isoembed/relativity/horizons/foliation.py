@@ -196,7 +196,7 @@ def crossing(
     family, largest, smallest = _family(geometry, outer, inner, symmetric)
     xtol = closeness * largest / max(outer.speed, inner.speed)
     root = _root(lambda mean: family.at(mean).expansion, smallest, largest, xtol)
-    leaves = sorted(family.known, key=lambda leaf: abs(leaf.surface.coefficients[0] - root))
+    leaves = sorted(family.computed, key=lambda leaf: abs(leaf.surface.coefficients[0] - root))
     above = next(leaf for leaf in leaves if leaf.expansion > 0.0)
     below = next(leaf for leaf in leaves if leaf.expansion <= 0.0)
     return above, below, leaves[0].of_mean(root)
@@ -233,7 +233,7 @@ def least_expansion(
         degree = lowest.surface.harmonics.degree
         rounding = 1e-13 / lowest.areal_radius
         if degree >= highest:
-            return lowest, lowest.error + lowest.greatest - lowest.least + rounding
+            return lowest, lowest.error + lowest.upper - lowest.lower + rounding
         finer = in_degree(lowest.surface, min(highest, int(DEGREE_GROWTH * degree)), symmetric)
         there = constant_expansion_surface(geometry, finer, symmetric=symmetric, enough=PRECISE_RESIDUAL)
         new = _stationary(geometry, there, symmetric)
@@ -262,7 +262,7 @@ def _minimum_error(
     bound on how much lower a convex function is between them.
     """
     differences = (leaf.normalized_expansion - lowest.normalized_expansion for leaf in (before, after))
-    return lowest.greatest - lowest.least + 2.0 * max(differences) / lowest.areal_radius
+    return lowest.upper - lowest.lower + 2.0 * max(differences) / lowest.areal_radius
 
 
 def _first(geometry: ThreeGeometry, start: StarSurface, symmetric: bool) -> ConstantExpansionSurface:
@@ -286,16 +286,16 @@ class _Family:
 
     geometry: ThreeGeometry
     symmetric: bool
-    known: list[ConstantExpansionSurface]
+    computed: list[ConstantExpansionSurface]
 
     def at(self, mean: float) -> ConstantExpansionSurface:
-        nearest = min(self.known, key=lambda leaf: abs(leaf.surface.coefficients[0] - mean))
+        nearest = min(self.computed, key=lambda leaf: abs(leaf.surface.coefficients[0] - mean))
         if nearest.surface.coefficients[0] != mean:
             guess = nearest.of_mean(mean)
             nearest = constant_expansion_surface(
                 self.geometry, guess, symmetric=self.symmetric, enough=PRECISE_RESIDUAL
             )
-            self.known.append(nearest)
+            self.computed.append(nearest)
         return nearest
 
 

@@ -77,9 +77,9 @@ def read_horizon(path: str | os.PathLike[str]) -> CoordinateShape | SurfaceData:
     """
     with opened(path) as file:
         added = (loaded(point, HorizonFormat) for point in entry_points(group="isoembed.horizon_formats"))
-        for known in chain(FORMATS, added):
-            if known.recognizes(file):
-                return known.read(file)
+        for format_ in chain(FORMATS, added):
+            if format_.recognizes(file):
+                return format_.read(file)
         if file.ending in ARRAY_ENDINGS:
             there = file.contents
             kind = next((problem for names, problem in UNREAD if re.search(names, there)), "")
@@ -139,10 +139,10 @@ def _shape_of(tables: Tables, source: str) -> CoordinateShape:
     points = np.array(coordinates[0] if named else np.stack(coordinates, axis=-1), dtype=np.float64).reshape(
         -1, 3
     )
-    given = next((tables[name] for name in CENTERS if name in tables), None)
-    if given is not None and np.shape(given) != (3,):
-        raise FileError(f"{source}: the center has the shape {np.shape(given)}, not (3,)")
-    center = None if given is None else np.array(given, dtype=np.float64)
+    stored = next((tables[name] for name in CENTERS if name in tables), None)
+    if stored is not None and np.shape(stored) != (3,):
+        raise FileError(f"{source}: the center has the shape {np.shape(stored)}, not (3,)")
+    center = None if stored is None else np.array(stored, dtype=np.float64)
     time = float(np.asarray(tables["time"]).reshape(())) if np.size(tables.get("time", ())) == 1 else None
     reserved = {*POINTS, *CENTERS, "x", "y", "z", "faces", "edges", "lengths", "time"}
     fields = {

@@ -55,8 +55,8 @@ class HorizonShape:
         InvalidMetric
             The metric is not positive definite.
         """
-        zeta, known, moved = _coordinate(data, spin), data.lengths_error, data.displacement
-        lengths = Uncertainty(known.pointwise + moved, known.mean + moved)
+        zeta, error, moved = _coordinate(data, spin), data.lengths_error, data.displacement
+        lengths = Uncertainty(error.pointwise + moved, error.mean + moved)
         x, y, z = zeta.axis.tolist()
         return cls(Circumferences.of(data.metric, zeta, lengths), Multipoles.of(data, zeta), (x, y, z))
 
@@ -76,19 +76,19 @@ def _coordinate(data: SurfaceData, spin: Spin | None) -> InvariantCoordinate:
     turning = None if spin is None else spin.zeta
     upright = InvariantCoordinate.about(metric, relative_error=error)
     if turning is None:
-        return upright or _least_sheared(data)
+        return upright or _of_least_shear(data)
     # The axis of the spin is the z-axis within errors.
     if upright is not None and abs(turning.axis[2]) > 0.9:
         return upright
     return InvariantCoordinate.about(metric, turning.axis.tolist(), error) or turning
 
 
-def _least_sheared(data: SurfaceData) -> InvariantCoordinate:
+def _of_least_shear(data: SurfaceData) -> InvariantCoordinate:
     """Invariant coordinate of the rotation of least shear; the largest component of its axis is positive."""
     few = rotations(data.metric, DEGREES[0], False)
     for degree in DEGREES[1:]:
         more = rotations(data.metric, degree, False)
-        before, potential = (three.coefficients @ three.least_sheared for three in (few, more))
+        before, potential = (three.coefficients @ three.weights_of_least_shear for three in (few, more))
         before = resized(before[:, None], few.harmonics, more.harmonics)[:, 0]
         change = min(float(np.linalg.norm(potential - sign * before)) for sign in (1.0, -1.0))
         if change <= 1e-6:  # relative change of the potential between degrees

@@ -65,12 +65,12 @@ class Multipoles:
     def of(cls, data: SurfaceData, zeta: InvariantCoordinate) -> Multipoles:
         """Multipoles of a horizon with an invariant coordinate."""
         K = spectral_curvature(data.metric, data.relative_error)
-        most = 1000 if zeta.axisymmetric else MOST_NODES
+        max_nodes = 1000 if zeta.axisymmetric else MOST_NODES
         n, before = FEWEST_NODES, np.full((2, ORDER + 1), np.inf)
         while True:
             moments, area = _moments(data, zeta, K, n)
             change = np.abs(moments - before)
-            if change.max() <= 1e-13 or GROWTH * n > most:  # converged in the number of nodes
+            if change.max() <= 1e-13 or GROWTH * n > max_nodes:  # converged in the number of nodes
                 break
             n, before = int(GROWTH * n), moments
         l = np.arange(ORDER + 1)
@@ -98,16 +98,16 @@ class Multipoles:
         uncertain = scale * R / (4.0 * np.pi) * (errors[1] + np.where(l == 1, 0.0, displaced))
         uncertain += (lengths + np.where(l == 1, 0.0, moved)) * np.abs(spins)
         found = None if data.normal_momentum is None else _estimates(spins, uncertain)
-        known = data.angular_momentum if found is None or data.charge else found[1].value
-        if known is None:
+        angular_momentum = data.angular_momentum if found is None or data.charge else found[1].value
+        if angular_momentum is None:
             return cls(shape, None if found is None else rotation, None, found)
         m = 0.5 * R
-        mass = np.hypot(m + data.charge**2 / (4.0 * m), known / (2.0 * m))
+        mass = np.hypot(m + data.charge**2 / (4.0 * m), angular_momentum / (2.0 * m))
         masses = scale * mass / (2.0 * np.pi) * moments[0]
-        of_mass = abs(known) / (2.0 * m * mass) * (uncertain[1] / (2.0 * m * mass))
+        of_mass = abs(angular_momentum) / (2.0 * m * mass) * (uncertain[1] / (2.0 * m * mass))
         uncertain = scale * mass / (2.0 * np.pi) * (errors[0] + displaced)
         heavy = _estimates(masses, uncertain + (lengths + moved + of_mass) * np.abs(masses))
-        if found is None and known != 0.0:
+        if found is None and angular_momentum != 0.0:
             return cls(shape, None, heavy, None)
         return cls(shape, rotation, heavy, found or rotation)
 

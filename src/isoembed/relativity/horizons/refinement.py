@@ -133,8 +133,8 @@ def refined(geometry: ThreeGeometry, start: Image, expansion: float) -> Refined:
         stalled = 0 if falls or residual > image.resolved else stalled + 1
         if best is None or residual < best.residual:
             best = Refined(image, discretization, solution, residual)
-        known = R * float(np.abs(apart.expansion_errors(there)).max())
-        if residual <= max(image.rounding, 0.1 * known):  # well below the error of the slice
+        slice_error = R * float(np.abs(apart.expansion_errors(there)).max())
+        if residual <= max(image.rounding, 0.1 * slice_error):  # well below the error of the slice
             return replace(best, steps=steps, end=End.RESOLVED)
         if stalled >= image.patience:
             return replace(best, steps=steps, end=End.STALLED)

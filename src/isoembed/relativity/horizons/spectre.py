@@ -137,13 +137,13 @@ def _recognizes(file: InputFile) -> bool:
 @contextlib.contextmanager
 def _surfaces(path: str | os.PathLike[str]) -> Iterator[dict[str, SurfaceGroup | HarmonicTable]]:
     """Surfaces in a file by name, readable inside the context; empty for files of other formats."""
-    with opened(path) as given:
-        if given.ending == TEXT:
-            name = surface_name(given.path.name.removesuffix(".gz"))
-            yield {name: HarmonicTable.in_text(given)} if is_harmonic_text(given) else {}
+    with opened(path) as source:
+        if source.ending == TEXT:
+            name = surface_name(source.path.name.removesuffix(".gz"))
+            yield {name: HarmonicTable.in_text(source)} if is_harmonic_text(source) else {}
             return
-        with given.hdf5() as file:
-            yield dict(sorted(_surfaces_in(file, str(given)).items()))
+        with source.hdf5() as file:
+            yield dict(sorted(_surfaces_in(file, str(source)).items()))
 
 
 def _surfaces_in(file: Any, path: str) -> dict[str, SurfaceGroup | HarmonicTable]:

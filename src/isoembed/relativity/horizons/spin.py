@@ -208,7 +208,7 @@ class _Trial:
         unit = three.area / (4.0 * np.pi)
         return cls(
             *(unit * J, unit * noise, axis / np.linalg.norm(axis)),
-            *(three.shear(along), float(three.least_shears[-1]), unit * vector),
+            *(three.shear(along), float(three.shears[-1]), unit * vector),
             *(three.harmonics, three.coefficients @ along),
         )
 

@@ -43,10 +43,10 @@ def principal_eigenvalue(equations: Equations, areal_radius: float) -> float:
     count = len(few)
     moved = low.values[:, :count].T @ (weights[:, None] * low.values[:, :count])
     values, vectors = eig(equations.matrix()[:count, :count], moved)
-    least = int(np.argmin(values.real))
-    eigenvalue = float(values[least].real)
+    index = int(np.argmin(values.real))
+    eigenvalue = float(values[index].real)
     f = np.zeros(equations.transform.harmonics.size)
-    f[few] = vectors[:, least].real
+    f[few] = vectors[:, index].real
     if len(f) == count:
         return eigenvalue
     f /= np.linalg.norm(f)

@@ -135,14 +135,14 @@ def stability_spectrum(horizon: FoundHorizon, n: SupportsIndex = 10) -> Stabilit
     degrees = tuple(degree for degree in allowed if (degree - 1) ** 2 >= 2 * n + MARGIN)
     operator = _Operator.of(horizon, degrees[0], n)
     found = operator.spectrum(n)
-    known = _by_data(operator, found, horizon)
+    data_errors = _by_data(operator, found, horizon)
     for degree in degrees[1:]:
         before, operator = found, _Operator.of(horizon, degree, n)
         found = operator.spectrum(n)
         change = found.apart(before)
-        if np.all(change <= np.maximum(SETTLED * found.size, SMALL * known[: len(change)])):
+        if np.all(change <= np.maximum(SETTLED * found.size, SMALL * data_errors[: len(change)])):
             break
-    errors = change + SETTLED * found.size + known[: len(change)]
+    errors = change + SETTLED * found.size + data_errors[: len(change)]
     return StabilitySpectrum(found.values, errors, found.orders, operator.areal_radius)
 
 
@@ -319,14 +319,14 @@ class _Operator:
         """
         A = A * self.areal_radius**2
         size = len(A)
-        most = 2 * n + MARGIN
-        if most >= size:
+        count = 2 * n + MARGIN
+        if count >= size:
             return np.asarray(eig(A, B, right=False))
         factors = lu_factor(A - self.below * B)
         degrees = (
             self.transform.harmonics.labels[0] if size == self.transform.harmonics.size else np.arange(size)
         )
-        X = np.eye(size)[:, np.argsort(degrees, kind="stable")[:most]]
+        X = np.eye(size)[:, np.argsort(degrees, kind="stable")[:count]]
         before = np.full(n, np.inf)
         for _ in range(ITERATIONS):
             X = qr(lu_solve(factors, B @ X), mode="economic")[0]

@@ -82,10 +82,10 @@ def horizon_times(path: str | os.PathLike[str]) -> dict[str, tuple[list[float], 
     Raises `FileError`: the file cannot be read, or the numbers of iterations and times differ.
     """
     found = {}
-    with InputFile(path) as given:
-        if given.ending not in HDF5_ENDINGS:
+    with InputFile(path) as source:
+        if source.ending not in HDF5_ENDINGS:
             return {}
-        with given.hdf5() as file:
+        with source.hdf5() as file:
             for name, group in groups_in(file).items():
                 if _count(group) and any(array in group for array in SHAPES):
                     found[name] = _times(group, f"{path} ({name})" if name else str(path))

@@ -102,22 +102,22 @@ GRCHOMBO = ConformalVariables(
 )
 
 
-def rank(there: Collection[str], known: Sequence[Variables]) -> int:
+def rank(there: Collection[str], sets: Sequence[Variables]) -> int:
     """Index of the first complete set of variables; the number of sets if none is complete."""
-    complete = (k for k, variables in enumerate(known) if {*variables.names} <= {*there})
-    return next(complete, len(known))
+    complete = (k for k, variables in enumerate(sets) if {*variables.names} <= {*there})
+    return next(complete, len(sets))
 
 
-def variables_in(there: Collection[str], known: Sequence[Variables], name: str) -> Variables:
+def variables_in(there: Collection[str], sets: Sequence[Variables], name: str) -> Variables:
     """First complete set of variables.
 
     Raises `FileError`: no set is complete; the message names those missing from the most complete one.
     """
-    if (first := rank(there, known)) < len(known):
-        return known[first]
-    most = max(known, key=lambda variables: len({*variables.names} & {*there}))
-    if not {*most.names} & {*there}:
-        kinds = "; or ".join(", ".join(variables.names) for variables in known)
+    if (first := rank(there, sets)) < len(sets):
+        return sets[first]
+    best = max(sets, key=lambda variables: len({*variables.names} & {*there}))
+    if not {*best.names} & {*there}:
+        kinds = "; or ".join(", ".join(variables.names) for variables in sets)
         raise FileError(f"{name} has none of the variables that make a slice: {kinds}")
-    missing = [each for each in most.names if each not in there]
-    raise FileError(f"{name} has no {', '.join(missing)}: {', '.join(most.names)} are needed")
+    missing = [each for each in best.names if each not in there]
+    raise FileError(f"{name} has no {', '.join(missing)}: {', '.join(best.names)} are needed")

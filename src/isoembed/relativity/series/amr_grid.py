@@ -163,12 +163,12 @@ class AMRGrid(ThreeGeometry):
         missing = np.ones(len(x), dtype=bool)
         for _, here in out:
             missing[here] = False
-        least, most = self.box
+        lower, upper = self.box
         refuse_points(
             missing,
             x,
             f"is in no refinement level of {self.source.name} with {STENCIL // 2} points on each "
-            f"side; the coarsest can be interpolated from {written(least)} to {written(most)}",
+            f"side; the coarsest can be interpolated from {written(lower)} to {written(upper)}",
         )
         return out
 

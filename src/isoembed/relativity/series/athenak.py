@@ -82,7 +82,7 @@ def athenak_slices(paths: Iterable[Path]) -> list[ListedFile]:
     for first, parts in found.items():
         head = _File.read(first)
         listed = ListedFile(head.cycle, head.time, AthenaKSlice(tuple(map(str, parts))))
-        out.append((rank(head.names, _known(head)), listed))
+        out.append((rank(head.names, _variable_sets(head)), listed))
     return best_of_moments(out, incomplete=2)  # neither of the two known sets
 
 
@@ -119,8 +119,8 @@ class _File:
     @property
     def cells(self) -> list[int]:
         """Numbers of cells of a block along each axis, without ghost zones."""
-        given = self.parameters
-        return [int(given.get(f"meshblock/nx{a}", given[f"mesh/nx{a}"])) for a in "123"]
+        parameters = self.parameters
+        return [int(parameters.get(f"meshblock/nx{a}", parameters[f"mesh/nx{a}"])) for a in "123"]
 
     @property
     def levels(self) -> Indices:
@@ -222,18 +222,19 @@ class _Data:
         first = files[0]
         if strange := next((f for f in files if (f.names, f.cycle) != (first.names, first.cycle)), None):
             raise FileError(f"{strange.path} and {first.path} are not parts of the same output")
-        self._variables = variables_in(first.names, _known(first), name)
+        self._variables = variables_in(first.names, _variable_sets(first), name)
         self._columns = [first.names.index(each) for each in self._variables.names]
         self._cells = first.cells
         self._check_whole()
 
     @cached_property
     def symmetry(self) -> tuple[AxisMap, ...]:
-        given = self._files[0].parameters
+        parameters = self._files[0].parameters
         return reflections(
             axis
             for axis, letter in enumerate("123")
-            if given.get(f"mesh/ix{letter}_bc") == "reflect" and float(given[f"mesh/x{letter}min"]) == 0.0
+            if parameters.get(f"mesh/ix{letter}_bc") == "reflect"
+            and float(parameters[f"mesh/x{letter}min"]) == 0.0
         )
 
     @cached_property
@@ -269,8 +270,9 @@ class _Data:
 
     def _check_whole(self) -> None:
         """Check by their volume that no MeshBlocks are missing."""
-        given = self._files[0].parameters
-        roots = np.prod([int(given[f"mesh/nx{a}"]) // n for a, n in zip("123", self._cells, strict=True)])
+        parameters = self._files[0].parameters
+        cells = zip("123", self._cells, strict=True)
+        roots = np.prod([int(parameters[f"mesh/nx{a}"]) // n for a, n in cells])
         there = sum(float((0.125**file.levels).sum()) for file in self._files)
         if abs(there / roots - 1.0) > 1e-9:
             raise FileError(f"{self.name} has MeshBlocks for {there / roots:.6g} of the mesh only")
@@ -292,7 +294,7 @@ def _coarsening(cells: int, levels: int) -> Floats:
     return matrix
 
 
-def _known(file: _File) -> tuple[Variables, Variables]:
+def _variable_sets(file: _File) -> tuple[Variables, Variables]:
     """ADM variables, and Z4c variables with the power of chi used by the run."""
     metric, curvature = (tuple(f"z4c_{letter}{ij}" for ij in PAIRS) for letter in "gA")
     trace = (("z4c_Khat", 1.0), ("z4c_Theta", 2.0))

@@ -165,7 +165,7 @@ class _File:
     processes: int
 
     @classmethod
-    def listed(cls, path: Path, known: Mapping[int, float | None]) -> _File:
+    def listed(cls, path: Path, times_by_iteration: Mapping[int, float | None]) -> _File:
         """List the data sets of a file, and unknown times of iterations."""
         found: dict[int, dict[str, tuple[str, list[tuple[int, str]]]]] = {}
         times: dict[int, float | None] = {}
@@ -178,7 +178,7 @@ class _File:
                 iteration = int(match["iteration"])
                 sets = found.setdefault(iteration, {}).setdefault(match["field"], (match["thorn"], []))
                 sets[1].append((int(match["level"] or 0), match["tail"]))
-                if iteration not in known and iteration not in times:
+                if iteration not in times_by_iteration and iteration not in times:
                     time = root[name].attrs.get("time")
                     times[iteration] = None if time is None else float(time)
             if METADATA in root:

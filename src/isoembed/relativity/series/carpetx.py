@@ -74,8 +74,8 @@ def _slices_in(path: str) -> Iterator[ListedSlice[SliceSource]]:
     with _opened(path) as series:
         for iteration, there in series.iterations.items():
             if any(MESH.fullmatch(mesh) for mesh in there.meshes):
-                known = "AllParameters" in there.attributes
-                symmetry = symmetry_in(there.get_attribute("AllParameters") if known else "")
+                has_parameters = "AllParameters" in there.attributes
+                symmetry = symmetry_in(there.get_attribute("AllParameters") if has_parameters else "")
                 yield ListedSlice(
                     int(iteration), float(there.time), CarpetXSlice(path, int(iteration), symmetry)
                 )

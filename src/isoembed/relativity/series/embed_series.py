@@ -109,8 +109,8 @@ def _results(
 
 def _tasks(moments: Iterable[Any], options: HorizonOptions) -> Iterator[HorizonTask]:
     labels = set[str]()
-    for position, given in enumerate(moments):
-        moment = _moment(position, given)
+    for position, item in enumerate(moments):
+        moment = _moment(position, item)
         if moment.label in labels:
             raise InvalidParameter(
                 f"moment {position} has the label of an earlier one, {moment.label}: moments must differ in "
@@ -120,32 +120,32 @@ def _tasks(moments: Iterable[Any], options: HorizonOptions) -> Iterator[HorizonT
         yield HorizonTask(moment, options)
 
 
-def _moment(position: int, given: Any) -> Moment:
-    if isinstance(given, Moment):
-        return given
-    if not (isinstance(given, Sequence) and not isinstance(given, str) and len(given) == 3):
+def _moment(position: int, item: Any) -> Moment:
+    if isinstance(item, Moment):
+        return item
+    if not (isinstance(item, Sequence) and not isinstance(item, str) and len(item) == 3):
         raise InvalidParameter(
-            f"moment {position} is a {type(given).__name__}, not a Moment or (time, shape, geometry)"
+            f"moment {position} is a {type(item).__name__}, not a Moment or (time, shape, geometry)"
         )
-    time, shape, geometry = given
+    time, shape, geometry = item
     return Moment(SERIES, time, None, _shape(position, shape), _slice(position, geometry), position)
 
 
-def _shape(position: int, given: Any) -> ShapeSource:
-    if isinstance(given, str | os.PathLike):
-        return ShapeFile(os.fspath(given))
-    if not isinstance(given, GivenHorizon):
-        raise InvalidParameter(f"moment {position}: expected a horizon, not {type(given).__name__}")
-    return HeldShape(given)
+def _shape(position: int, item: Any) -> ShapeSource:
+    if isinstance(item, str | os.PathLike):
+        return ShapeFile(os.fspath(item))
+    if not isinstance(item, GivenHorizon):
+        raise InvalidParameter(f"moment {position}: expected a horizon, not {type(item).__name__}")
+    return HeldShape(item)
 
 
-def _slice(position: int, given: Any) -> SliceSource | None:
-    if given is None:
+def _slice(position: int, item: Any) -> SliceSource | None:
+    if item is None:
         return None
-    if isinstance(given, str | os.PathLike):
-        return SliceFile(os.fspath(given))
-    if isinstance(given, Mapping):
-        return GridDataSlice(given)
-    if not isinstance(given, ThreeGeometry):
-        raise InvalidParameter(f"moment {position}: expected a slice, not {type(given).__name__}")
-    return HeldSlice(given)
+    if isinstance(item, str | os.PathLike):
+        return SliceFile(os.fspath(item))
+    if isinstance(item, Mapping):
+        return GridDataSlice(item)
+    if not isinstance(item, ThreeGeometry):
+        raise InvalidParameter(f"moment {position}: expected a slice, not {type(item).__name__}")
+    return HeldSlice(item)

@@ -74,18 +74,18 @@ def symmetry_in(parameters: str) -> tuple[AxisMap, ...]:
     tuple of AxisMap
         All maps of the symmetry group, starting with the identity.
     """
-    given = {f"{m[1]}::{m[2]}".lower(): m[3].lower() for m in PARAMETER.finditer(parameters)}
+    settings = {f"{m[1]}::{m[2]}".lower(): m[3].lower() for m in PARAMETER.finditer(parameters)}
     generators = [
         _reflection(axis)
         for axis, letter in enumerate("xyz")
-        if given.get(f"reflectionsymmetry::reflection_{letter}") in YES
-        or given.get(f"carpetx::reflection_{letter}") in YES
-        or letter in _halved(given)
+        if settings.get(f"reflectionsymmetry::reflection_{letter}") in YES
+        or settings.get(f"carpetx::reflection_{letter}") in YES
+        or letter in _halved(settings)
     ]
     quarter = AxisMap(*QUARTER_TURN)
-    if any(name.startswith("rotatingsymmetry180::") for name in given):
+    if any(name.startswith("rotatingsymmetry180::") for name in settings):
         generators.append(quarter.after(quarter))
-    if any(name.startswith("rotatingsymmetry90::") for name in given):
+    if any(name.startswith("rotatingsymmetry90::") for name in settings):
         generators.append(quarter)
     return _generated(generators)
 
@@ -116,15 +116,15 @@ def _generated(generators: Sequence[AxisMap]) -> tuple[AxisMap, ...]:
     return tuple(maps)
 
 
-def _halved(given: dict[str, str]) -> str:
+def _halved(settings: dict[str, str]) -> str:
     """Axes along which CartGrid3D has only one half."""
-    match given.get("grid::domain", given.get("cartgrid3d::domain", "full")):
+    match settings.get("grid::domain", settings.get("cartgrid3d::domain", "full")):
         case "octant":
             return "xyz"
         case "quadrant":
-            return "xyz".replace(given.get("grid::quadrant_direction", "z"), "")
+            return "xyz".replace(settings.get("grid::quadrant_direction", "z"), "")
         case "bitant":
-            plane = given.get("grid::bitant_plane", "xy")
+            plane = settings.get("grid::bitant_plane", "xy")
             return "".join(letter for letter in "xyz" if letter not in plane)
         case _:
             return ""

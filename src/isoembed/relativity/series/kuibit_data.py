@@ -119,14 +119,14 @@ class _GridData:
     def __init__(self, name: str, fields: Mapping[str, Any]) -> None:
         self.name, self.fields = name, list(fields)
         self.symmetry: tuple[AxisMap, ...] = (IDENTITY,)
-        self._given = fields
+        self._fields = fields
         self._parts: dict[tuple[str, int], list[Any]] = {}
 
     @cached_property
     def levels(self) -> list[int]:
         return sorted(
             set.intersection(
-                *({int(part.ref_level) for part in _parts(given)} for given in self._given.values())
+                *({int(part.ref_level) for part in _parts(field)} for field in self._fields.values())
             )
         )
 
@@ -148,7 +148,7 @@ class _GridData:
         if key not in self._parts:
             self._parts[key] = [
                 part.ghost_zones_removed()
-                for part in _parts(self._given[field])
+                for part in _parts(self._fields[field])
                 if int(part.ref_level) == level
             ]
         return self._parts[key]

@@ -34,8 +34,8 @@ def matched(shapes: Iterable[Moment], slices: Iterable[ListedSlice[SliceSource]]
     for shape in shapes:
         if shape.time is not None:
             times.setdefault(shape.series, []).append(shape.time)
-    known = _Slices(list(slices), times.values())
-    return ordered([replace(shape, slice=known.of(shape)) for shape in shapes])
+    candidates = _Slices(list(slices), times.values())
+    return ordered([replace(shape, slice=candidates.of(shape)) for shape in shapes])
 
 
 def ordered(moments: Iterable[Moment]) -> list[Moment]:

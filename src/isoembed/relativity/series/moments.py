@@ -74,19 +74,19 @@ def moments(
 
     shapes: list[Moment] = []
     slices: list[ListedSlice[SliceSource]] = []
-    for given in horizons:
-        is_run = hasattr(given, "allfiles")
-        if not is_run and not os.path.isdir(given):
-            shapes += shapes_in_files([given])
+    for item in horizons:
+        is_run = hasattr(item, "allfiles")
+        if not is_run and not os.path.isdir(item):
+            shapes += shapes_in_files([item])
             continue
-        files = [] if is_run else shape_files_in(given)
+        files = [] if is_run else shape_files_in(item)
         coordinates = any(input_ending(path) == SHAPE for path in files)
-        if files and not (geometry is None and coordinates and _holds(given, GRIDS)):
+        if files and not (geometry is None and coordinates and _holds(item, GRIDS)):
             shapes += shapes_in_files(files)
             continue
-        if not is_run and not _holds(given, (SHAPE,)):
-            raise FileError(f"there are no files of horizons in {given}: {listing_of(given)}")
-        found = simulation_in(given)
+        if not is_run and not _holds(item, (SHAPE,)):
+            raise FileError(f"there are no files of horizons in {item}: {listing_of(item)}")
+        found = simulation_in(item)
         shapes += found[0]
         slices += found[1] if geometry is None else []
     shapes = _chosen(shapes, horizons, surface)
@@ -109,7 +109,7 @@ def moments(
 def _chosen(shapes: list[Moment], horizons: Sequence[Any], surface: str | None) -> list[Moment]:
     """Horizons of one series, or all of them."""
     if not shapes:
-        names = [str(getattr(given, "path", given)) for given in horizons]
+        names = [str(getattr(item, "path", item)) for item in horizons]
         raise FileError(f"there are no horizons in {enumerated(names) or 'no files'}")
     chosen = [shape for shape in shapes if surface is None or shape.series == surface_name(surface)]
     if not chosen:

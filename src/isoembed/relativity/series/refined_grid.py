@@ -127,11 +127,11 @@ def covering_grid(
         if (grid := Level.of(data, level).around(low, high)) is not None:
             return grid.filled(data, level, wanted)
     coarsest = Level.of(data, data.levels[0])
-    least, most = coarsest.box
+    lower, upper = coarsest.box
     raise FileError(
         f"{data.name}: no refinement level covers the surface with {STENCIL // 2} points around "
         f"it, from {written(low)} to {written(high)}; the coarsest, level {data.levels[0]} with the spacing "
-        f"{written(coarsest.spacing)}, has points from {written(least)} to {written(most)}"
+        f"{written(coarsest.spacing)}, has points from {written(lower)} to {written(upper)}"
     )
 
 
@@ -222,11 +222,11 @@ class Level:
         reach = STENCIL // 2
         first, last = (np.floor((x - self.origin) / self.spacing).astype(np.int64) for x in (low, high))
         first, last = first - (reach - 1), last + reach + 1
-        least, most = self.ends
-        if (first < least).any() or (last > most).any():
+        lower, upper = self.ends
+        if (first < lower).any() or (last > upper).any():
             return None
         more = AROUND - reach
-        start, stop = np.maximum(first - more, least), np.minimum(last + more, most)
+        start, stop = np.maximum(first - more, lower), np.minimum(last + more, upper)
         there = np.zeros(stop - start, dtype=bool)
         pieces = []
         for block in self.blocks:

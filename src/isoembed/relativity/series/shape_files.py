@@ -81,7 +81,7 @@ def _may_be_shape(path: Path) -> bool:
     if ending == SHAPE:
         return NUMBER.search(path.name) is not None and not path.name.startswith(DIAGNOSTICS)
     if ending in TEXT_ENDINGS:
-        return any(_is_of(known, path) for known in (GRCHOMBO, SPECTRE, METRIC_GRID))
+        return any(_is_of(format_, path) for format_ in (GRCHOMBO, SPECTRE, METRIC_GRID))
     if ending not in ARRAY_ENDINGS:
         return ending in MESH_ENDINGS
     try:
@@ -96,10 +96,10 @@ def _may_be_shape(path: Path) -> bool:
         return True  # reading will say why
 
 
-def _is_of(known: HorizonFormat, path: str | Path) -> bool:
+def _is_of(format_: HorizonFormat, path: str | Path) -> bool:
     """Whether a file is readable and of a format."""
     with contextlib.suppress(FileError), InputFile(path) as file:
-        return known.recognizes(file)
+        return format_.recognizes(file)
     return False
 
 

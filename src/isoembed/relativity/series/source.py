@@ -98,8 +98,8 @@ class HeldShape:
     @property
     def name(self) -> str:
         """Name of the shape."""
-        known = (self.called, *(getattr(self.shape, each, "") for each in ("source", "name")))
-        return next(filter(None, known), HELD)
+        names = (self.called, *(getattr(self.shape, each, "") for each in ("source", "name")))
+        return next(filter(None, names), HELD)
 
     def digest(self) -> str:
         """See `object_digest`."""
@@ -206,5 +206,5 @@ class _Contents(pickle.Pickler):
         ]
         if isinstance(thing, type) or not modules:
             return NotImplemented
-        make, given, state, *rest = thing.__reduce_ex__(4)
-        return make, given, {name: value for name, value in state.items() if name not in modules}, *rest
+        make, arguments, state, *rest = thing.__reduce_ex__(4)
+        return make, arguments, {name: value for name, value in state.items() if name not in modules}, *rest

@@ -101,8 +101,8 @@ class Row:
         found = report.get("embedding") or {}
         numbers |= {name: found.get(name) for name in ("residual", "degree")}
         numbers["space_curvature"] = (report.get("space") or {}).get("curvature")
-        known = {name: float(value) for name, value in numbers.items() if value is not None}
-        return cls(moment["series"], result.label, result.status, result.message, known)
+        values = {name: float(value) for name, value in numbers.items() if value is not None}
+        return cls(moment["series"], result.label, result.status, result.message, values)
 
     @property
     def place(self) -> tuple[Any, ...]:
@@ -171,10 +171,10 @@ def _dated(rows: Sequence[Row]) -> list[Row]:
         for row in rows
         if row.numbers.keys() >= {"iteration", "time"}
     }
-    known = [times.get(row.numbers.get("iteration", np.nan)) for row in rows]
+    found = [times.get(row.numbers.get("iteration", np.nan)) for row in rows]
     return [
         row if time is None else replace(row, numbers={"time": time} | row.numbers)
-        for row, time in zip(rows, known, strict=True)
+        for row, time in zip(rows, found, strict=True)
     ]
 
 

@@ -69,8 +69,8 @@ class CartesianGrid(ThreeGeometry):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin", vector("the origin", self.origin))
-        given = numbers(self.spacing)
-        spacing = vector("the spacing", np.full(3, given) if given.ndim == 0 else given)
+        steps = numbers(self.spacing)
+        spacing = vector("the spacing", np.full(3, steps) if steps.ndim == 0 else steps)
         for axis, h in zip("xyz", spacing, strict=True):
             positive_number(f"the spacing in {axis}", h)
         object.__setattr__(self, "spacing", spacing)
@@ -88,12 +88,12 @@ class CartesianGrid(ThreeGeometry):
         """Check that gamma is positive definite at some of the nodes; inside holes it need not be."""
         steps = tuple(slice(None, None, n // 20 + 1) for n in self.gamma.shape[1:])
         some = self.gamma[(slice(None), *steps)].reshape(6, -1)
-        known = np.isfinite(some).all(axis=0)
-        xx, xy, xz, yy, yz, zz = some[:, known]
+        finite = np.isfinite(some).all(axis=0)
+        xx, xy, xz, yy, yz, zz = some[:, finite]
         minor = xx * yy - xy * xy
         det = zz * minor - xx * yz * yz - yy * xz * xz + 2.0 * xy * yz * xz
-        if known.any() and not ((xx > 0.0) & (minor > 0.0) & (det > 0.0)).any():
-            entries = ", ".join(f"{value:.6g}" for value in some[:, np.argmax(known)])
+        if finite.any() and not ((xx > 0.0) & (minor > 0.0) & (det > 0.0)).any():
+            entries = ", ".join(f"{value:.6g}" for value in some[:, np.argmax(finite)])
             raise InvalidParameter(
                 f"gamma is not positive definite anywhere; its first node has xx, xy, ... = {entries}"
             )
@@ -255,9 +255,9 @@ class _Wider(DerivedGeometry):
         return values
 
 
-def _six(name: str, given: ArrayLike) -> Floats:
+def _six(name: str, values: ArrayLike) -> Floats:
     """Entries (6, nx, ny, nz) of symmetric matrices, read-only."""
-    array = array_of(name, given).astype(np.float64, copy=False)
+    array = array_of(name, values).astype(np.float64, copy=False)
     if array.ndim == 5 and array.shape[:2] == (3, 3):
         # A larger asymmetry is not rounding.
         with np.errstate(invalid="ignore"):  # of infinities

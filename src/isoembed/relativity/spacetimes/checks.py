@@ -28,10 +28,10 @@ def vector(name: str, value: Sequence[float] | Floats) -> tuple[float, float, fl
     return x, y, z
 
 
-def numbers(given: ArrayLike) -> Floats:
+def numbers(values: ArrayLike) -> Floats:
     """Array of real numbers; NaN of shape () if the input is not real."""
     try:
-        array = np.asarray(given)
+        array = np.asarray(values)
         return np.array(np.nan) if array.dtype.kind == "c" else array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         return np.array(np.nan)

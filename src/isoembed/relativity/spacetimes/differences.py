@@ -41,13 +41,13 @@ class Disagreement:
     x : ndarray, shape (3,)
     name : str
         Name of the derivative, such as "d_x gamma_yz".
-    given, found : float
+    stated, found : float
         Derivative and central difference.
     """
 
     x: Floats
     name: str
-    given: float
+    stated: float
     found: float
 
 
@@ -75,23 +75,23 @@ def disagreement(
     size = float(np.ptp(x, axis=0).max(initial=0.0)) or float(np.abs(x).max(initial=0.0)) or 1.0
     largest = np.argmax(np.abs(gradient).reshape(len(x), -1).max(axis=1, initial=0.0)) if len(x) else 0
     some = np.unique([*np.linspace(0, len(x) - 1, 3).astype(int), largest])[: len(x)]
-    x, given = x[some], gradient[some]
+    x, stated = x[some], gradient[some]
     with np.errstate(all="ignore"):  # there may be no metric a step away
         steps = min(FIRST * size, step) * np.array(FINER)
         found = [central_differences(f, x, h, SIXTH) for h in steps]
         # Use the two successive steps that agree best, independent of scale and noise of the function.
         errors = [np.abs(b - a).max(axis=(1, 2, 3), keepdims=True) for a, b in pairwise(found)]
         best = int(np.argmin([np.max(error, initial=0.0) for error in errors]))
-        larger = np.maximum(np.abs(found[best]), np.abs(given)).max(axis=(1, 2, 3), keepdims=True)
+        larger = np.maximum(np.abs(found[best]), np.abs(stated)).max(axis=(1, 2, 3), keepdims=True)
         scale = np.abs(f(x)).max(initial=0.0) + np.abs(x).max(initial=0.0) * larger
         rounding = 64.0 * np.finfo(np.float64).eps * scale / steps[best]
-        excess = np.abs(found[best] - given) - relative * larger - 4.0 * errors[best] - rounding
+        excess = np.abs(found[best] - stated) - relative * larger - 4.0 * errors[best] - rounding
     if not (excess > 0.0).any():  # also for NaN, which is no evidence
         return None
     point, k, i, j = np.unravel_index(np.nanargmax(excess), excess.shape)
     return Disagreement(
         x[point],
         f"d_{'xyz'[k]} gamma_{''.join(sorted('xyz'[i] + 'xyz'[j]))}",
-        float(given[point, k, i, j]),
+        float(stated[point, k, i, j]),
         float(found[best][point, k, i, j]),
     )

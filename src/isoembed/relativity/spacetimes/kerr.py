@@ -339,13 +339,13 @@ def embeddability(surface: KerrNewmanSurface) -> str:
 def make_finite(surface: Any, name: str) -> None:
     """Convert the fields of a frozen dataclass to floats.  Raises `InvalidParameter`: one is not finite."""
     for parameter in fields(surface):
-        given = getattr(surface, parameter.name)
-        value = numbers(given)
+        setting = getattr(surface, parameter.name)
+        value = numbers(setting)
         if value.ndim:
             axis = ", about the z-axis" if parameter.name == "spin" else ""
-            raise InvalidParameter(f"{name}: {parameter.name} must be one number{axis}, not {given}")
+            raise InvalidParameter(f"{name}: {parameter.name} must be one number{axis}, not {setting}")
         if not isfinite(value):
-            raise InvalidParameter(f"{name}: {parameter.name} must be finite, not {given}")
+            raise InvalidParameter(f"{name}: {parameter.name} must be finite, not {setting}")
         object.__setattr__(surface, parameter.name, float(value))
 
 

@@ -74,10 +74,10 @@ class KerrDeSitterSphere:
 
     def __post_init__(self) -> None:
         make_finite(self, "a sphere r = const")
-        least, most = horizon_radii(self.mass, self.spin, self.cosmological_constant)
-        if not least * (1.0 - 1e-15) <= self.r <= most:
-            bound = f" and at most the cosmological horizon's {most:.12g}" if isfinite(most) else ""
-            raise InvalidParameter(f"r must be at least r_+ = {least:.12g}{bound}, not {self.r:.12g}")
+        lower, upper = horizon_radii(self.mass, self.spin, self.cosmological_constant)
+        if not lower * (1.0 - 1e-15) <= self.r <= upper:
+            bound = f" and at most the cosmological horizon's {upper:.12g}" if isfinite(upper) else ""
+            raise InvalidParameter(f"r must be at least r_+ = {lower:.12g}{bound}, not {self.r:.12g}")
 
     @classmethod
     def horizon(
@@ -89,8 +89,8 @@ class KerrDeSitterSphere:
     @cached_property
     def marginal(self) -> bool:
         """Whether the sphere is the horizon."""
-        least, _ = horizon_radii(self.mass, self.spin, self.cosmological_constant)
-        return self.r <= least * (1.0 + 1e-15)
+        horizon, _ = horizon_radii(self.mass, self.spin, self.cosmological_constant)
+        return self.r <= horizon * (1.0 + 1e-15)
 
     @property
     def physical_mass(self) -> float:
@@ -203,9 +203,9 @@ def horizon_radii(mass: float, spin: float, cosmological_constant: float) -> tup
         )
     outward = float(turns[1]) if lam > 0.0 else 2.0
     inner = float(turns[0])
-    least = inner if Delta(inner) >= 0.0 else float(brentq(Delta, inner, outward, xtol=1e-300))
-    most = float(brentq(Delta, outward, lam**-0.5, xtol=1e-300)) if lam > 0.0 else np.inf
-    return least * mass, most * mass
+    black_hole = inner if Delta(inner) >= 0.0 else float(brentq(Delta, inner, outward, xtol=1e-300))
+    cosmological = float(brentq(Delta, outward, lam**-0.5, xtol=1e-300)) if lam > 0.0 else np.inf
+    return black_hole * mass, cosmological * mass
 
 
 def _delta(a: float, lam: float) -> Polynomial:

@@ -146,11 +146,11 @@ def _open_sets(path: str | os.PathLike[str]) -> Iterator[Mapping[str, Any]]:
     """Arrays of a file by name; data sets of HDF5 are read lazily."""
     check_ending(path, SLICE_ENDINGS)
     wanted = (*PLACE, *INSTANT, *GAMMA, *K)
-    with InputFile(path) as given:
-        if given.ending == ".npz":
-            yield given.some(wanted)
+    with InputFile(path) as source:
+        if source.ending == ".npz":
+            yield source.some(wanted)
             return
-        with given.hdf5() as file:
+        with source.hdf5() as file:
             attributes = {name: np.asarray(file.attrs[name]) for name in wanted if name in file.attrs}
             sets = {name: file[name] for name in wanted if getattr(file.get(name), "shape", None) is not None}
             yield attributes | sets

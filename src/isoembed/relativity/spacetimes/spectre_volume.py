@@ -37,7 +37,7 @@ def volume_times(path: str | os.PathLike[str]) -> list[float]:
 
     Raises `FileError`: the file cannot be read.
     """
-    with InputFile(path) as given, given.hdf5() as file:
+    with InputFile(path) as source, source.hdf5() as file:
         return sorted(time for time, _ in _observations(file))
 
 
@@ -73,7 +73,7 @@ def volume_arrays(path: str | os.PathLike[str], time: float) -> Iterator[tuple[s
 
     Raises `FileError`: see `read_spectre_volume`.
     """
-    with InputFile(path) as given, given.hdf5() as file:
+    with InputFile(path) as source, source.hdf5() as file:
         group = _at(file, time, path)
         for name in sorted(map(str, group)):
             if name in LAYOUT or name.startswith((GAMMA, K, POINTS)):
@@ -83,7 +83,7 @@ def volume_arrays(path: str | os.PathLike[str], time: float) -> Iterator[tuple[s
 def _elements(
     path: str | os.PathLike[str], time: float, box: tuple[Floats, Floats] | None
 ) -> Iterator[Element]:
-    with InputFile(path) as given, given.hdf5() as file:
+    with InputFile(path) as source, source.hdf5() as file:
         group = _at(file, time, path)
         layout = [_layout(group, name, path) for name in LAYOUT]
         if len({len(numbers) for numbers in layout}) > 1:
@@ -166,9 +166,9 @@ def _component(
 
 def _is_near(points: list[Floats], low: Floats, high: Floats) -> bool:
     """Whether an element may intersect a box."""
-    least, most = (np.array([end(axis) for axis in points]) for end in (np.min, np.max))
-    room = BULGE * (most - least)
-    return bool(((most + room >= low) & (least - room <= high)).all())
+    lower, upper = (np.array([end(axis) for axis in points]) for end in (np.min, np.max))
+    room = BULGE * (upper - lower)
+    return bool(((upper + room >= low) & (lower - room <= high)).all())
 
 
 def _dictionary(group: Any, name: str, path: str | os.PathLike[str]) -> list[str]:

@@ -213,9 +213,9 @@ class InducedMetric:
         return by_surface, by_slice[None] / SURE
 
 
-def _unit(name: str, given: Sequence[float]) -> tuple[float, float, float]:
+def _unit(name: str, components: Sequence[float]) -> tuple[float, float, float]:
     """Unit vector along a given vector."""
-    x = np.array(vector(name, given))
+    x = np.array(vector(name, components))
     if not x.any():
         raise InvalidParameter(f"{name} must not be zero")
     x /= np.abs(x).max()

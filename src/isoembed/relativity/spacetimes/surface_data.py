@@ -202,18 +202,18 @@ class SurfaceData:
         return error if isinstance(error, Uncertainty) else EXACT
 
     def _function(
-        self, given: Callable[[Floats], Floats] | ArrayLike | None, field: str, name: str
+        self, values: Callable[[Floats], Floats] | ArrayLike | None, field: str, name: str
     ) -> Callable[[Floats], Floats] | None:
-        if given is None or callable(given):
-            return given
+        if values is None or callable(values):
+            return values
         if not isinstance(self.metric, GridMetric):
             raise InvalidParameter(
-                f"the {field} is a {type(given).__name__}: with a metric that is not on a grid, it must be a "
-                "function of unit vectors u (n, 3)"
+                f"the {field} is a {type(values).__name__}: with a metric that is not on a grid, it must be "
+                "a function of unit vectors u (n, 3)"
             )
         if field != "normal_momentum":
-            return self.metric.function(given, name)
-        components: list[ArrayLike] = list(given) if isinstance(given, Iterable) else []
+            return self.metric.function(values, name)
+        components: list[ArrayLike] = list(values) if isinstance(values, Iterable) else []
         if len(components) != 2:
             raise InvalidMetric(f"j has {len(components)} components, not the two for theta and phi")
         meridional, azimuthal = components

@@ -111,15 +111,15 @@ class ThreeGeometry(ABC):
         return 0.0
 
 
-def check_geometry(given: object) -> None:
+def check_geometry(geometry: object) -> None:
     """Check that an object is a slice.  Raises `InvalidParameter`: it is not, but a function, for example."""
-    if not isinstance(given, ThreeGeometry):
+    if not isinstance(geometry, ThreeGeometry):
         advice = (
             "AnalyticCallable and CallableGeometry make one of a function"
-            if callable(given)
+            if callable(geometry)
             else "derive its class from ThreeGeometry"
         )
-        raise InvalidParameter(f"the slice is a {type(given).__name__}, not a ThreeGeometry: {advice}")
+        raise InvalidParameter(f"the slice is a {type(geometry).__name__}, not a ThreeGeometry: {advice}")
 
 
 def check_members(geometry: ThreeGeometry, x: Floats) -> None:
@@ -327,7 +327,7 @@ class _EighthOrder(CallableGeometry):
 
 
 def _named(wrong: Disagreement) -> str:
-    return f"{wrong.name} at {written(wrong.x)} is {wrong.given:.6g}"
+    return f"{wrong.name} at {written(wrong.x)} is {wrong.stated:.6g}"
 
 
 def complex_step(f: Callable[[Numbers], Numbers], x: Floats) -> Floats:
