@@ -78,12 +78,27 @@ def test_a_blunder_is_named_and_not_followed(edge, off):
     with pytest.raises(NotEmbedded, match=named) as caught:
         embed(metric.with_lengths(lengths), length_errors=ERROR)
     assert "with which all other lengths agree" in str(caught.value)
+    assert "as well" not in str(caught.value)
     nearest = caught.value.embedding
     assert distance(nearest.vertices, x) < 10.0
     assert abs(nearest.lengths[edge] - metric.lengths[edge]) < abs(off) / 2
     for other in nearest.others:
         assert other.converged
         assert other.surface.fine_roughness > nearest.surface.fine_roughness
+
+
+def test_lengths_that_are_as_likely_wrong_are_named():
+    """Few lengths contradict one of a small rough rock: the wrong one is said to be as likely as another."""
+    x, faces = rock(1, rough=1.0, n=40)
+    exact = PolyhedralMetric.from_mesh(x, faces)
+    rng = np.random.default_rng([1, 24])
+    lengths = exact.lengths + rng.normal(0.0, ERROR, len(exact.lengths))
+    lengths[4] -= 60 * ERROR
+    with pytest.raises(NotEmbedded, match="an error of which explains them as well") as caught:
+        embed(exact.with_lengths(lengths), method=Aim(effort=0), length_errors=ERROR)
+    report = isoembed.report(caught.value.embedding)["measured"]
+    named = [one["edge"] for one in report["suspects"]] + report["other_suspects"]
+    assert exact.edges[4].tolist() in named and len(named) > 1
 
 
 def measured_ellipsoid():

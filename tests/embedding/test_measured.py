@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import isoembed
-from isoembed import MeasuredSurface, PolyhedralMetric
+from isoembed import MeasuredSurface, MeshNote, PolyhedralMetric
 from isoembed.gallery import Ellipsoid, triangulate
 
 X, FACES = triangulate(Ellipsoid((1500.0, 1000.0, 800.0)), 100)
@@ -69,6 +69,23 @@ def test_a_length_that_stands_out_below_the_limit_is_named(unit):
     assert float(found.message.split(named)[1].split(")")[0]) == pytest.approx(fits, abs=unit)
     off[40] = 0.0
     assert "if one length is wrong" not in fitted(off, 3.0).message
+
+
+def test_a_length_that_breaks_the_triangle_inequality_is_named_as_it_was_given():
+    """It is changed within its error, which the metric says; the message has the length that was typed."""
+    lengths, triangles = TRUE.lengths.copy(), TRUE.triangulation.face_edges
+    three = triangles[0]
+    lengths[three[0]] = lengths[three[1:]].sum() + 2.0
+    with pytest.warns(MeshNote, match="changed within their errors"):
+        metric = PolyhedralMetric(FACES, lengths, TRUE.edges, length_errors=3.0).scaled(2.0)
+    assert metric.lengths[three[0]] < metric.given_lengths[three[0]] == 2.0 * lengths[three[0]]
+    found = MeasuredSurface(metric, 2.0 * X, method="aim", tolerance=1e-10, weight=1.0)
+    named = f"edge {three[0]} {TRUE.edges[three[0]].tolist()} ("
+    assert f": from {2.0 * lengths[three[0]]:.10g} to " in found.message.split("check these lengths first")[1]
+    assert named in found.message
+    report = isoembed.report(found)
+    assert report["residual"]["given_length"] == 2.0 * lengths[three[0]]
+    assert report["measured"]["suspects"][0]["predicted_length"] == pytest.approx(2.0 * TRUE.lengths[three[0]])
 
 
 def test_exact_lengths_are_not_called_agreement():

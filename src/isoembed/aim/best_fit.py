@@ -23,8 +23,8 @@ from typing import NamedTuple
 import numpy as np
 
 from isoembed.aim.regularized_energy import RegularizedEnergy
-from isoembed.arrays import Floats
-from isoembed.embedding.measured import edges_near
+from isoembed.arrays import Floats, Indices
+from isoembed.embedding.measured import SIGNIFICANCE, edges_near
 from isoembed.linalg import SingularMatrix
 from isoembed.linalg.work import Budget
 from isoembed.metric.curvature import deficits
@@ -66,6 +66,8 @@ class BestFit:
     predicted : ndarray, shape (E,), or None
         Lengths of the edges suspected to be wrong, on fits without them, over the mean edge length; NaN for
         the others.
+    alike : ndarray of int, or None
+        Other edges, an error of which explains the residuals as well as one of those suspected.
     """
 
     vertices: Floats
@@ -74,6 +76,7 @@ class BestFit:
     score: float
     scatter: float = 0.0
     predicted: Floats | None = None
+    alike: Indices | None = None
 
     @property
     def degrees_of_freedom(self) -> float:
@@ -247,6 +250,27 @@ class Fits:
         """Whether a residual of the last fit exceeds a limit, in deviations of those nearby."""
         tested = self.tested(fit, edge)
         return tested is not None and tested.magnitude > limit * max(tested.scatter, tested.nearby)
+
+    def alike(self, fit: BestFit, edge: int, error: float) -> Indices:
+        """Edges nearby, an error of which explains the last fit as well as one of this edge, the best first.
+
+        Without a length, the minimum of the fit is smaller by the square of its studentized residual.  The
+        difference of two of these is twice the logarithm of a likelihood ratio.  All lengths are compared,
+        however little others contradict them.
+        """
+        near = edges_near(self._metric.triangulation, edge)
+        if not fit.score < np.inf:
+            return near
+        r, least = self._energy.residuals(fit.vertices, self._metric.lengths), np.finfo(float).eps
+        try:
+            columns = [(e, self._left(fit.vertices, np.eye(1, len(r), e)[0])) for e in (edge, *near.tolist())]
+        except SingularMatrix:
+            return near
+        gains = np.array([r[e] ** 2 / max(column[e], least) for e, column in columns])
+        left = r - r[edge] / max(columns[0][1][edge], least) * columns[0][1]
+        variance = max(error**2, float(left @ left) / max(fit.degrees_of_freedom - 1.0, 1.0))
+        order = np.argsort(-gains[1:], kind="stable")
+        return near[order[gains[1:][order] >= gains[0] + 2.0 * np.log(SIGNIFICANCE) * variance]]
 
     def tested(self, fit: BestFit, edge: int) -> Outlier | None:
         """An edge in a fit to the others; None if they do not contradict it.  The fit is the last."""

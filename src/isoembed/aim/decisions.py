@@ -123,6 +123,7 @@ class SmootherWithinErrors(Decision):
                 scatter=0.0,
                 redundancy=0.0,
                 predicted=None,
+                alike=None,
                 length_errors=None,
                 message="",
             )

@@ -37,7 +37,7 @@ from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits
 from isoembed.aim.choice import is_preferred
 from isoembed.aim.levels import goes_by_levels
 from isoembed.aim.smoothing_energy import SmoothingEnergy
-from isoembed.arrays import Floats
+from isoembed.arrays import Floats, Indices
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.measured import (
     MARGIN,
@@ -84,6 +84,7 @@ def measured_surface(metric: PolyhedralMetric, fit: BestFit, name: str, toleranc
         scatter=fit.scatter,
         redundancy=free / len(metric.lengths) if free > 1.0 + 1e-9 else 0.0,  # 1 is the least estimate
         predicted=fit.predicted,
+        alike=fit.alike,
     )
 
 
@@ -171,18 +172,22 @@ def fit_within_errors(
         begin = _start_without(metric, known, begin, recorder)
     else:
         fit = _fit_of_smooth_start(metric, known, begin, recorder, most=np.inf)[0]
-    without, doubt = fit, standing_out(np.abs(_lengths(metric, fit) - metric.lengths) / errors)
-    if doubt is not None and (known == errors).all():
-        if not _stands_out(metric, known, fit, doubt, begin, recorder):
-            return replace(fit, predicted=np.full(len(errors), np.nan))
+    off = np.abs(_lengths(metric, fit) - metric.lengths) / errors
+    without, doubt = fit, standing_out(off) if (known == errors).all() else None
+    if doubt is not None and _stands_out(metric, known, fit, doubt, begin, recorder):
         known[doubt] = metric.mean_length
         begin = _start_without(metric, known, begin, recorder)
         without = _fit_of_smooth_start(metric, known, begin, recorder, most=np.inf)[0]
     left_out = known != errors
-    if not left_out.any():
-        return fit
-    predicted = np.where(left_out, _lengths(metric, without) / metric.mean_length, np.nan)
-    return replace(fit, predicted=predicted)
+    suspected = np.flatnonzero(left_out)
+    if suspected.size or doubt is not None:
+        predicted = np.where(left_out, _lengths(metric, without) / metric.mean_length, np.nan)
+        fit = replace(fit, predicted=predicted)
+    if not suspected.size and off.max() > outlier_limit(len(off)):
+        suspected = np.argmax(off, keepdims=True)
+    if suspected.size:
+        fit = replace(fit, alike=_alike(metric, errors, known, suspected, without, begin, recorder))
+    return fit
 
 
 def _lengths(metric: PolyhedralMetric, fit: BestFit) -> Floats:
@@ -260,6 +265,30 @@ def _stands_out(
         if fits.stands_out(fit, edge, limit):
             return True
     return False
+
+
+def _alike(
+    metric: PolyhedralMetric,
+    errors: Floats,
+    known: Floats,
+    suspected: Indices,
+    without: BestFit,
+    start: _Start,
+    recorder: StageRecorder,
+) -> Indices:
+    """Other edges, an error of which explains the lengths as well as one of those suspected, the best first.
+
+    The fits have the mu of a fit without these, and begin at it.
+    """
+    found = list[Indices]()
+    for e in suspected.tolist():
+        sigma = np.where(np.arange(len(errors)) == e, errors, known)
+        rms = root_mean_square(sigma)
+        energy = start.energy.weighted(rms / sigma)
+        fits = Fits(metric, energy, recorder, Budget(recorder.work, np.inf))
+        found.append(fits.alike(fits.fit(without.vertices, without.weight), e, rms))
+    alike = dict.fromkeys(np.concatenate(found).tolist())
+    return np.array([e for e in alike if e not in suspected], dtype=np.int64)
 
 
 def _halves(without: BestFit, fit: BestFit) -> bool:

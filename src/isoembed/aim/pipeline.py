@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from isoembed.aim.best_fit import BestFit
 
 FITS = "measured", "fit"
+OF_SUSPECTS = "predicted", "alike"  # parts of a fit on wrong lengths
 SPENT = "spent"  # factorizations before a strategy
 CHOICE = "choice"  # key of the choice among the candidates
 
@@ -84,8 +85,11 @@ class State:
                     name: fit.vertices,
                     f"{name} numbers": [fit.weight, fit.noise, fit.score, fit.scatter],
                 }
-                if fit.predicted is not None:
-                    arrays[f"{name} predicted"] = fit.predicted
+                arrays |= {
+                    f"{name} {part}": found
+                    for part in OF_SUSPECTS
+                    if (found := getattr(fit, part)) is not None
+                }
         return arrays | {f"candidate {k}": surface.vertices for k, surface in enumerate(self.candidates)}
 
     @classmethod
@@ -97,7 +101,7 @@ class State:
                 from isoembed.aim.best_fit import BestFit
 
                 fit = BestFit(arrays[name], *arrays[f"{name} numbers"].tolist())
-                known[name] = replace(fit, predicted=arrays.get(f"{name} predicted"))
+                known[name] = replace(fit, **{part: arrays.get(f"{name} {part}") for part in OF_SUSPECTS})
         count = sum(name.startswith("candidate ") for name in arrays)
         return cls(
             candidates=tuple(problem.placed(arrays[f"candidate {k}"]) for k in range(count)),

@@ -29,6 +29,8 @@ SIGNIFICANCE = 1e-3
 """Significance level of each test: the true lengths of all edges fail it once in a thousand."""
 SUSPECTS = 3
 """Edges that the message of a failure names at most."""
+NAMED = 8
+"""Edges named at most as those that may be wrong instead."""
 OUTLIER = 7.0
 """Largest residual of a length from a fit to the others, over its standard deviation, that is no blunder."""
 POWER = 0.84
@@ -97,6 +99,9 @@ class MeasuredSurface(Embedding):
     predicted : ndarray, shape (E,), or None
         Lengths of the edges that are suspected, on fits without them, over the mean edge length; NaN for the
         others.
+    alike : ndarray of int, or None
+        Other edges, an error of which explains the lengths as well as one of those suspected, the best first:
+        the ratio of the likelihoods is less than 1000.
 
     References
     ----------
@@ -108,6 +113,7 @@ class MeasuredSurface(Embedding):
     scatter: float = 0.0
     redundancy: float = 0.0
     predicted: Floats | None = None
+    alike: Indices | None = None
 
     def __post_init__(self) -> None:
         if self.length_errors is None:
@@ -230,14 +236,35 @@ class MeasuredSurface(Embedding):
         sigma = np.asarray(self.metric.length_errors) / self.metric.mean_length
         return float(np.sqrt(np.mean(sigma**2)))
 
+    def _is_left_out(self, e: int) -> bool:
+        """Whether a fit without the length of an edge tells it."""
+        return self.predicted is not None and bool(np.isfinite(self.predicted[e]))
+
+    def _told(self, e: int) -> float:
+        """Length of an edge on a fit without it, or else on the surface."""
+        if self.predicted is None or not self._is_left_out(e):
+            return float(self.lengths[e])
+        return float(self.predicted[e]) * self.metric.mean_length
+
+    def _name(self, e: int) -> str:
+        return f"edge {e} {self.edges[e].tolist()}"
+
     def _named(self, e: int, *, in_percent: bool) -> str:
         """An edge and how much longer it is on a fit without it: lengths in their unit, or only percent."""
-        given, found = float(self.metric.lengths[e]), float(self.lengths[e])
-        if self.predicted is not None and np.isfinite(self.predicted[e]):
-            found = float(self.predicted[e]) * self.metric.mean_length
+        given, found = float(self.metric.given_lengths[e]), self._told(e)
         lengths = f": from {given:.10g} to {Estimate(found, 0.02 * abs(found - given)).rounded}"
         change = f"{100 * (found / given - 1):+.2g} %{'' if in_percent else lengths}"
-        return f"edge {e} {self.edges[e].tolist()} ({change})"
+        return f"{self._name(e)} ({change})"
+
+    def _or_instead(self) -> str:
+        """Clause on edges that may be wrong in the place of those named; empty if there are none."""
+        if self.alike is None or not self.alike.size:
+            return ""
+        named, more = self.alike[:NAMED].tolist(), len(self.alike) - NAMED
+        return (
+            f"; the lengths do not tell it from {', '.join(map(self._name, named))}"
+            f"{f' and {more} more' if more > 0 else ''}, an error of which explains them as well"
+        )
 
     def _advice(self, *, in_percent: bool = False) -> str:
         """Advice on lengths to check, if the surface misses some; else empty."""
@@ -247,11 +274,11 @@ class MeasuredSurface(Embedding):
         named = ", ".join(self._named(e, in_percent=in_percent) for e in suspects)
         others = np.delete(self._standardized, suspects)
         agree = others @ others <= self.chi_square_limit and others.max() <= self._outlier_limit
-        without = self.predicted is not None and np.isfinite(self.predicted[suspects]).all()
+        without = all(map(self._is_left_out, suspects))
         surface = "a smooth surface fitted without them" if without else "the nearest smooth surface"
         return (
             f"check these lengths first, and how much longer they are on {surface}: {named}"
-            f"{', with which all other lengths agree' if agree else ''}"
+            f"{', with which all other lengths agree' if agree else ''}{self._or_instead()}"
         )
 
     def _sentence(self) -> str:
@@ -259,7 +286,7 @@ class MeasuredSurface(Embedding):
         e = int(np.argmax(off))
         largest = (
             f"the largest residual is {self.residuals[e]:.1e} of the mean edge length, "
-            f"{off[e]:.1f} standard deviations, at edge {e} {self.edges[e].tolist()}"
+            f"{off[e]:.1f} standard deviations, at {self._name(e)}"
         )
         test = (
             f"chi-square is {self.chi_square:.4g} for {len(off)} edges, "
@@ -301,7 +328,7 @@ class MeasuredSurface(Embedding):
         if e is not None:
             clauses += (
                 f"; if one length is wrong, it is probably that of {self._named(e, in_percent=False)}, "
-                "though too few others contradict it to tell"
+                f"though too few others contradict it to tell{self._or_instead()}"
             )
         return clauses
 
@@ -347,6 +374,8 @@ class MeasuredSurface(Embedding):
     @property
     def _reported(self) -> Mapping[str, Any]:
         """The test that the surface has passed, under ``measured``."""
+        doubtful = [] if self._doubtful is None else [self._doubtful]
+        suspects = doubtful if self.converged else self._suspects
         found = {
             "chi_square": self.chi_square,
             "chi_square_limit": self.chi_square_limit,
@@ -357,5 +386,14 @@ class MeasuredSurface(Embedding):
             "scatter": self.scatter or None,
             "redundancy": self.redundancy or None,
             "smallest_detectable_error": self._smallest_detectable_error,
+            "suspects": [
+                {
+                    "edge": self.edges[e].tolist(),
+                    "given_length": self.metric.given_lengths[e],
+                    "predicted_length": self._told(e),
+                }
+                for e in suspects
+            ],
+            "other_suspects": self.edges[self.alike if suspects and self.alike is not None else []].tolist(),
         }
         return {"measured": found}

@@ -59,7 +59,7 @@ def report(embedding: Embedding) -> dict[str, Any]:
             "mean": float(embedding.residuals.mean()),
             "std": float(embedding.residuals.std()),
             "edge": triangulation.edges[worst].tolist(),
-            "given_length": embedding.metric.lengths[worst],
+            "given_length": embedding.metric.given_lengths[worst],
             "length": embedding.lengths[worst],
         },
         "convexity": {

@@ -59,6 +59,8 @@ class PolyhedralMetric(TriangleMetric):
     triangulation : Triangulation
     lengths : ndarray, shape (E,)
         In the order of `edges`.
+    given_lengths : ndarray, shape (E,)
+        The lengths before any change within their errors.
     space : Space
         Euclidean, hyperbolic or spherical, of this curvature.
     precision : Precision or None
@@ -92,6 +94,7 @@ class PolyhedralMetric(TriangleMetric):
 
     triangulation: Triangulation
     lengths: Floats
+    given_lengths: Floats
     space: Space
     precision: Precision | None
     length_errors: Floats | None
@@ -115,11 +118,10 @@ class PolyhedralMetric(TriangleMetric):
             if errors is not None and errors.shape == values.shape:
                 errors = errors[order]
             values = values[order]
+        used = values if errors is None else _within_errors(triangulation, values, errors)
+        self._set(triangulation, used, Space(curvature), given=True)
         if errors is not None:
-            values = _within_errors(triangulation, values, errors)
-        self._set(triangulation, values, Space(curvature), given=True)
-        if errors is not None:
-            self._put(**self._measured(errors))
+            self._put(given_lengths=frozen(values), **self._measured(errors))
 
     @classmethod
     def from_mesh(
@@ -258,7 +260,7 @@ class PolyhedralMetric(TriangleMetric):
         """Set lengths that were computed, or given by a user who may have rounded or mistyped them."""
         _check_lengths(triangulation, lengths, space, given=given)
         lengths.flags.writeable = False
-        self._put(triangulation=triangulation, lengths=lengths, space=space)
+        self._put(triangulation=triangulation, lengths=lengths, given_lengths=lengths, space=space)
         self._put(precision=None, length_errors=None, diagonals=NO_EDGES, _digits_count=True)
 
     def _put(self, **values: Any) -> None:
@@ -358,8 +360,14 @@ class PolyhedralMetric(TriangleMetric):
     def _known(self, factor: float) -> dict[str, Any]:
         """All but triangles and lengths, in another unit, which does not show the digits of the lengths."""
         errors = None if self.length_errors is None else frozen(self.length_errors * factor)
-        known = {"precision": self.precision, "length_errors": errors, "rounding": self.rounding}
-        return {**known, "diagonals": self.diagonals, "_digits_count": self._digits_count}
+        return {
+            "given_lengths": frozen(self.given_lengths * factor),
+            "precision": self.precision,
+            "length_errors": errors,
+            "rounding": self.rounding,
+            "diagonals": self.diagonals,
+            "_digits_count": self._digits_count,
+        }
 
     def __repr__(self) -> str:
         t = self.triangulation
