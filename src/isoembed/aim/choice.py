@@ -208,16 +208,16 @@ def no_convex(embedding: Embedding) -> NotEmbedded:
     if not_convex(embedding.metric):
         deficits = embedding.metric.deficits
         v = int(np.argmin(deficits + deficit_rounding(embedding.metric)))
-        return NotEmbedded(
+        message = (
             f"no convex surface has these lengths: the deficit of vertex {v} is {deficits[v]:.2g}, which is "
-            "negative",
-            embedding,
-            Evidence("proved", "the angles at a vertex of a convex surface sum to 2 pi at most"),
+            "negative"
         )
+        proof = Evidence("proved", "the angles at a vertex of a convex surface sum to 2 pi at most")
+        return NotEmbedded(message, embedding._with(message=message, is_requested=False), proof)
     count = 1 + len(embedding.others)
     found = f"none of the {count} realizations" if count > 1 else "the only realization"
-    return NotEmbedded(
+    message = (
         f"{found} found is {'convex' if count > 1 else 'not convex'}: no deficit is negative, and "
-        'method="alexandrov" finds the convex polyhedron, on triangles of its own',
-        embedding,
+        'method="alexandrov" finds the convex polyhedron, on triangles of its own'
     )
+    return NotEmbedded(message, embedding._with(message=message, is_requested=False))

@@ -15,7 +15,7 @@ from isoembed.cli.outputs import Outputs, print_written, written
 from isoembed.cli.pictures import PICTURES, add_picture_options, check_pictures, film, picture_writers
 from isoembed.cli.screen import UsageError, print_aside, print_error, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.cli.summary import bending, failed_status, measure, summary
+from isoembed.cli.summary import bending, measure, summary
 from isoembed.cli.waiting import suspended
 from isoembed.errors import NotEmbedded
 from isoembed.io import REPORT_ENDINGS, SURFACE_ENDINGS, report_writer, surface_writer
@@ -139,7 +139,7 @@ def _end(
     files = tuple(outputs.values())
     if failed:
         keep = "; --keep writes the best attempt" if options.output and not options.keep else ""
-        print_aside(f"{failed_status(embedding)}: {written(options, *files)}{keep}")
+        print_aside(f"{embedding.status}: {written(options, *files)}{keep}")
         return
     if options.output:
         found = f"{embedding.status}: {embedding.message}"

@@ -20,7 +20,7 @@ def summary(
     convexity, smoothness = found["convexity"], found["smoothness"]
     bending = "int H^2 dA" if "sheet" in found else "bending energy"
     lines = [
-        f"{failed_status(embedding)}: the best attempt"
+        f"{embedding.status}: the best attempt"
         if failed
         else f"{found['status']}: {found['message']}",
         "",
@@ -55,11 +55,6 @@ def summary(
             for name, seconds, iterations, factorizations in rows
         ]
     return "\n".join(lines)
-
-
-def failed_status(embedding: Embedding) -> str:
-    """Status of a failure, whose best attempt may have the lengths, but not a property asked for."""
-    return "not found" if embedding.is_answer else embedding.status
 
 
 def _sheet(sheet: Mapping[str, Any] | None) -> list[str]:

@@ -91,10 +91,12 @@ class Embedding:
         Evidence that there are no other realizations than this one and `others`; None if none were sought.
     length_errors : ndarray, shape (E,), optional
         Standard deviations of the lengths, if known (`with_length_errors`).
+    is_requested : bool, optional
+        Whether it is of the kind requested; False if, for example, a convex surface was.
 
     Attributes
     ----------
-    metric, vertices, method, tolerance, stages, others, uniqueness, length_errors
+    metric, vertices, method, tolerance, stages, others, uniqueness, length_errors, is_requested
         As given; `vertices` is read-only.
 
     Raises
@@ -114,6 +116,7 @@ class Embedding:
     others: Sequence[Embedding] = ()
     uniqueness: Evidence | None = None
     length_errors: Floats | None = None
+    is_requested: bool = True
 
     def __post_init__(self) -> None:
         points, metric = vertex_array(self.metric.triangulation, self.vertices), self.metric
@@ -287,12 +290,17 @@ class Embedding:
 
     @property
     def is_answer(self) -> bool:
-        """Whether `embed` returns it rather than raising NotEmbedded: it has converged, or is a best fit."""
-        return self.converged
+        """Whether `embed` returns it rather than raising NotEmbedded.
+
+        It has converged and is of the kind requested, or is a best fit.
+        """
+        return self.converged and self.is_requested
 
     @property
     def status(self) -> str:
-        """``"converged"`` or ``"not converged"``."""
+        """``"converged"``, ``"not converged"``, or ``"not found"`` if it is not of the kind requested."""
+        if not self.is_requested:
+            return "not found"
         return "converged" if self.converged else "not converged"
 
     @property
