@@ -25,6 +25,11 @@ from isoembed.cli.advice import in_options
         ("give length_errors=E; length_errors=0 takes", "give --length-error E; --length-error 0 takes"),
         ("only; isoembed.realizations(embedding) searches", "only; isoembed realizations SURFACE searches"),
         ("(method=Aim(effort=10)).", "(--effort 10)."),
+        ("with isoembed.glue('a net.svg')", "with 'isoembed glue a net.svg -o surface.ply'"),
+        ("with isoembed.embed('m.npz')", "with 'isoembed embed m.npz -o surface.ply'"),
+        ("edges_foldAngle, for isoembed.glue, or", "edges_foldAngle, for 'isoembed glue', or"),
+        ("as isoembed.io.write_net writes them", "as 'isoembed unfold' writes them"),
+        ("and isoembed.relativity.read_slice reads one", "and 'isoembed series' reads several"),
         ("the residual is 1e-05, not 2", "the residual is 1e-05, not 2"),
         ("there is no file merge=1e-6.obj", "there is no file merge=1e-6.obj"),
         ("geometry=5.npz, a/tolerance=3/b.npz", "geometry=5.npz, a/tolerance=3/b.npz"),
@@ -34,9 +39,9 @@ def test_arguments_become_options(argument, option):
     assert in_options(argument) == option
 
 
-def test_the_library_names_no_options():
+def test_the_library_names_no_options_or_commands():
     package = Path(isoembed.__file__).parent
-    strings = re.compile(r"""["'].*?(?<![-\w`])--[a-z][a-z-]+""")
+    strings = re.compile(r"""["'].*?(?<![-\w`])--[a-z][a-z-]+|(?<!`)['`]isoembed [a-z]""")
     found = [
         f"{path.relative_to(package)}:{number}: {line.strip()}"
         for path in package.rglob("*.py")

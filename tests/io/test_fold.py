@@ -131,7 +131,7 @@ def test_what_is_no_closed_surface(path):
     sheet = {"vertices_coords": [[0, 0], [1, 0], [1, 1], [0, 1]], "faces_vertices": [[0, 1, 2, 3]]}
     refused(path, FileError, "a flat sheet with a boundary, as from vertex 0 to 1: name its corners", **sheet)
     names = {"vertices_isoembed:corner": ["a", "b", "a", "c"]}
-    refused(path, FileError, "is a net: glue it first, with 'isoembed glue", **sheet, **names)
+    refused(path, FileError, "is a net: glue it first, with isoembed.glue\\(", **sheet, **names)
     refused(path, FileError, "has no faces_vertices", vertices_coords=CUBE)
     refused(path, FileError, "file_frames are not a list", file_frames=[3], **sheet)
     refused(path, isoembed.InvalidMetric, "face 0", vertices_coords=CUBE, faces_vertices=["a"])

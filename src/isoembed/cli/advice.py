@@ -18,6 +18,14 @@ OPTIONS = (
     (r"geometry=", "--geometry"),
     (r"start=", "--start"),
     (r"isoembed\.realizations\(embedding\)", "isoembed realizations SURFACE"),
+    (r"isoembed\.(embed|glue)\('(.+?)'\)", r"'isoembed \1 \2 -o surface.ply'"),
+    (r"isoembed\.glue", "'isoembed glue'"),
+    (r"isoembed\.io\.write_net", "'isoembed unfold'"),
+    (
+        r"isoembed\.relativity\.read_grid_data\('(.+?)'\) reads it",
+        r"embed it with 'isoembed energy \1', or make triangles of it first, with 'isoembed triangulate \1'",
+    ),
+    (r"isoembed\.relativity\.read_slice reads one", "'isoembed series' reads several"),
     (rf"length_errors=(E|{NUMBER})", r"--length-error \1"),
 )
 """Patterns of arguments, and equivalent options."""

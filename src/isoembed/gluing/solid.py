@@ -70,8 +70,8 @@ def embed_net(
             f"more than a full turn of paper, {360 - np.degrees(net.deficits[v]):.6g} degrees, meets "
             f"at {_places(net, v)} (vertex {v}): are the right sides glued? If so, the solid is not "
             'convex, and the net lacks its fold angles: "folds" (.json), for each polygon a list of '
-            "[corner, corner, degrees], edges_foldAngle (.fold) or data-angle (.svg), as 'isoembed "
-            "unfold' writes them"
+            "[corner, corner, degrees], edges_foldAngle (.fold) or data-angle (.svg), as "
+            "isoembed.io.write_net writes them"
         )
     return folded or solve(
         net.simplicial(), as_method("aim"), tolerance=tolerance, progress=progress, resume=resume

@@ -97,7 +97,7 @@ def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str)
     Raises
     ------
     FileError
-        An entry of the named file does not have the form written by `isoembed unfold`.
+        An entry of the named file does not have the form written by ``isoembed unfold``.
     InvalidMetric, InvalidParameter
         See `glue`.
     """

@@ -68,12 +68,10 @@ def _tables(document: Frame, name: str) -> Frame:
         if _is_flat(points):
             if (side := _open_side(frame)) is not None:
                 if CORNERS in frame:
-                    raise FileError(
-                        f"{name} is a net: glue it first, with 'isoembed glue {name} -o surface.ply'"
-                    )
+                    raise FileError(f"{name} is a net: glue it first, with isoembed.glue({name!r})")
                 raise FileError(
                     f"{name} is a flat sheet with a boundary, as from vertex {side[0]} to {side[1]}: name "
-                    f"its corners, {CORNERS}, or give edges_foldAngle, for 'isoembed glue', or give the "
+                    f"its corners, {CORNERS}, or give edges_foldAngle, for isoembed.glue, or give the "
                     "closed form"
                 )
             tables["vertices"] = [[*point, 0.0] for point in points]

@@ -136,7 +136,7 @@ def read_tables(
     if source == "-":
         return _tables(json.read_standard_input(), "standard input", merge)
     if input_ending(source) in DRAWINGS:
-        raise FileError(f"{source} is a net: glue it first, with 'isoembed glue {source} -o surface.ply'")
+        raise FileError(f"{source} is a net: glue it first, with isoembed.glue({str(source)!r})")
     if (program := CONVERTERS.get(input_ending(source))) and input_ending(source) not in FORMATS:
         raise FileError(
             f"{source} has an unsupported format: open it with {program}, and export it as .stl or .obj"
@@ -204,12 +204,11 @@ def _tables(tables: Tables, name: str, merge: float | None, repeated: bool = Fal
     """Checked arrays of the named file; meshes are converted to points and triangles."""
     if "faces" not in tables or not ("lengths" in tables or "vertices" in tables):
         if "polygons" in tables:
-            raise FileError(f"{name} is a net: glue it first, with 'isoembed glue {name} -o surface.ply'")
+            raise FileError(f"{name} is a net: glue it first, with isoembed.glue({name!r})")
         if "q_tt" in tables:
             raise FileError(
-                f"{name} is a metric on a grid in theta and phi: embed it with 'isoembed energy {name}', or "
-                "make triangles of it first, with "
-                f"'isoembed triangulate {name}'"
+                f"{name} is a metric on a grid in theta and phi: "
+                f"isoembed.relativity.read_grid_data({name!r}) reads it"
             )
         there = ", ".join(tables) if tables else "nothing"
         raise FileError(

@@ -102,7 +102,7 @@ def read_net(source: str | os.PathLike[str], *, tolerance: float | None = None) 
     if input_ending(source) in FORMATS.keys() - set(NET_ENDINGS):
         raise FileError(
             f"{source} is not a net ({' '.join((*NET_ENDINGS, *DRAWN))}): a metric or a mesh is embedded, "
-            f"with 'isoembed embed {source} -o surface.ply'"
+            f"with isoembed.embed({str(source)!r})"
         )
     check_ending(source, (*NET_ENDINGS, *DRAWN))
     with InputFile(source) as file:

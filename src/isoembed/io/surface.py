@@ -69,8 +69,7 @@ def read_with_curvatures(
     if "vertices" not in tables:
         metric_of(tables)  # reports errors of the metric first
         raise FileError(
-            f"{path} is a metric without vertices: embed it first, with "
-            f"'isoembed embed {path} -o surface.ply'"
+            f"{path} is a metric without vertices: embed it first, with isoembed.embed({str(path)!r})"
         )
     surface, n = surface_of(tables, str(path)), len(tables["vertices"])
     there = {name: np.asarray(tables[name]) for name in CURVATURES if name in tables}

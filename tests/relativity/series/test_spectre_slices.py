@@ -75,7 +75,7 @@ def test_the_whole_slice_of_one_file_or_folder(tmp_path):
     np.testing.assert_allclose(read_slice(folder).metric(X), whole, rtol=1e-12)
     write(path, [0.0, 0.5])
     with pytest.raises(
-        FileError, match=r"Volume\.h5 holds 2 slices, and only `isoembed series` accepts several"
+        FileError, match=r"Volume\.h5 holds 2 slices, and isoembed.relativity.read_slice reads one"
     ):
         read_slice(path)
 

@@ -150,7 +150,7 @@ def test_one_slice_may_say_its_time(tmp_path, name):
 @pytest.mark.parametrize(
     ("others", "index", "sentence"),
     [
-        ({}, None, "holds 3 slices, and only `isoembed series` accepts several"),
+        ({}, None, "holds 3 slices, and isoembed.relativity.read_slice reads one"),
         ({}, 3, "holds 3 slices, and none with the index 3"),
         ({"origin": np.ones((2, 3))}, 0, r"origin in \S+ must be three numbers, not 6"),
     ],

@@ -198,7 +198,7 @@ def slice_in_file(path: str | os.PathLike[str]) -> ListedFile:
     if not there:
         raise FileError(f"there are no files of slices in {path}: {listing_of(path)}")
     if len(there) > 1:
-        raise FileError(f"{path} holds {len(there)} slices, and only `isoembed series` accepts several")
+        raise FileError(f"{path} holds {len(there)} slices, and isoembed.relativity.read_slice reads one")
     return there[0]
 
 

@@ -172,7 +172,7 @@ def _place(path: str | os.PathLike[str], sets: Mapping[str, Any], index: int | N
     """Origin and spacing, three numbers each, of a slice."""
     shape = sets["gxx"].shape
     if index is None and len(shape) == 4:
-        raise FileError(f"{path} holds {shape[0]} slices, and only `isoembed series` accepts several")
+        raise FileError(f"{path} holds {shape[0]} slices, and isoembed.relativity.read_slice reads one")
     if len(shape) != (3 if index is None else 4):
         axes = "(nx, ny, nz)" if index is None else "(T, nx, ny, nz)"
         raise FileError(f"gxx in {path} has the shape {shape}, not {axes}")
