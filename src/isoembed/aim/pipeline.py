@@ -101,7 +101,8 @@ class State:
                 from isoembed.aim.best_fit import BestFit
 
                 fit = BestFit(arrays[name], *arrays[f"{name} numbers"].tolist())
-                known[name] = replace(fit, **{part: arrays.get(f"{name} {part}") for part in OF_SUSPECTS})
+                parts: dict[str, Any] = {part: arrays.get(f"{name} {part}") for part in OF_SUSPECTS}
+                known[name] = replace(fit, **parts)
         count = sum(name.startswith("candidate ") for name in arrays)
         return cls(
             candidates=tuple(problem.placed(arrays[f"candidate {k}"]) for k in range(count)),

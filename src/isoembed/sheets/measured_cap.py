@@ -114,7 +114,8 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
         axes = np.linalg.svd(x[loop] - middle, full_matrices=False)[2]
         half, other = ((x[some] - middle) @ axes.T for some in (np.arange(n), copied))
         cap = (half + other * [1.0, 1.0, -1.0]) / 2
-        predicted, left_out = None, np.empty(0, dtype=np.int64)
+        predicted = None
+        left_out = np.empty(0, dtype=np.int64)
         if found.predicted is not None:  # of one of two copies at least
             predicted = np.full(t.n_edges, np.nan)
             left_out = np.flatnonzero(np.isfinite(found.predicted))
