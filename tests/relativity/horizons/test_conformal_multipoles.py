@@ -99,7 +99,7 @@ def test_a_conformal_metric_in_other_directions():
     power, errors = powers(found.shape_power)
     squares = np.bincount(FOUR.labels[0], (0.5 * FOUR.labels[0] * (FOUR.labels[0] + 1) * sigma) ** 2)
     assert np.all(np.abs(power - squares)[1:] <= errors[1:])
-    plain = conformal_multipoles(SurfaceData(distorted.metric), 4)
+    plain = conformal_multipoles(SurfaceData(own.metric), 4)
     assert plain.rotation is None and plain.rotation_power is None and plain.report["L"] is None
     assert powers(plain.shape_power)[0] == pytest.approx(power, abs=1e-9)  # turned otherwise
 
