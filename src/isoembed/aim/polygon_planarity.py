@@ -19,7 +19,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 
 @dataclass(frozen=True, eq=False)
 class PolygonPlanarity:
-    """Distances of apexes' segments from the diagonals of polygons.
+    """Distances of the diagonals of polygons from the segments between the apexes on their two sides.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class PolygonPlanarity:
 
     @classmethod
     def of(cls, metric: PolyhedralMetric) -> PolygonPlanarity:
-        """Those of a Euclidean metric with `diagonals`."""
+        """Planarity of the polygons of a Euclidean metric, from its `diagonals`."""
         t, lengths = metric.triangulation, metric.face_lengths.ravel()
         left, right = t.edge_flanks[metric.diagonals].T
         after, before = (

@@ -1,4 +1,4 @@
-"""Offset of simple polygons."""
+"""Offset of simple polygons: sharp corners are cut off, and closed notches rejected."""
 
 import numpy as np
 from numpy.typing import ArrayLike

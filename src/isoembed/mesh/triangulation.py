@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from isoembed.arrays import Indices, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.mesh.checks import check_euler, checked_tables, index_array
-from isoembed.mesh.joining import join
+from isoembed.mesh.edge_tables import edge_tables
 from isoembed.mesh.loops import find
 
 
@@ -67,7 +67,7 @@ class Triangulation:
 
     def __init__(self, faces: ArrayLike) -> None:
         table = index_array(faces, 3, "face", "corners").copy()
-        edges, face_edges, edge_sides = join(table) or checked_tables(table)
+        edges, face_edges, edge_sides = edge_tables(table) or checked_tables(table)
         for name, value in zip(
             ("faces", "edges", "face_edges", "edge_sides"),
             (table, edges, face_edges, edge_sides),

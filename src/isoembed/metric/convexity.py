@@ -1,4 +1,4 @@
-"""Convexity check of a metric: nonnegative angle deficits, up to rounding or noise."""
+"""Convexity check of a metric: nonnegative angle deficits, up to rounding or an estimated noise level."""
 
 from functools import reduce
 from typing import cast

@@ -10,8 +10,8 @@ import numpy as np
 from isoembed.arrays import Floats
 from isoembed.errors import InvalidParameter, warn_of_mesh
 from isoembed.gluing.offset import offset
-from isoembed.papercraft.foot import LEGEND, foot, foot_of_drawing
 from isoembed.papercraft.labels import Label, labels
+from isoembed.papercraft.margins import LEGEND, foot, foot_of_drawing
 from isoembed.papercraft.material import Material
 from isoembed.papercraft.numbers import face_numbers
 from isoembed.papercraft.paper import FOOT, MARGIN

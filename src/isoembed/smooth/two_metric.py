@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from isoembed.arrays import Floats, Mask
 from isoembed.errors import InvalidMetric
 from isoembed.meshing.sphere import angles_of, fibonacci_directions
-from isoembed.smooth.given_functions import array_of, called, real_values
 from isoembed.smooth.uncertain import EXACT, Uncertainty
+from isoembed.smooth.user_functions import array_of, called, real_values
 
 NEAR_POLE = 1e-3  # sin(theta) below which components are extrapolated over the pole
 ROUNDING = 1e-12  # relative, of functions of directions

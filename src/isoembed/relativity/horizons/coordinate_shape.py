@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull
 
 from isoembed.arrays import Floats, Indices
 from isoembed.io.files import FileError
-from isoembed.mesh.joining import join
+from isoembed.mesh.edge_tables import edge_tables
 from isoembed.mesh.merging import representatives
 from isoembed.reprs import short_repr
 
@@ -186,7 +186,7 @@ def triangulate_star_shaped(
     inward = np.einsum("fi,fi->f", v[faces[:, 0]], np.cross(v[faces[:, 1]], v[faces[:, 2]])) < 0
     faces[inward] = faces[inward][:, ::-1]
     left = np.setdiff1d(np.arange(len(v)), faces)
-    if len(left) or join(faces) is None:
+    if len(left) or edge_tables(faces) is None:
         where = f" at {_triple(points[indices[left[0]]])}" if len(left) else ""
         raise FileError(f"{source}: the points are too close to one another{where} to be triangulated")
     return indices, faces

@@ -15,7 +15,7 @@ from isoembed.relativity.spacetimes.checks import numbers, positive_number, refu
 from isoembed.relativity.spacetimes.loops import contracted, contracted_gradient
 from isoembed.relativity.spacetimes.three_geometry import DerivedGeometry, ThreeGeometry
 from isoembed.reprs import short_repr
-from isoembed.smooth.given_functions import array_of
+from isoembed.smooth.user_functions import array_of
 
 ENTRY = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 """Indices of the six components, arranged as a symmetric matrix."""

@@ -19,11 +19,11 @@ from isoembed.relativity.spacetimes.jet import Jet
 from isoembed.relativity.spacetimes.point_cloud import checked_points
 from isoembed.relativity.spacetimes.surface import Surface
 from isoembed.reprs import short_repr
-from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.mesh_fit import fit_mesh
 from isoembed.smooth.projection import DIRECTIONS, project
 from isoembed.smooth.scattered_fit import deviating, white
+from isoembed.smooth.user_functions import real_values
 from isoembed.surface.estimate import percent
 from isoembed.surface.intersection import self_intersections
 from isoembed.surface.measures import volume

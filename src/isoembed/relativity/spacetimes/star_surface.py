@@ -18,10 +18,10 @@ from isoembed.relativity.spacetimes.surface import ON_SURFACE, Surface, as_direc
 from isoembed.relativity.spacetimes.surface_data import SurfaceData
 from isoembed.relativity.spacetimes.three_geometry import ThreeGeometry, check_geometry
 from isoembed.reprs import short_repr
-from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.harmonics import Harmonics
 from isoembed.smooth.projection import project
 from isoembed.smooth.scattered_fit import deviating, fitted, white
+from isoembed.smooth.user_functions import real_values
 from isoembed.surface.estimate import percent
 
 

@@ -14,11 +14,11 @@ from isoembed.errors import InvalidMetric, InvalidParameter
 from isoembed.meshing.sphere import fibonacci_directions
 from isoembed.relativity.spacetimes.checks import written
 from isoembed.reprs import short_repr
-from isoembed.smooth.given_functions import real_values
 from isoembed.smooth.grid_metric import GridMetric
 from isoembed.smooth.sphere_map import SphereMap, metric_in
 from isoembed.smooth.two_metric import TwoMetric, area_density, check_two_metric
 from isoembed.smooth.uncertain import EXACT, UncertainFunction, Uncertainty
+from isoembed.smooth.user_functions import real_values
 
 
 @short_repr

@@ -25,7 +25,7 @@ from isoembed.relativity.spacetimes.differences import (
     central_differences,
     disagreement,
 )
-from isoembed.smooth.given_functions import array_of, called
+from isoembed.smooth.user_functions import array_of, called
 
 Numbers = NDArray[Any]
 """Real arrays, or complex ones for complex-step derivatives."""

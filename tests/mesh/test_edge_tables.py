@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import zoo
 from isoembed.mesh.checks import checked_tables
-from isoembed.mesh.joining import join
+from isoembed.mesh.edge_tables import edge_tables
 
 
 def bipyramid(n):
@@ -19,7 +19,7 @@ def bipyramid(n):
 
 
 def assert_joined(faces):
-    found = join(faces)
+    found = edge_tables(faces)
     assert found is not None
     for table, expected in zip(found, checked_tables(faces), strict=True):
         assert table.dtype == expected.dtype == np.int64
@@ -73,4 +73,4 @@ NO_SPHERES = {
 
 @pytest.mark.parametrize("faces", NO_SPHERES.values(), ids=NO_SPHERES)
 def test_what_is_no_sphere_is_left_to_the_checks(faces):
-    assert join(np.ascontiguousarray(faces)) is None
+    assert edge_tables(np.ascontiguousarray(faces)) is None

@@ -8,7 +8,7 @@ from isoembed.mesh.loops import pair, reached_faces, sorted_by_ends
 MOST = 2**31 - 1  # half-edges whose numbers fit into 32 bits
 
 
-def join(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
+def edge_tables(faces: Indices) -> tuple[Indices, Indices, Indices] | None:
     """Tables of the edges if the faces are a triangulated sphere.
 
     Returns edges, face_edges and edge_halfedges, as in `Triangulation`, or None if the faces, whose vertices
