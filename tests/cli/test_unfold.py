@@ -95,7 +95,12 @@ def test_the_extent_of_an_axis(axis, longest, call):
     assert status == 0 and "note: the solid is 0.003 x 0.002 x 0.001 mm large: is the scale right?" in err
     write("flat.off", np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
     status, _, err = call("unfold", "flat.off", "-o", "a.svg", "--size", "z=6cm")
-    assert status == 2 and "--size z=60: the solid has no extent in z" in err
+    assert status == 2 and "a size in z is given, but the solid has no extent in z" in err
+    status, _, err = call("unfold", "box.off", "-o", "a.svg", "--size", f"{axis}=3m")
+    said = re.search(rf"size in {axis} is 3000 mm, but face 0 fits on A4 up to --size {axis}=(\S+);", err)
+    most = float(said[1])
+    assert call("unfold", "box.off", "-o", "a.svg", "--size", f"{axis}={most}")[0] == 0
+    assert call("unfold", "box.off", "-o", "a.svg", "--size", f"{axis}={1.01 * most}")[0] == 2
 
 
 def test_dxf_without_ezdxf(call, monkeypatch):

@@ -263,6 +263,21 @@ def test_units_that_agree(columns, length, error, tmp_path):
             "line 6: the length is '9 ft', but '3 m' in line 2: all lengths need the same unit",
         ),
         (
+            "type,length (in)\nA,3\n\nfrom,to,type,length\n0,1,A,\n1,2,,76\n",
+            FileError,
+            "line 6: the length is '76', but '3 in' in line 2: all lengths need the same unit",
+        ),
+        (
+            "from,to,length,unit\n0,1,76,mm\n1,2,3,in\n",
+            FileError,
+            "line 3: the length is '3 in', but '76 mm' in line 2: all lengths need the same unit",
+        ),
+        (
+            "from,to,length (mm),unit\n0,1,3,in\n",
+            FileError,
+            "line 2: the length is '3 mm', and its unit 'in'",
+        ),
+        (
             "from,to,length\n0,1,3\n1,0,3.40\n",
             FileError,
             "line 3: .* 1 and 0 are 3.40 apart, but 3 in line 2",

@@ -11,6 +11,7 @@ OPTIONS = (
     (r'method="(\w+)"', r"--method \1"),
     (r"boundary='(\w+)'", r"--boundary \1"),
     (rf"(merge|tolerance|curvature|scale|size)={NUMBER}", r"--\1 \2"),
+    (rf"size=\('([xyz])', {NUMBER}\)", r"--size \1=\2"),
     (r"(paper|joints)='(\w+)'", r"--\1 \2"),
     (r"(cut|keep)\[\d+\] \((\d+), (\d+)\)", r"--\1 \2-\3"),
     (r"marginal=True", "--marginal"),

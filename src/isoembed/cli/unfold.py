@@ -26,7 +26,6 @@ from isoembed.typed_numbers import millimeters, number
 DRAWING = ("paper", "scale", "size", "numbers")
 MANY_FOLDS = 300  # takes hours to fold
 LEAST = 5.0  # mm, smallest size of a solid for folding
-TINY = 1e-9  # of the longest extent: a smaller extent counts as zero
 EXAMPLES = (
     "isoembed unfold surface.stl -o net.pdf --size 400 --paper A3 --numbers",
     "isoembed unfold surface.ply -o net.dxf --kerf 0.15 --bends perforate",
@@ -122,13 +121,6 @@ def run(options: argparse.Namespace) -> int:
         drawing["material"] = material
     surface = read_surface(options.file, merge=options.merge)
     extents = np.ptp(surface.vertices, axis=0)
-    if "size" in drawing:
-        axis, drawing["size"] = drawing["size"]
-        if axis:  # the library expects the longest extent
-            share = extents["xyz".index(axis)] / extents.max()
-            if share < TINY:
-                raise UsageError(f"--size {axis}={drawing['size']:g}: the solid has no extent in {axis}")
-            drawing["size"] /= share
     chosen = {"cut": options.cut_edges, "keep": options.keep_edges}
     if options.objective == "pages":
         sized = {name: value for name, value in drawing.items() if name in ("paper", "scale", "size")}
@@ -178,11 +170,11 @@ def _edge(text: str) -> tuple[int, int]:
     return int(found[1]), int(found[2])
 
 
-def _size(text: str) -> tuple[str, float]:
+def _size(text: str) -> float | tuple[str, float]:
     axis, _, length = text.rpartition("=")
     if axis not in ("", "x", "y", "z"):
         raise argparse.ArgumentTypeError(f"{text!r} is not an extent in x, y or z such as z=200")
-    return axis, on_paper(length)
+    return (axis, on_paper(length)) if axis else on_paper(length)
 
 
 def _scale(text: str) -> float:

@@ -109,7 +109,7 @@ class Unfolding:
         *,
         paper: str = "A4",
         scale: float | None = None,
-        size: float | None = None,
+        size: float | tuple[str, float] | None = None,
         numbers: bool = False,
         material: Material | None = None,
     ) -> None:

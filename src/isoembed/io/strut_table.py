@@ -32,8 +32,16 @@ ERRORS = ("length error", "error", "sigma", "standard deviation")
 """Columns of standard deviations of the lengths: the first of these that a table has."""
 UNIT = re.compile(r"\s*[(\[]([^()\[\]]*)[)\]]$")
 """A unit behind the name of a column, as in ``length (mm)``."""
-UNITS = MILLIMETERS | {"inches": 25.4, "ft": 304.8, "feet": 304.8}
+UNITS = MILLIMETERS | {
+    **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), 1.0),
+    **dict.fromkeys(("centimeter", "centimeters", "centimetre", "centimetres"), 10.0),
+    **dict.fromkeys(("meter", "meters", "metre", "metres"), 1000.0),
+    **dict.fromkeys(("inch", "inches"), 25.4),
+    **dict.fromkeys(("ft", "foot", "feet"), 304.8),
+}
 """Known units behind the names of columns, in millimeters; others may be comments."""
+OWN_UNIT = "unit", "units"
+"""Columns of units of the lengths: the first of these that a table has."""
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 COMMA = re.compile(r"[+-]?\d*,(\d+)")
 """A number with a decimal comma."""
@@ -193,7 +201,7 @@ def _is_header(names: Collection[str]) -> bool:
 
 
 def _written(row: _Row, columns: Iterable[str] = LENGTHS) -> str:
-    """The length in a row, or its standard deviation, as it is written; empty where there is none."""
+    """The length in a row, its standard deviation or its unit, as it is written; empty where there is none."""
     return next((row.cells[name] for name in columns if row.cells.get(name)), "")
 
 
@@ -212,7 +220,14 @@ def _split(row: _Row, columns: Sequence[str], file: InputFile) -> tuple[str, str
             f"{file}, line {row.line}: the {columns[0]} is {_short(row.cells[name])} in the column "
             f"{_short(row.headings[name])}"
         )
-    return value, unit, unit or (common if common in UNITS else "")
+    beside = _written(row, OWN_UNIT)
+    own = unit or (common if common in UNITS else "") or beside.lower()
+    if beside and UNITS.get(beside.lower(), beside) != UNITS.get(own, beside):
+        raise FileError(
+            f"{file}, line {row.line}: the {columns[0]} is {_short(f'{value} {own}')}, and its unit "
+            f"{_short(beside)}"
+        )
+    return value, unit, own
 
 
 def _without_unit(rows: Sequence[_Row], file: InputFile) -> list[tuple[str, str]]:
@@ -220,7 +235,7 @@ def _without_unit(rows: Sequence[_Row], file: InputFile) -> list[tuple[str, str]
     split = [_split(row, LENGTHS, file) for row in rows]
     first, unit, common = split[0]
     for row, (value, behind, own) in zip(rows, split, strict=True):
-        if behind != unit or (own and common and UNITS[own] != UNITS[common]):
+        if behind != unit or UNITS.get(own, own) != UNITS.get(common, common):
             raise FileError(
                 f"{file}, line {row.line}: the length is {_short(f'{value} {own}'.strip())}, but "
                 f"{_short(f'{first} {common}'.strip())} in line {rows[0].line}: all lengths need the same "
@@ -234,7 +249,7 @@ def _length_error(row: _Row, file: InputFile) -> float:
     length, _, common = _split(row, LENGTHS, file)
     value, unit, own = _split(row, ERRORS, file)
     problem = f"{file}, line {row.line}: the length error is {_short(f'{value} {own}'.strip())}"
-    if own and (unit or common) and UNITS[own] != UNITS.get(common):
+    if own and (unit or common) and UNITS.get(own, own) != UNITS.get(common, common):
         raise FileError(f"{problem}, and the length {_short(f'{length} {common}'.strip())}: units differ")
     return _number(ungrouped(value).replace(",", "."), problem)
 

@@ -144,7 +144,7 @@ def drawn(
     *,
     paper: str = "A4",
     scale: float | None = None,
-    size: float | None = None,
+    size: float | tuple[str, float] | None = None,
     numbers: bool = False,
     material: Material | None = None,
 ) -> Drawing:
@@ -157,7 +157,7 @@ def drawn(
         See `isoembed.papercraft.paper.Paper.of`.
     scale : float, optional
         Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
-    size : float, optional
+    size : float or tuple, optional
         Alternative to a scale; see `isoembed.papercraft.placing.laid_out`.
     numbers : bool, optional
         Whether faces are numbered, and the solid is drawn on an additional page.

@@ -19,7 +19,7 @@ def fewest_pages(
     *,
     paper: str = "A4",
     scale: float | None = None,
-    size: float | None = None,
+    size: float | tuple[str, float] | None = None,
     cut: Edges = (),
     keep: Edges = (),
 ) -> Unfolding:

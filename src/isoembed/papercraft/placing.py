@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 GAP = 14.0  # mm, between sheets, for the tabs of both
 NO_FORMAT = "no format is large enough: give a page size, paper='WIDTHxHEIGHT' in mm"
 SLACK = 1e-9  # relative tolerance for an exact fit
+AXES = "x", "y", "z"
+TINY = 1e-9  # of the largest extent: a smaller extent counts as zero
 RIGHT_ANGLE = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
@@ -73,7 +75,7 @@ def laid_out(
     paper: str = "A4",
     *,
     scale: float | None = None,
-    size: float | None = None,
+    size: float | tuple[str, float] | None = None,
     beyond: float = 0.0,
 ) -> Layout:
     """Arrange a net on pages.
@@ -88,47 +90,65 @@ def laid_out(
         See `Paper.of`.
     scale : float, optional
         Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
-    size : float, optional
-        Alternative to a scale: largest extent of the solid along a coordinate axis, in mm.
+    size : float or tuple, optional
+        Alternative to a scale: largest extent of the solid along a coordinate axis, in mm, or
+        ``("z", extent)``, that along z, and likewise of x and y.
     beyond : float
         Extent of cuts beyond that of tabs, mm.
 
     Raises
     ------
     InvalidParameter
-        The paper is unknown, a face is larger than a page, or both scale and size are given.
+        The paper is unknown, a face is larger than a page, both scale and size are given, or the solid has
+        no extent along the axis.
     """
     page = replace(Paper.of(paper), beyond=beyond)
     option = _option(scale, size)
     if option is None:
         return _on_pages(unfolding, page, min(best_turn(sheet, page.room)[1] for sheet in unfolding.sheets))
-    name, value = option
-    wanted = value if name == "scale" else value / _extent(unfolding)
+    name, axis, value = option
+    wanted = value if name == "scale" else value / _extent(unfolding, axis)
     pages = [one for one in dict.fromkeys((page, page.turned)) if _largest(unfolding, one)[0] >= wanted]
     if not pages:
-        raise InvalidParameter(_too_large(unfolding, page, wanted, name, value))
+        raise InvalidParameter(_too_large(unfolding, page, wanted, *option))
     layouts = [_in_islands(unfolding, one, wanted) for one in pages]
     return min(layouts, key=lambda one: (len(one.unfolding.sheets), one.pages, _cut_length(one.unfolding)))
 
 
-def _option(scale: float | None, size: float | None) -> tuple[str, float] | None:
-    """Name and value of the scale or size, if given."""
-    options = [(name, value) for name, value in (("scale", scale), ("size", size)) if value is not None]
-    for name, value in options:
+def _option(
+    scale: float | None, size: float | tuple[str, float] | None
+) -> tuple[Literal["scale", "size"], str, float] | None:
+    """Name of the scale or size, if given, axis of the size, if it has one, and value."""
+    axis, extent = size if isinstance(size, tuple) and len(size) == 2 and size[0] in AXES else ("", size)
+    options = [
+        (name, along, value)
+        for name, along, value in (("scale", "", scale), ("size", axis, extent))
+        if value is not None
+    ]
+    for name, along, value in options:
         if not is_number(value) or not 0 < value < np.inf:
             text = f"{value:g}" if is_number(value) else repr(value)
-            raise InvalidParameter(f"{name} is {text}, not a positive finite number of mm")
+            raise InvalidParameter(f"{_named(name, along, text)}, not a positive finite number of mm")
     if len(options) == 2:
         raise InvalidParameter(
-            f"give either a scale, here {scale:g} mm, or a size, here {size:g} mm, not both"
+            f"give either a scale, here {scale:g} mm, or a size, here {extent:g} mm, not both"
         )
     return options[0] if options else None
 
 
-def _extent(unfolding: Unfolding) -> float:
+def _named(option: str, axis: str, value: str) -> str:
+    return f"{option}{f' in {axis}' if axis else ''} is {value}"
+
+
+def _extent(unfolding: Unfolding, axis: str) -> float:
+    """Extent of the solid along an axis, or the largest."""
     if unfolding.vertices is None:
         raise InvalidParameter("a size requires the solid, which this net does not have: give a scale")
-    return float(np.ptp(unfolding.vertices, axis=0).max())
+    extents = np.ptp(unfolding.vertices, axis=0)
+    found = extents[AXES.index(axis)] if axis else extents.max()
+    if found < TINY * extents.max():
+        raise InvalidParameter(f"a size in {axis} is given, but the solid has no extent in {axis}")
+    return float(found)
 
 
 def _uncut(unfolding: Unfolding) -> Iterator[tuple[str, Floats]]:
@@ -152,7 +172,9 @@ def _largest(unfolding: Unfolding, page: Paper) -> tuple[float, str]:
     return found * (1 + SLACK), worst
 
 
-def _too_large(unfolding: Unfolding, page: Paper, wanted: float, option: str, value: float) -> str:
+def _too_large(
+    unfolding: Unfolding, page: Paper, wanted: float, option: str, axis: str, value: float
+) -> str:
     """Error message about the face that does not fit, with a scale and a paper for which it would."""
     largest, name = max(_largest(unfolding, one) for one in (page, page.turned))
     maximum = value * largest / wanted
@@ -166,9 +188,12 @@ def _too_large(unfolding: Unfolding, page: Paper, wanted: float, option: str, va
         for paper in papers
         if max(_largest(unfolding, one)[0] for one in (paper, paper.turned)) >= wanted
     )
+    most = f"{np.floor(maximum / digits) * digits:.6g}"
+    if axis:
+        most = f"('{axis}', {most})"
     return (
-        f"{option} is {value:.6g} mm, but {name} fits on {page.name} up to "
-        f"{option}={np.floor(maximum / digits) * digits:.6g}; {next(enough, NO_FORMAT)}"
+        f"{_named(option, axis, f'{value:.6g} mm')}, but {name} fits on {page.name} up to "
+        f"{option}={most}; {next(enough, NO_FORMAT)}"
     )
 
 

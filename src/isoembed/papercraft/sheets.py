@@ -49,7 +49,7 @@ def write_sheets(
     *,
     paper: str = "A4",
     scale: float | None = None,
-    size: float | None = None,
+    size: float | tuple[str, float] | None = None,
     numbers: bool = False,
     material: Material | None = None,
 ) -> None:
@@ -76,8 +76,9 @@ def write_sheets(
         pages are rotated if this requires fewer islands.
     scale : float, optional
         Millimeters per unit of the solid; by default the largest at which each sheet fits on a page.
-    size : float, optional
-        Alternative to a scale: largest extent of the solid along a coordinate axis, in mm.
+    size : float or tuple, optional
+        Alternative to a scale: largest extent of the solid along a coordinate axis, in mm, or
+        ``("z", extent)``, that along z, and likewise of x and y.
     numbers : bool, optional
         Whether to number the faces, and draw the solid with these numbers on an additional page.
     material : Material, optional
