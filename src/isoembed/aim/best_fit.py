@@ -83,6 +83,10 @@ class BestFit:
         """Degrees of freedom of the residuals, at least 1: the edges minus those of the fit."""
         return (self.noise / self.score) ** 2 if self.score < np.inf else 1.0
 
+    def prediction_error(self, error: float) -> float:
+        """Cross-validation score for errors of at least this size, over the mean edge length."""
+        return float(max(self.noise, error) / np.sqrt(self.degrees_of_freedom))
+
 
 def best_fit(
     metric: PolyhedralMetric,

@@ -26,11 +26,13 @@ Morozov, On the solution of functional equations by the method of regularization
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.special import chdtri
 
 from isoembed.aim.best_fit import FREE, WEIGHT, BestFit, Fits
@@ -53,6 +55,9 @@ from isoembed.linalg.work import Budget
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log, StageRecorder
 from isoembed.surface.rigidity import length_residuals
+
+Residuals = Callable[[Floats], csr_array]
+"""The matrix R of residuals of fits about given vertices."""
 
 LEAST_WEIGHT = 1e-14
 """Least mu, in squared mean edge lengths, at which lengths are met to rounding."""
@@ -144,7 +149,11 @@ def within_digits(exact: Embedding, found: MeasuredSurface) -> Embedding:
 
 
 def fit_within_errors(
-    metric: PolyhedralMetric, errors: Floats, start: Floats, recorder: StageRecorder
+    metric: PolyhedralMetric,
+    errors: Floats,
+    start: Floats,
+    recorder: StageRecorder,
+    residuals: Residuals | None = None,
 ) -> BestFit:
     """Fit a surface to lengths with errors, as smooth as their residuals allow.
 
@@ -157,12 +166,14 @@ def fit_within_errors(
     start : ndarray, shape (V, 3)
         A smooth surface of similar shape and size.
     recorder : StageRecorder
+    residuals : callable, optional
+        The matrix R about given vertices, of a surface that is not smooth everywhere.
 
     Returns
     -------
     BestFit
     """
-    known, begin = np.array(errors), _Start.of(metric, start, recorder)
+    known, begin = np.array(errors), _Start.of(metric, start, recorder, residuals)
     for _ in range(SUSPECTS):
         fit, suspect = _fit_of_smooth_start(metric, known, begin, recorder)
         wrong = _followed(metric, known, fit, begin, recorder) if suspect is None else [suspect]
@@ -200,10 +211,18 @@ class _Start(NamedTuple):
 
     vertices: Floats
     energy: SmoothingEnergy
+    residuals: Residuals | None
 
     @classmethod
-    def of(cls, metric: PolyhedralMetric, vertices: Floats, recorder: StageRecorder) -> _Start:
-        return cls(vertices, SmoothingEnergy(metric, vertices, recorder.work))
+    def of(
+        cls,
+        metric: PolyhedralMetric,
+        vertices: Floats,
+        recorder: StageRecorder,
+        residuals: Residuals | None,
+    ) -> _Start:
+        R = None if residuals is None else residuals(vertices)
+        return cls(vertices, SmoothingEnergy(metric, vertices, recorder.work, R), residuals)
 
 
 def _start_without(
@@ -216,7 +235,7 @@ def _start_without(
     if goes_by_levels(metric, None):
         return start
     fit = _fit_of_smooth_start(metric, errors, start, recorder, most=np.inf)[0]
-    return _Start.of(metric, fit.vertices, recorder)
+    return _Start.of(metric, fit.vertices, recorder, start.residuals)
 
 
 def _followed(
@@ -243,7 +262,7 @@ def _followed(
         wrong.append(suspect)
         known = np.maximum(errors, scatter / SCATTERED**2)
         known[wrong] = metric.mean_length
-        start = _Start.of(metric, last.vertices, recorder)
+        start = _Start.of(metric, last.vertices, recorder, start.residuals)
     last = _fit_of_smooth_start(metric, known, start, recorder, most=np.inf)[0]
     return wrong if _halves(last, fit) else []
 

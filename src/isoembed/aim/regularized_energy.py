@@ -109,7 +109,7 @@ class RegularizedEnergy:
     def _regularize_by(self, residuals: csr_array) -> None:
         """Set R to residuals of fits, with rows normalized relative to the local edge length."""
         size = self._units * np.sqrt(residuals.multiply(residuals).sum(axis=1))
-        self._R = csr_array(diags_array(1 / size) @ residuals)
+        self._R = csr_array(diags_array(1 / np.where(size > 0, size, 1.0)) @ residuals)
         self._RT = csr_array(self._R.T)
 
     @property

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from isoembed.aim.regularized_energy import MAX_ITERATIONS, RegularizedEnergy
 from isoembed.arrays import Floats
@@ -89,11 +90,20 @@ class KeptFactors:
 class SmoothingEnergy(RegularizedEnergy):
     """The energy ``|r|^2 + mu |R x|^2``, with reuse of factors.
 
-    Parameters as for `RegularizedEnergy`.  Energies with other weights share analysis and factors.
+    Parameters as for `RegularizedEnergy`, and the matrix R, by default that of fits to all neighbors.
+    Energies with other weights share analysis and factors.
     """
 
-    def __init__(self, metric: PolyhedralMetric, vertices: Floats, work: Work | None = None) -> None:
+    def __init__(
+        self,
+        metric: PolyhedralMetric,
+        vertices: Floats,
+        work: Work | None = None,
+        residuals: csr_array | None = None,
+    ) -> None:
         super().__init__(metric, vertices, work)
+        if residuals is not None:
+            self._regularize_by(residuals)
         self._kept = KeptFactors(self._newton_system)
 
     def solver(

@@ -1,7 +1,9 @@
 """Smooth caps fitted to edge lengths with known standard deviations, their boundaries in a plane.
 
 Two copies glued along the boundary are a closed surface, to which `isoembed.aim.measured_lengths` fits one
-that is smooth within the errors.  The cap is the mean of its one half and of the mirror image of the other.
+whose halves are smooth within the errors.  Between them is a crease, unless the cap is vertical along its
+boundary: then the double may be smooth there, too, and is taken as smooth if that predicts each length better
+from the others.  The cap is the mean of one half and of the mirror image of the other.
 """
 
 from __future__ import annotations
@@ -11,21 +13,31 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
 from isoembed.aim.adaptive import Aim
-from isoembed.arrays import Floats
+from isoembed.aim.levels import smooth_start
+from isoembed.aim.measured_lengths import fit_within_errors, measured_surface, root_mean_square
+from isoembed.aim.nearest_polyhedron import nearest_polyhedron
+from isoembed.aim.pipeline import Pipeline
+from isoembed.arrays import Floats, Indices
 from isoembed.embedding.measured import MeasuredSurface, standing_out
-from isoembed.errors import InvalidMetric, NotEmbedded
+from isoembed.errors import InvalidMetric
 from isoembed.mesh.triangulation import frozen
 from isoembed.metric.curvature import deficits
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.progress.stages import Log
 from isoembed.sheets.convex_cap import ANY_CURVATURE, check_disc, doubled, upright
 from isoembed.sheets.surface import SheetEmbedding
+from isoembed.surface.curvature import dihedral_angles
 from isoembed.surface.placement import turned_about_vertical
+from isoembed.surface.smoothness import fit_residuals
 
 if TYPE_CHECKING:
     from isoembed.sheets.derivatives import SheetDerivatives
+
+CREASE = 5.0
+"""Bend of a double along its boundary, over that of other edges, that is no part of a smooth surface."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,14 +77,20 @@ def explained_angles(metric: PolyhedralMetric) -> Floats:
     return np.asarray(2 * metric.triangulation.degrees * sigma.max() / metric.lengths.min())
 
 
+def _places(vertices: Indices, count: int) -> csr_array:
+    """Matrix that takes values at so many vertices to those at some of them."""
+    n = len(vertices)
+    return csr_array((np.ones(n), (np.arange(n), vertices)), shape=(n, count))
+
+
 def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log) -> MeasuredCap:
     """Fit a cap, by the method of this name, to a normalized metric with `length_errors`.
 
     Raises
     ------
     InvalidMetric
-        The surface is no disc, an exterior angle of its boundary is more negative than the errors explain, or
-        two vertices of its boundary are joined by an edge inside.
+        The surface is no disc or a single triangle, an exterior angle of its boundary is more negative than
+        the errors explain, or two vertices of its boundary are joined by an edge inside.
     """
     check_disc(metric)
     t, n = metric.triangulation, metric.triangulation.n_vertices
@@ -93,6 +111,11 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
             "fitted to lengths with errors"
         )
     inside = np.flatnonzero(~t.boundary_vertices)
+    if not len(inside):
+        raise InvalidMetric(
+            "a triangle has no vertices inside: its lengths determine it without a fit; length_errors=0 "
+            "takes them as exact"
+        )
     copied = np.arange(n)
     copied[inside] = n + np.arange(len(inside))
     own = np.concatenate([np.arange(n), inside])
@@ -101,15 +124,28 @@ def measured_cap(metric: PolyhedralMetric, name: str, tolerance: float, log: Log
     once = np.where(t.boundary_edges, np.sqrt(0.5), 1.0)
     copies = t.edge_indices(own[closed.edges])
     [loop] = t.boundaries
+    interior = diags_array((~t.boundary_vertices).astype(np.float64))
+    halves = [_places(half, closed.triangulation.n_vertices) for half in (np.arange(n), copied)]
+
+    def one_sided(vertices: Floats) -> csr_array:
+        """R of either half by itself: the double has a crease along the boundary, and no fits there."""
+        one, other = (P.T @ (interior @ fit_residuals(t, P @ vertices)) @ P for P in halves)
+        return csr_array(one + other)
 
     def fitted(errors: Floats) -> MeasuredCap:
         measured = closed.with_length_errors((once * errors)[copies])
-        try:
-            found = Aim().run(measured.normalized, tolerance, log)
-        except NotEmbedded as failure:
-            found = failure.embedding
-        assert isinstance(found, MeasuredSurface)  # the metric has errors
-        x = found._in_unit_of(measured).vertices
+        unit = measured.normalized
+        pipeline, known = Pipeline(unit, Aim(), tolerance, log), np.asarray(unit.length_errors)
+        start = nearest_polyhedron(pipeline.problem, pipeline)
+        with log.stage("fit within errors") as recorder:
+            near = smooth_start(unit, start, recorder)
+            fit = fit_within_errors(unit, known, near, recorder, one_sided)
+            bends, rim = np.abs(dihedral_angles(unit.triangulation, fit.vertices)), t.boundary_edges[copies]
+            if np.median(bends[rim]) < CREASE * np.median(bends[~rim]):
+                whole, error = fit_within_errors(unit, known, near, recorder), root_mean_square(known)
+                fit = min(fit, whole, key=lambda one: one.prediction_error(error / unit.mean_length))
+        found = measured_surface(unit, fit, name, tolerance)
+        x = measured.unit * found.vertices
         middle = x[loop].mean(axis=0)
         axes = np.linalg.svd(x[loop] - middle, full_matrices=False)[2]
         half, other = ((x[some] - middle) @ axes.T for some in (np.arange(n), copied))
