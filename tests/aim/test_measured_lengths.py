@@ -164,8 +164,8 @@ def test_a_redundancy_that_is_not_resolved_is_not_reported():
     """One degree of freedom is the least that the estimate gives."""
     x, faces = triangulate(Ellipsoid((150.0, 120.0, 100.0)), 80)
     metric = PolyhedralMetric.from_mesh(x, faces).with_length_errors(ERROR)
-    for score, redundancy in ((0.01, 0.0), (0.002, 25 / len(metric.lengths))):
-        found = measured_surface(metric, BestFit(x, 1.0, 0.01, score), "aim", 1e-10)
+    for free, redundancy in ((1.0, 0.0), (25.0, 25 / len(metric.lengths))):
+        found = measured_surface(metric, BestFit(x, 1.0, 0.01, free), "aim", 1e-10)
         assert found.redundancy == pytest.approx(redundancy)
         assert (isoembed.report(found)["measured"]["smallest_detectable_error"] is None) == (not redundancy)
 
@@ -233,6 +233,17 @@ def test_errors_in_any_unit():
     inches = embed(metric.scaled(1 / 25.4), length_errors=ERROR / 25.4)
     assert distance(25.4 * inches.vertices, found.vertices) < 1e-6
     assert inches.chi_square == pytest.approx(found.chi_square, rel=1e-6)
+
+
+@pytest.mark.parametrize(("unit", "error"), [(1e-300, 1e-3), (3e306, 1e-3), (3e306, 1e-290)])
+def test_errors_in_units_near_the_ends_of_the_range(unit, error):
+    """No square of an error over- or underflows, and an error below the rounding of doubles is one of it."""
+    exact = PolyhedralMetric.from_mesh(*triangulate(Ellipsoid((3.0, 2.0, 1.0)), 40))
+    noise = error * np.random.default_rng(0).standard_normal(len(exact.lengths))
+    metric = PolyhedralMetric(exact.faces, unit * (exact.lengths + noise), exact.edges)
+    found = embed(metric, length_errors=unit * error)
+    assert found.converged
+    assert isoembed.report(found)["deviation"]["length_error_rms"] == pytest.approx(unit * error, abs=0)
 
 
 def test_large_errors_have_no_weight():

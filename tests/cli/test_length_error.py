@@ -107,7 +107,8 @@ def test_a_flat_vertex(call):
     flat = np.vstack([x, x[faces[0]].mean(axis=0)])
     write_metric("flat.npz", isoembed.PolyhedralMetric.from_mesh(flat, split))
     status, out, _ = call("embed", "flat.npz", "--length-error", "1e-4")
-    assert status == 0 and "+- not determined: the surface nearly flexes within the errors" in out
+    assert status == 0
+    assert "+- not determined: the errors of the lengths, or one of them, are too large" in out
     exact = isoembed.embed(isoembed.PolyhedralMetric.from_mesh(flat, split))
     assert isoembed.Sensitivity(exact).integral_deviation(1e-4).volume == np.inf
     status, _, err = call("energy", "flat.npz", "--length-error", "1e-4")
@@ -146,8 +147,13 @@ def test_the_report_is_made_once(call, metric, monkeypatch):
 
 def test_numbers_with_an_infinite_deviation():
     assert (
-        measure({"volume": 2.0, "deviation": {"volume": None}}, "volume")
-        == "2 +- not determined: the surface nearly flexes within the errors of the lengths"
+        measure({"volume": 2.0, "deviation": {"volume": None, "volume_nonlinearity": None}}, "volume")
+        == "2 +- not determined: the surface is not infinitesimally rigid"
+    )
+    undetermined = {"volume": 6996620.69941, "deviation": {"volume": None, "volume_nonlinearity": 0.8}}
+    assert measure(undetermined, "volume") == (
+        "7e+06 +- not determined: the errors of the lengths, or one of them, are too large for a first-order "
+        "estimate"
     )
     assert measure({"volume": 2.123456, "deviation": {"volume": 0.012}}, "volume") == "2.123 +- 0.012"
     assert measure({"volume": None, "deviation": {"volume": 1.0}}, "volume").endswith(" +- 1")

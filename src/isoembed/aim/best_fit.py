@@ -17,6 +17,7 @@ Girard, A fast 'Monte-Carlo cross-validation' procedure for large least squares 
 Numer. Math. 56 (1989).
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -58,8 +59,8 @@ class BestFit:
     noise : float
         Estimated root mean square of the errors of the lengths, over the mean edge length: that of the
         residuals, corrected for the degrees of freedom of the fit.
-    score : float
-        Cross-validation score; smaller for better predictions of lengths.
+    degrees_of_freedom : float
+        Degrees of freedom of the residuals, at least 1: the edges minus those of the fit.
     scatter : float
         `noise` of the fit with the smallest score so far, among those with enough degrees of freedom; 0 if
         there is none, or if few are left and a smaller mu might have a smaller score.
@@ -73,15 +74,15 @@ class BestFit:
     vertices: Floats
     weight: float
     noise: float
-    score: float
+    degrees_of_freedom: float
     scatter: float = 0.0
     predicted: Floats | None = None
     alike: Indices | None = None
 
     @property
-    def degrees_of_freedom(self) -> float:
-        """Degrees of freedom of the residuals, at least 1: the edges minus those of the fit."""
-        return (self.noise / self.score) ** 2 if self.score < np.inf else 1.0
+    def score(self) -> float:
+        """Cross-validation score; smaller for better predictions of lengths."""
+        return self.noise / math.sqrt(self.degrees_of_freedom)
 
     def prediction_error(self, error: float) -> float:
         """Cross-validation score for errors of at least this size, over the mean edge length."""
@@ -201,9 +202,9 @@ class Fits:
         try:
             free = self._degrees_of_freedom(x, mu)
         except SingularMatrix:
-            return BestFit(x, weight, np.inf, np.inf)
+            return BestFit(x, weight, np.inf, 1.0)
         noise = float(np.sqrt(r @ r / free)) / unit
-        found = BestFit(x, weight, noise, noise / np.sqrt(free))
+        found = BestFit(x, weight, noise, free)
         if free > TELLING * len(r):  # otherwise the score is not accurate to a percent
             self._telling.append(found)
         if not self._telling:

@@ -173,6 +173,7 @@ def fit_within_errors(
     -------
     BestFit
     """
+    errors = np.maximum(errors, np.finfo(float).eps * metric.mean_length)  # of doubles
     known, begin = np.array(errors), _Start.of(metric, start, recorder, residuals)
     for _ in range(SUSPECTS):
         fit, suspect = _fit_of_smooth_start(metric, known, begin, recorder)
@@ -317,7 +318,8 @@ def _halves(without: BestFit, fit: BestFit) -> bool:
 
 def root_mean_square(errors: Floats) -> float:
     """Root mean square of errors, weighted so that large ones have no influence."""
-    return float(1 / np.sqrt(np.mean(errors**-2.0)))
+    least = errors.min()
+    return float(least / np.sqrt(np.mean((least / errors) ** 2)))
 
 
 def _fit_of_smooth_start(

@@ -83,7 +83,7 @@ class State:
             if fit is not None:
                 arrays |= {
                     name: fit.vertices,
-                    f"{name} numbers": [fit.weight, fit.noise, fit.score, fit.scatter],
+                    f"{name} numbers": [fit.weight, fit.noise, fit.degrees_of_freedom, fit.scatter],
                 }
                 arrays |= {
                     f"{name} {part}": found

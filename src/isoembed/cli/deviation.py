@@ -11,7 +11,7 @@ from isoembed.cli.options import add_json_option, add_merge_option, add_output_o
 from isoembed.cli.outputs import check_answer, written
 from isoembed.cli.screen import UsageError, print_aside, print_json, print_out
 from isoembed.cli.status import NOT_EMBEDDED, OK
-from isoembed.cli.summary import NEARLY_FLEXES
+from isoembed.cli.summary import why_undetermined
 from isoembed.embedding.embedding import Embedding
 from isoembed.embedding.sensitivity import Sensitivity
 from isoembed.io import MESH_ENDINGS, SURFACE_ENDINGS, read_surface, write_atomically
@@ -159,5 +159,6 @@ def _summary(surface: Embedding, found: Deviation | DeviationBound) -> str:
         )
     closed = surface.triangulation.is_sphere
     if closed and isinstance(found, Deviation) and not found.volume_nonlinearity <= NONLINEAR:
-        lines.append(f"the first-order estimate is not valid here: {NEARLY_FLEXES}")
+        why = why_undetermined(found.volume_nonlinearity)
+        lines.append(f"the first-order estimate is not valid here: {why}")
     return "\n".join([*lines, meaning])

@@ -1,12 +1,24 @@
 """Summary of an embedding for the terminal."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 from isoembed.embedding.embedding import Embedding
 from isoembed.surface.estimate import Estimate
 
-NEARLY_FLEXES = "the surface nearly flexes within the errors of the lengths"
+UNDETERMINED = 3
+"""Digits of a number whose standard deviation is not determined."""
+
+
+def why_undetermined(nonlinearity: float | None) -> str:
+    """Clause on a volume without a standard deviation, by its nonlinearity; None or infinite if J is singular.
+
+    Errors of the lengths may be large, or that of one length, or the surface soft.
+    """
+    if nonlinearity is None or math.isinf(nonlinearity):
+        return "the surface is not infinitesimally rigid"
+    return "the errors of the lengths, or one of them, are too large for a first-order estimate"
 
 
 def summary(
@@ -95,9 +107,11 @@ def measure(report: Mapping[str, Any], name: str) -> str:
     if "deviation" not in report:
         return _number(value)
     sigma = report["deviation"][name]
-    if value is None or sigma is None:
-        unknown = f"not determined: {NEARLY_FLEXES}"
-        return f"{_number(value)} +- {unknown if sigma is None else f'{sigma:.2g}'}"
+    if sigma is None:
+        known = _number(value) if value is None else f"{value:.{UNDETERMINED}g}"
+        return f"{known} +- not determined: {why_undetermined(report['deviation']['volume_nonlinearity'])}"
+    if value is None:
+        return f"{_number(value)} +- {sigma:.2g}"
     return f"{Estimate(value, sigma).rounded} +- {sigma:.2g}"
 
 

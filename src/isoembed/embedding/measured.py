@@ -156,9 +156,9 @@ class MeasuredSurface(Embedding):
 
     @property
     def _standardized(self) -> Floats:
-        """The residuals over their standard deviations, shape (E,)."""
+        """The residuals over their standard deviations, at least the rounding of doubles, shape (E,)."""
         sigma = np.asarray(self.metric.length_errors, dtype=np.float64) / self.metric.mean_length
-        return self.residuals / sigma
+        return self.residuals / np.maximum(sigma, np.finfo(float).eps)
 
     @property
     def chi_square(self) -> float:
