@@ -14,7 +14,7 @@ from isoembed.aim.best_fit import best_fit
 from isoembed.aim.regularized_energy import RegularizedEnergy
 from isoembed.embedding.fitted import FittedSurface
 from isoembed.errors import InvalidParameter, NotEmbedded
-from isoembed.gallery import CassiniPeanut, HarmonicSurface, triangulate
+from isoembed.gallery import Bean, CassiniPeanut, HarmonicSurface, Sphere, triangulate
 from isoembed.linalg.work import Budget, Work
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.surface.measures import edge_lengths
@@ -56,7 +56,7 @@ def test_it_is_as_near_as_the_noise_and_tells_it(body, noise):
     metric, sphere, truth = noisy(*BODIES[body](), noise)
     recorder = smooth_bodies.recorder()
     fit = fitted(metric, sphere, recorder)
-    assert fit.noise == pytest.approx(noise, rel=0.35)
+    assert fit.scatter == pytest.approx(noise, rel=0.3)  # less where edges are short enough: below
     assert smooth_bodies.misfit(fit.vertices, truth) < 6 * noise  # the farthest vertex, over the size
     assert recorder.factorizations <= 30
 
@@ -125,6 +125,16 @@ def test_the_unit_does_not_matter():
     assert smooth_bodies.misfit(scaled.vertices, scale * plain.vertices) < 1e-3
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("body", [Sphere(), Bean()])
+def test_the_noise_is_estimated_to_five_percent(body):
+    vertices, faces = triangulate(body, 1200, irregular=1)
+    exact = PolyhedralMetric.from_mesh(vertices, faces)
+    errors = 0.01 * exact.mean_length * np.random.default_rng(3).normal(size=len(exact.lengths))
+    surface = isoembed.embed(exact.with_lengths(exact.lengths + errors), method=Aim(best_fit=True))
+    assert surface.noise == pytest.approx(0.01, rel=0.05)
+
+
 # As an answer
 
 
@@ -164,7 +174,7 @@ def test_where_there_is_no_surface_the_best_fit_is_the_answer_and_says_so():
         "residual_rms": surface.residual_rms,
         "weight": surface.weight,
     }
-    assert surface.noise == pytest.approx(0.02, rel=0.4)
+    assert surface.noise == pytest.approx(0.02, rel=0.1)
     worst = int(np.argmax(surface.residuals))
     assert surface.message.startswith("a least-squares surface that misses the lengths")
     assert f"edge {worst} {surface.metric.edges[worst].tolist()}" in surface.message

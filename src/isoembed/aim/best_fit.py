@@ -43,6 +43,7 @@ CANDIDATES = 4  # number of largest residuals tested as outliers
 PERSISTENT = 0.85  # share of the residual of a wrong length that remains at a third of mu
 COARSE = 1000  # largest number of vertices of a surface that may be rough as well as noisy
 ROUGH = 0.5  # share of the deficits not predicted by neighbors, for noisy lengths
+UNBIASED = 0.1  # mean edge lengths^2; largest mu of a fit whose residuals tell the errors of the lengths
 PROBES = 4  # random vectors for degrees of freedom, accurate to a percent
 
 
@@ -63,7 +64,8 @@ class BestFit:
         Degrees of freedom of the residuals, at least 1: the edges minus those of the fit.
     scatter : float
         `noise` of the fit with the smallest score so far, among those with enough degrees of freedom; 0 if
-        there is none, or if few are left and a smaller mu might have a smaller score.
+        there is none, or if few are left and a smaller mu might have a smaller score.  Of a `best_fit`, the
+        `Fits.scatter`.
     predicted : ndarray, shape (E,), or None
         Lengths of the edges suspected to be wrong, on fits without them, over the mean edge length; NaN for
         the others.
@@ -134,7 +136,7 @@ def best_fit(
     missed = metric.space.distances(best.vertices[a], best.vertices[b]) - metric.lengths
     # Mean edge lengths; a surface with larger residuals has lost its shape.
     near = np.sqrt(np.mean(missed**2)) < 0.3 * metric.mean_length
-    return best if best.score < np.inf and near else None
+    return replace(best, scatter=fits.scatter(best)) if best.score < np.inf and near else None
 
 
 class Outlier(NamedTuple):
@@ -213,6 +215,23 @@ class Fits:
         # Otherwise a smaller mu may be better.
         is_least = free > FREE or best is not self._telling[-1]
         return replace(found, scatter=best.noise if is_least else 0.0)
+
+    def scatter(self, fit: BestFit) -> float:
+        """Root mean square of the errors of the lengths, over the mean edge length, by a fit.
+
+        Errors with the variance s^2 leave residuals with an expected sum of squares ``s^2 trace (I - H)^2``,
+        which the probes estimate as well.  If mu is large, H is not all of the fit: its charts are those of
+        a start that depends on the lengths, too, and contain half of their errors.  A smaller mu, up to
+        `UNBIASED`, releases these, and smooths away less of the body.
+        """
+        fit = fit if fit.weight <= UNBIASED or self.exhausted else self.fit(fit.vertices, UNBIASED)
+        r = self._energy.residuals(fit.vertices, self._metric.lengths)
+        try:
+            self._degrees_of_freedom(fit.vertices, fit.weight * self._metric.mean_length**2)
+            left = np.array([self._left(fit.vertices, z) for z in self._probes])
+        except SingularMatrix:
+            return fit.noise
+        return float(np.sqrt(r @ r / np.mean(np.sum(left**2, axis=1)))) / self._metric.mean_length
 
     def _degrees_of_freedom(self, x: Floats, mu: float) -> float:
         """Trace of ``I - H``, the map from errors of the lengths to residuals of the fit.

@@ -137,7 +137,7 @@ def fitted_surface(fit: BestFit, problem: Problem) -> FittedSurface:
     return FittedSurface(
         problem.metric,
         fit.vertices,
-        noise=fit.noise,
+        noise=fit.scatter,
         weight=fit.weight,
         method=problem.name,
         tolerance=problem.tolerance,
