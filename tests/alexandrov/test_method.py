@@ -1,5 +1,6 @@
 """``method="alexandrov"``: the polyhedron of a metric, whatever its triangles."""
 
+import itertools
 import json
 from dataclasses import replace
 from itertools import pairwise
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import ConvexHull
 
 import isoembed
 import zoo
@@ -419,6 +421,32 @@ def test_errors_of_lengths_are_kept_where_the_core_is_no_simplicial_complex(monk
     monkeypatch.setattr("isoembed.alexandrov.polyhedron.metric_on", refuse)
     found = embed(given, method="alexandrov", length_errors=1e-3)
     assert found.metric.precision is None and set(found.length_errors.tolist()) == {1e-3}
+
+
+@pytest.mark.filterwarnings("ignore:.*reversed to match")
+def test_faces_of_a_solid_whose_lengths_have_errors_of_a_percent():
+    points = {p for q in itertools.permutations((0, 1, 2)) for p in itertools.product(*((k, -k) for k in q))}
+    stretched = np.array(sorted(points)) @ (np.eye(3) + 0.2 * np.random.default_rng(0).normal(size=(3, 3)))
+    exact = PolyhedralMetric.from_mesh(stretched, ConvexHull(stretched).simplices)
+    unit = 0.01 * np.sqrt(12) * exact.mean_length
+    rounded = PolyhedralMetric(exact.faces, np.rint(exact.lengths / unit), exact.edges)
+    found = embed(rounded, method="alexandrov", length_errors=12**-0.5)
+    assert sorted(map(len, found.polygons)) == [4] * 6 + [6] * 8
+
+
+@pytest.mark.filterwarnings("ignore:.*reversed to match")
+def test_errors_of_lengths_flatten_no_edge_that_they_do_not_bend():
+    rng = np.random.default_rng(0)
+    directions = rng.normal(size=(150, 3))
+    points = directions / np.linalg.norm(directions, axis=1)[:, None] * [3, 2, 1]
+    exact = PolyhedralMetric.from_mesh(points, ConvexHull(points).simplices)
+    sigma = 1e-4 * exact.mean_length
+    errors = sigma * rng.normal(size=len(exact.lengths))
+    found = embed(exact.with_lengths(exact.lengths + errors), method="alexandrov", length_errors=sigma)
+    deviation = isoembed.Sensitivity(found).deviation(sigma).dihedral_angles
+    flat = ~found.surface.flat_faces.edges
+    # Of deviations that were estimated to a third, the limit is five.
+    assert (np.abs(found.surface.dihedral_angles[flat]) < 7 * deviation[flat]).all()
 
 
 def test_the_report():

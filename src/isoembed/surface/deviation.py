@@ -32,6 +32,7 @@ from isoembed.surface.derivatives import (
     normal_rates,
     volume_gradient,
 )
+from isoembed.surface.flat_faces import coplanar_faces
 from isoembed.surface.measures import above_boundary, cone_sum, edge_lengths
 from isoembed.surface.vertex_areas import vertex_area_rates, vertex_areas
 
@@ -44,6 +45,7 @@ BEND_DEVIATIONS = 5.0
 """Standard deviations within which a bend is none: equal lengths of a design share their errors, which then
 bend it by more than independent ones.  With 3, a few of 123 solids from rounded lengths lost faces."""
 
+SIZES = 0.8 ** np.arange(21)  # of vertex errors that are tried, the largest first, over the largest
 PROBES = 400  # random error vectors for estimating the deviations at vertices, faces and edges
 
 
@@ -295,8 +297,9 @@ def _squares(t: Triangulation, x: Floats, v: Floats) -> tuple[Floats, Floats, Fl
 def vertex_error(metric: PolyhedralMetric, vertices: Floats, error: float) -> float:
     """Error of each vertex in R^3 that accounts for the bends due to independent errors of the lengths.
 
-    Displacements of this size change every dihedral angle by at least five standard deviations (see
-    `bend_rates`), if this is less than the `largest_vertex_error`.
+    Displacements of this size may flatten edges (see `bend_rates`), but none whose dihedral angle exceeds
+    five standard deviations.  Of all such sizes below the `largest_vertex_error` it is that of the fewest
+    `coplanar_faces`: smaller ones leave bends due to errors, larger ones join faces that then are curved.
 
     Parameters
     ----------
@@ -314,8 +317,13 @@ def vertex_error(metric: PolyhedralMetric, vertices: Floats, error: float) -> fl
     squares = np.zeros(t.n_edges)
     for draw in _signs(t.n_edges, BEND_PROBES):
         squares += dihedral_rates(t, vertices, derivatives.jvp(error * draw)) ** 2
-    bent = np.sqrt(squares / BEND_PROBES) / bend_rates(t, vertices, error)
-    return min(BEND_DEVIATIONS * float(bent.max()), upper_bound)
+    rates, angles = bend_rates(t, vertices, error), np.abs(dihedral_angles(t, vertices))
+    largest = BEND_DEVIATIONS * np.sqrt(squares / BEND_PROBES)
+    flat = angles <= largest
+    needed = (largest / rates)[flat].max() if flat.any() else upper_bound
+    limit = min(needed, upper_bound, 0.999 * (angles / rates)[~flat].min(initial=np.inf))
+    sizes = limit * SIZES
+    return float(sizes[np.argmin([coplanar_faces(t, vertices, error=size).max() for size in sizes])])
 
 
 def largest_vertex_error(metric: PolyhedralMetric, error: float) -> float:
