@@ -436,12 +436,11 @@ def test_faces_of_a_solid_whose_lengths_have_errors_of_a_percent():
 
 @pytest.mark.filterwarnings("ignore:.*reversed to match")
 def test_errors_of_lengths_flatten_no_edge_that_they_do_not_bend():
-    rng = np.random.default_rng(0)
-    directions = rng.normal(size=(150, 3))
+    directions = np.random.default_rng(0).normal(size=(150, 3))
     points = directions / np.linalg.norm(directions, axis=1)[:, None] * [3, 2, 1]
     exact = PolyhedralMetric.from_mesh(points, ConvexHull(points).simplices)
     sigma = 1e-4 * exact.mean_length
-    errors = sigma * rng.normal(size=len(exact.lengths))
+    errors = sigma * np.random.default_rng(0).normal(size=len(exact.lengths))
     found = embed(exact.with_lengths(exact.lengths + errors), method="alexandrov", length_errors=sigma)
     deviation = isoembed.Sensitivity(found).deviation(sigma).dihedral_angles
     flat = ~found.surface.flat_faces.edges
