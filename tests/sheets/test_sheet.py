@@ -236,9 +236,20 @@ def test_given_heights():
     x, y = points.T
     vertices = np.column_stack([points, -0.5 * (x * x + y * y) - 0.08 * x**3 + 0.06 * x * y * y])
     metric = PolyhedralMetric.from_mesh(vertices, faces)
-    found = embed(metric, boundary=vertices[rim(metric), 2])
+    heights = vertices[rim(metric), 2] + 7.0
+    found = embed(metric, boundary=heights)
     assert found.residual < 1e-13
     assert distance(found.vertices, vertices) < 1e-11
+    assert np.abs(found.vertices[rim(metric), 2] - heights).max() < 1e-11
+    heights[1] = np.nan
+    with pytest.raises(InvalidParameter, match=r"the boundary at \[1\] is nan, which is not finite"):
+        embed(metric, boundary=heights)
+
+
+def test_heights_are_refused_between_which_an_edge_is_too_short():
+    pyramid = PolyhedralMetric([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], np.full(8, 3.0))
+    with pytest.raises(InvalidParameter, match=r"ends of edge 1 \[0, 3\] differ by 1.667 times"):
+        embed(pyramid, boundary=[0.0, 0.0, 5.0, 5.0])
 
 
 @pytest.mark.parametrize("bump", [0.0, pytest.param(0.1, marks=pytest.mark.slow)])

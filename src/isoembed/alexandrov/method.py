@@ -185,9 +185,11 @@ def _searched(
         if before is not None and (flat == before).all():
             break
         if (~flat).sum() < 3:
+            # On the sphere there are lunes and the whole sphere; elsewhere deficits sum to 4 pi at least.
+            thin = f": face {int(np.argmin(given.triangles.areas))} is too thin"
             raise InvalidMetric(
                 f"only {(~flat).sum()} vertices have deficits above the rounding error, and a convex "
-                f"polyhedron has at least 3: face {int(np.argmin(given.triangles.areas))} is too thin"
+                f"polyhedron has at least 3{'' if metric.space.curvature > 0 else thin}"
             )
         search = _Search(metric, flat, repair if repair.vertices.size else None, tolerance, log)
         answer = search.answer()

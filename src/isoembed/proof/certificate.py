@@ -89,7 +89,9 @@ def overdetermined(more: int, residual: float) -> Certificate:
         else f"and the surface misses the lengths by up to {residual:.1e} mean edge lengths: no rounding"
     )
     return Certificate(
-        False, f"not certified: there are {more} more equations than unknowns, {open_question}"
+        False,
+        f"not certified: there {'is 1 more equation' if more == 1 else f'are {more} more equations'} than "
+        f"unknowns, {open_question}",
     )
 
 

@@ -198,7 +198,19 @@ def _over_heights(
             "posed where the curvature is not positive; give positions (B, 3)"
         )
     check_cap(metric)
-    found = _raised(metric, heights - heights.mean(), tolerance, log, "heights")
+    t = metric.triangulation
+    z = np.zeros(t.n_vertices)
+    z[t.boundaries[0]] = heights
+    a, b = t.edges.T
+    between = t.boundary_vertices[a] & t.boundary_vertices[b]
+    steep = np.where(between, np.abs(z[a] - z[b]) / metric.lengths, 0.0)
+    if steep.max() > 1 + tolerance:
+        e = int(np.argmax(steep > 1 + tolerance))
+        raise InvalidParameter(
+            f"the heights at the ends of edge {e} {t.edges[e].tolist()} differ by {steep[e]:.4g} times its "
+            "length: no surface has both; are they in the order of Triangulation.boundaries?"
+        )
+    found = _raised(metric, heights, tolerance, log, "heights")
     if found.converged:
         return found
     return found._with_message(f"{found.message}; are the heights in the order of Triangulation.boundaries?")
@@ -208,6 +220,8 @@ def _raised(
     metric: PolyhedralMetric, heights: Floats, tolerance: float, log: Log, condition: str
 ) -> SheetEmbedding:
     [loop] = metric.triangulation.boundaries
+    level = heights.mean()
+    rise = heights - level
     try:
         vertices = convex_polyhedron(doubled(metric), tolerance, log).vertices
     except NotEmbedded as failure:  # Newton's method may still converge, as shown by its residual
@@ -215,12 +229,12 @@ def _raised(
     half = vertices[: metric.triangulation.n_vertices]
     x = upright(half, half[loop])
     with log.stage("Newton with heights") as recorder:
-        x = with_heights(metric, x, 0 * heights, recorder)
+        x = with_heights(metric, x, 0 * rise, recorder)
         recorder.show(vertices=x)
-        for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if heights.any() else ():
-            x = with_heights(metric, x, part * heights, recorder)
+        for part in np.arange(1, HEIGHTS + 1) / HEIGHTS if rise.any() else ():
+            x = with_heights(metric, x, part * rise, recorder)
             recorder.show(vertices=x)
-    x = turned_about_vertical(x, loop)
+    x = turned_about_vertical(x, loop) + [0.0, 0.0, level]
     return _embedding(metric, x, tolerance, log, condition, heights=frozen(heights))
 
 
@@ -378,6 +392,8 @@ def _nested(values: ArrayLike, name: str) -> tuple[Any, ...]:
     array = real_array(values, f"{name} row", "coordinate")
     if array.ndim not in (1, 2):
         raise InvalidParameter(f"the {name} has the shape {array.shape}, not one of one or two axes")
-    if not np.isfinite(array).all():
-        raise InvalidParameter(f"the {name} has entries that are not finite")
+    finite = np.isfinite(array)
+    if not finite.all():
+        at = np.argwhere(~finite)[0].tolist()
+        raise InvalidParameter(f"the {name} at {at} is {array[tuple(at)]}, which is not finite")
     return tuple(map(tuple, array.tolist())) if array.ndim == 2 else tuple(array.tolist())
