@@ -196,10 +196,9 @@ def _exact(metric: PolyhedralMetric, method: Method) -> tuple[PolyhedralMetric, 
     errors = metric.length_errors
     if errors is None:
         return metric, None
-    exact = metric.with_length_errors(0.0)
     if method.keeps_triangles and not method.takes_boundary:
-        return exact, errors
+        return metric.exact, errors
     of_digits = rounded_unit(metric.lengths, errors) is not None
     unused = "the errors of their digits" if of_digits else "their errors"
     warn_of_mesh(f"the method {method.name!r} takes lengths as exact: {unused} are unused")
-    return exact, None
+    return metric.exact, None

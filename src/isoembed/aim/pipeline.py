@@ -181,8 +181,7 @@ class Pipeline:
     def __init__(self, metric: PolyhedralMetric, method: Aim, tolerance: float, log: Log) -> None:
         self.metric, self.method, self.log = metric, method, log
         self.checkpoints, self.work, self._goal = log.checkpoints, log.work, ""
-        exact = metric if metric.length_errors is None else metric.with_length_errors(0.0)
-        self.problem = Problem(exact, tolerance, method.name, self.work)
+        self.problem = Problem(metric.exact, tolerance, method.name, self.work)
 
     def run(
         self,

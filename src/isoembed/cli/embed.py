@@ -151,22 +151,22 @@ def run(options: argparse.Namespace) -> int:
         for name, path in (("boundary", options.boundary), ("start", options.start)):
             if _is_surface(path):
                 raise UsageError(f"the mesh {path} as --{name} is for a single input")
-        return embed_files(options, _method(options))
+        return embed_files(options, _method(options, _near(options)))
     refuse_given(options, OF_RUNS, "is for several files, whose --output is a folder")
     outputs = requested_outputs(options)
     [source] = options.inputs
     left = checkpoint_file(options, outputs, source)
-    method = _method(options)
+    near = _near(options)
+    method = _method(options, near)
     errors = length_errors(options)
     checkpoint = read_checkpoint(options.resume) if options.resume else None
     checkpoints = Checkpoints(left, checkpoint)
     metric, own_vertices = read_with_vertices(
         source, merge=options.merge, space=options.space, any_surface=True, length_errors=errors
     )
-    if options.which is not None and options.which not in WHICH:
-        near = Path(options.which)
-        own = read_surface(near, merge=options.merge).metric
-        check_same_triangles(metric, own, source, near, "'nearest' is defined for a surface on")
+    if near is not None:
+        why = "'nearest' is defined for a surface on"
+        check_same_triangles(metric, near.metric, source, Path(options.which), why)
     if _is_surface(options.boundary) or _is_surface(options.start):
         method = _from_meshes(options, method, metric, source)
     if options.space == "hyperbolic" and metric.space.is_euclidean:
@@ -198,8 +198,15 @@ def run(options: argparse.Namespace) -> int:
     return status
 
 
-def _method(options: argparse.Namespace) -> isoembed.Method:
-    """Method with its parameters."""
+def _near(options: argparse.Namespace) -> isoembed.Embedding | None:
+    """Surface in the file of ``--which``, if it is one."""
+    if options.which is None or options.which in WHICH:
+        return None
+    return read_surface(Path(options.which), merge=options.merge)
+
+
+def _method(options: argparse.Namespace, near: isoembed.Embedding | None) -> isoembed.Method:
+    """Method with its parameters, one of which may be the nearest surface."""
     repair = [] if options.repair is None else [f"repair={options.repair}"]
     name = options.method or ("aim" if options.boundary is None else "sheet")
     known = parameters(method_class(name))
@@ -230,8 +237,8 @@ def _method(options: argparse.Namespace) -> isoembed.Method:
     which: dict[str, str | Floats] = {}
     if options.which in WHICH:
         which["which"] = options.which
-    elif options.which is not None:
-        which["which"] = read_surface(Path(options.which), merge=options.merge).vertices
+    elif near is not None:
+        which["which"] = near.vertices
     method = configured(name, options.parameter + repair + best_fit + effort, **which)
     if options.length_error is not None and method.takes_boundary:
         raise UsageError(f"--length-error with the method {name!r} needs --boundary plane")

@@ -329,7 +329,7 @@ def _triangles(options: argparse.Namespace, outputs: Outputs, metric: Polyhedral
     if lengths is None and input_ending(options.input) in MESH_ENDINGS and metric.space == own:
         lengths = "chord"  # in the space of the file; in another one they are neither
     errors = None if options.length_error is None else metric.length_errors
-    exact = metric if errors is None else metric.with_length_errors(0.0)
+    exact = metric if errors is None else metric.exact
     embedding, failure = solved(options, lambda progress: isoembed.embed(exact, progress=progress))
     if failure is not None:
         if options.json:

@@ -321,6 +321,11 @@ class PolyhedralMetric(TriangleMetric):
         """
         return self._knowing(**self._measured(errors))
 
+    @property
+    def exact(self) -> PolyhedralMetric:
+        """The same metric with its lengths taken as exact: without `length_errors`."""
+        return self if self.length_errors is None else self.with_length_errors(0.0)
+
     def _measured(self, errors: ArrayLike) -> dict[str, Any]:
         """Standard deviations, checked, as `with_length_errors` sets them."""
         given = np.asarray(errors, dtype=np.float64)
