@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import isoembed
 import zoo
-from isoembed import PolyhedralMetric
+from isoembed import PolyhedralMetric, embed
 from isoembed.metric.curvature import deficits
 from isoembed.proof import convex as certificate_module
 from isoembed.proof import nearby_realization
@@ -289,6 +290,18 @@ def test_convexity_is_proven_as_far_as_the_distance(monkeypatch):
     for errors in (None, 1e-13 * metric.lengths):
         found = certify(metric, vertices, length_errors=errors)
         assert found.distance <= metric.unit * reaches.pop() < 4 * found.distance + 1e-14
+
+
+@pytest.mark.parametrize("decimals", [9, 11, 13])
+def test_diagonals_that_rounding_has_bent_do_not_count(decimals):
+    """A turned box with rounded coordinates: its edges are right angles, whatever the six diagonals are."""
+    x, faces = zoo.outward_hull(np.array(list(itertools.product((0.0, 3.0), (0.0, 2.0), (0.0, 1.0)))))
+    x = np.round(x @ zoo.rotation(0).T, decimals)
+    found = embed(PolyhedralMetric.from_mesh(x, faces), method="alexandrov")
+    proof = isoembed.certify(found)
+    assert proof.certified and proof.flat_edges == 6
+    assert 0.99 < proof.smallest_dihedral < np.pi / 2
+    assert "but across 6 diagonals of polygons that are flat up to rounding" in proof.reason
 
 
 def test_a_realization_that_is_not_convex():

@@ -187,7 +187,7 @@ class ConvexPolyhedron(Polyhedron):
             return ConvexCertificate(False, "not certified, because the body is a doubly covered polygon")
         tables, vertices = self.core
         try:
-            certificate = certify(metric_on(tables), vertices)
+            certificate = certify(metric_on(tables).rounded_as(self.metric), vertices)
         except InvalidMetric as error:
             return ConvexCertificate(False, f"not certified, because {error}")
         return replace(

@@ -91,7 +91,8 @@ def wrong_length_clause(
         digits = -math.floor(math.log10(wrong.deviation))
         fits = f"about {round(wrong.estimate, digits):.9g} fits"
     else:
-        fits = "only {:.6g} to {:.6g} is possible".format(*wrong.interval)
+        low, high = wrong.interval
+        fits = f"only {f'more than {low:.9g} and ' if low else ''}less than {high:.9g} is possible"
     intended = wrong.intended(written)
     return (
         f"; if one length is wrong, it is {'' if proved else 'probably '}that of {name(wrong.edge)}: "

@@ -26,7 +26,7 @@ from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.certificate import Certificate
 from isoembed.proof.double_double import exact_difference
 from isoembed.proof.length_equations import NotProven
-from isoembed.proof.nearby_hulls import prove_nearby_hulls
+from isoembed.proof.nearby_hulls import folds_of_polygons, prove_nearby_hulls
 from isoembed.proof.nearby_realization import FARTHEST, NearbyRealization
 from isoembed.proof.rounding import GUARD, U
 from isoembed.surface.intersection import self_intersections
@@ -153,7 +153,7 @@ def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str
     convex = ""
     if not np.ptp(heights):
         try:
-            found["smallest_dihedral"] = _smallest_dihedral(t, x, nearby.reach(radius))
+            found["smallest_dihedral"] = _smallest_dihedral(metric, x, nearby.reach(radius))
             found["convex"] = found["embedded"] = True
             return (
                 "it is the convex cap, whose exterior dihedral angles are at least "
@@ -166,8 +166,12 @@ def _prove(metric: PolyhedralMetric, x: Floats, heights: Floats, found: dict[str
     return convex + (f"faces {pairs[0].tolist()} cross, or may" if len(pairs) else "its faces do not cross")
 
 
-def _smallest_dihedral(t: Triangulation, x: Floats, reach: float) -> float:
-    """Lower bound on the dihedral angles inside a convex cap near points; raises NotProven if not convex."""
+def _smallest_dihedral(metric: PolyhedralMetric, x: Floats, reach: float) -> float:
+    """Lower bound on the dihedral angles inside a convex cap near points; raises NotProven if not convex.
+
+    Of a flat cap, it is that across all edges.
+    """
+    t = metric.triangulation
     [loop] = t.boundaries
     a, b = x[loop, :2], np.roll(x[loop, :2], -1, axis=0)
     is_upward = np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 0  # as seen from above
@@ -184,4 +188,5 @@ def _smallest_dihedral(t: Triangulation, x: Floats, reach: float) -> float:
     if flat.any():
         e = np.flatnonzero(inside)[np.argmax(flat)]
         raise NotProven(f"edge {e} {t.edges[e].tolist()} may be flat")
-    return float(hulls.dihedrals[own].min())
+    folds = folds_of_polygons(metric, x)[inside]
+    return float(hulls.dihedrals[own][folds | ~folds.any()].min())

@@ -35,7 +35,7 @@ from isoembed.arrays import Floats
 from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.certificate import Certificate
 from isoembed.proof.length_equations import NotProven
-from isoembed.proof.nearby_hulls import prove_nearby_hulls
+from isoembed.proof.nearby_hulls import folds_of_polygons, prove_nearby_hulls
 from isoembed.proof.nearby_realization import FARTHEST, NearbyRealization, norm
 from isoembed.proof.rounding import GUARD, U
 from isoembed.thresholds import rounded_down, rounded_up
@@ -58,7 +58,8 @@ class ConvexCertificate(Certificate):
         Lower bound on the exterior dihedral angles between the faces of the exact polyhedron, radians; in
         hyperbolic and spherical space it decreases with the distance from the origin.
     flat_edges : int or None
-        Number of edges within polygonal faces, where the exact polyhedron may have other diagonals, or none.
+        Number of edges within polygonal faces, which are flat up to rounding: the exact polyhedron may be bent
+        by as little there, along these or other diagonals.
     """
 
     distance: float | None = None
@@ -97,9 +98,12 @@ def certify(
     except NotProven as obstacle:
         return ConvexCertificate(False, f"not certified, because {obstacle}", **found)
     found["distance"] = distance = float(np.nextafter(distance, np.inf))
+    flat = found["flat_edges"]
+    within = f", but across {flat} diagonals of polygons that are flat up to rounding" if flat else ""
     reason = (
         f"certified: the vertices are within {rounded_up(distance)} of those of the convex polyhedron of the "
         f"metric, whose exterior dihedral angles are at least {rounded_down(found['smallest_dihedral'])}"
+        f"{within}"
     )
     return ConvexCertificate(True, reason, **found)
 
@@ -119,8 +123,9 @@ def _prove(metric: PolyhedralMetric, x: Floats, length_errors: Floats, found: di
     reach = 2 * stretch * (nearby.step + radius) + off
     reach += 4 * U * float(np.abs(straight - straight.mean(axis=0)).max())
     hulls = prove_nearby_hulls(metric.triangulation, straight, reach)
-    found["smallest_dihedral"] = float((hulls.dihedrals * equations.dihedral_shares()).min())
-    found["flat_edges"] = int(hulls.flat.sum())
+    folds = folds_of_polygons(metric, x) & ~hulls.flat
+    found["smallest_dihedral"] = float((hulls.dihedrals * equations.dihedral_shares())[folds].min())
+    found["flat_edges"] = int((~folds).sum())
     # The length error of an edge is at most twice the largest distance, by which each of its ends may move.
     farther = 5 * FARTHEST * metric.mean_length + length_errors
     detours = norm(equations.detours(hulls.flat, hulls.slopes, reach, farther))

@@ -39,9 +39,11 @@ import numpy as np
 
 from isoembed.arrays import Floats, Mask
 from isoembed.mesh.triangulation import Triangulation
+from isoembed.metric.polyhedral import PolyhedralMetric
 from isoembed.proof.length_equations import NotProven
 from isoembed.proof.polygonal_cells import Cells
 from isoembed.proof.rounding import GUARD, UNDERFLOW, U
+from isoembed.surface.flat_faces import FlatFaces
 from isoembed.surface.measures import face_normals
 
 # Rounding error of a triple product of differences, relative to the product of their norms: each term takes
@@ -108,6 +110,16 @@ def prove_nearby_hulls(triangulation: Triangulation, vertices: Floats, reach: fl
     _check_ray(t, vertices - center)
     dihedrals = np.where(flat, np.inf, (roofs.sines - roofs.errors) / GUARD)
     return NearbyHulls(dihedrals, flat, roofs.slopes[cells.labels[t.edge_faces[:, 0]]])
+
+
+def folds_of_polygons(metric: PolyhedralMetric, vertices: Floats) -> Mask:
+    """Edges between polygons that are flat up to rounding, shape (E,): the others are diagonals of these.
+
+    Rounding bends diagonals by amounts of its own, which no bound on the angles of a body is about.
+    """
+    t, precision = metric.triangulation, metric.precision
+    error = 0.0 if precision is None else precision.vertex_error * metric.mean_length
+    return FlatFaces.of(t, vertices, metric.space, error, np.zeros(t.n_vertices, dtype=np.bool_)).edges
 
 
 @dataclass(frozen=True, eq=False)
