@@ -100,25 +100,25 @@ def embed(
     >>> round(embed(tetrahedron).volume, 12)  # sqrt(2) / 12
     0.117851130198
     """
-    given = _metric(metric)
+    source = _metric(metric)
     how: dict[str, Any] = {"tolerance": tolerance, "progress": progress, "resume": resume}
     if boundary is not None:
         if method is not None:
             raise InvalidParameter("give either boundary or method, not both")
         kind: Any = method_class("sheet")
-        own = given.simplicial() if isinstance(given, GluedMetric) else given
+        own = source.simplicial() if isinstance(source, GluedMetric) else source
         return solve(own, kind(boundary, start), length_errors=length_errors, **how)
     if start is not None:
         raise InvalidParameter(
             "a start is for surfaces with boundary or of higher genus: give boundary='free'"
         )
-    if method is None and isinstance(given, GluedMetric):
+    if method is None and isinstance(source, GluedMetric):
         from isoembed.gluing import Net, embed_net
 
-        if isinstance(given, Net) and length_errors is None:
-            return embed_net(given, **how)
+        if isinstance(source, Net) and length_errors is None:
+            return embed_net(source, **how)
         method = "alexandrov"
-    return solve(given, as_method(method or "aim"), length_errors=length_errors, **how)
+    return solve(source, as_method(method or "aim"), length_errors=length_errors, **how)
 
 
 def glue(
@@ -167,9 +167,9 @@ def glue(
     from isoembed.gluing import glue as glue_polygons
 
     if isinstance(polygons, str | os.PathLike | Unfolding):
-        given = {"sides": sides, "corners": corners, "curvature": curvature or None}
-        given["any_surface"] = any_surface or None
-        for name, value in given.items():
+        options = {"sides": sides, "corners": corners, "curvature": curvature or None}
+        options["any_surface"] = any_surface or None
+        for name, value in options.items():
             if value is not None:
                 raise InvalidParameter(
                     f"{name} can be given only with arrays of corners; a file or an unfolding has its own"
@@ -232,7 +232,7 @@ def unfold(
     return unfold_surface(surface, cut=cut, keep=keep, objective=objective, within=within)
 
 
-def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
+def _metric(source: Any) -> PolyhedralMetric | GluedMetric:
     """The metric itself, or that of a file or a mesh.
 
     Raises
@@ -240,21 +240,21 @@ def _metric(given: Any) -> PolyhedralMetric | GluedMetric:
     FileError, InvalidMetric, InvalidParameter
         There is none.
     """
-    if isinstance(given, PolyhedralMetric | GluedMetric):
-        return given
-    if isinstance(given, str | os.PathLike):
+    if isinstance(source, PolyhedralMetric | GluedMetric):
+        return source
+    if isinstance(source, str | os.PathLike):
         from isoembed.io.metric import read_metric
         from isoembed.io.net import holds_net, read_net
 
-        return read_net(given) if holds_net(given) else read_metric(given, any_surface=True)
-    if isinstance(source_metric := getattr(given, "metric", None), PolyhedralMetric) and not hasattr(
-        given, "vertices"
+        return read_net(source) if holds_net(source) else read_metric(source, any_surface=True)
+    if isinstance(source_metric := getattr(source, "metric", None), PolyhedralMetric) and not hasattr(
+        source, "vertices"
     ):
         return source_metric  # of a triangulation by `isoembed.smooth.triangulate_metric`
-    return PolyhedralMetric.from_mesh(**_mesh(given, "metric"))
+    return PolyhedralMetric.from_mesh(**_mesh(source, "metric"))
 
 
-def _mesh(given: Any, wanted: str) -> dict[str, Any]:
+def _mesh(source: Any, wanted: str) -> dict[str, Any]:
     """Arguments of `PolyhedralMetric.from_mesh` for a mesh.
 
     Raises
@@ -262,14 +262,14 @@ def _mesh(given: Any, wanted: str) -> dict[str, Any]:
     InvalidParameter
         The object is not a mesh.
     """
-    if hasattr(given, "vertices") and hasattr(given, "faces"):
-        return of_trimesh(given)
-    if hasattr(given, "points") and hasattr(given, "faces"):
-        return of_pyvista(given)
-    if isinstance(given, tuple | list) and len(given) == 2:
-        return dict(zip(("vertices", "faces"), given, strict=True))
+    if hasattr(source, "vertices") and hasattr(source, "faces"):
+        return of_trimesh(source)
+    if hasattr(source, "points") and hasattr(source, "faces"):
+        return of_pyvista(source)
+    if isinstance(source, tuple | list) and len(source) == 2:
+        return dict(zip(("vertices", "faces"), source, strict=True))
     instead = "PolyhedralMetric(faces, lengths, edges), " if wanted == "metric" else ""
     raise InvalidParameter(
-        f"the {wanted} is a {type(given).__name__}: give {instead}the path of a file, or a mesh, such as "
+        f"the {wanted} is a {type(source).__name__}: give {instead}the path of a file, or a mesh, such as "
         "(vertices, faces)"
     )

@@ -314,7 +314,7 @@ RING = PolyhedralMetric.from_mesh(*discs.band(6, 2, lambda t: (1.0 + t, 0.0)))
         (ROUND, {}, InvalidMetric, "not closed; boundary='free' is for such surfaces"),
         (ROUND, {"start": np.zeros((37, 3))}, InvalidParameter, "give boundary='free'"),
         (ROUND, {"boundary": "flat"}, InvalidParameter, "the boundary is 'flat', none of 'free', 'plane'"),
-        (ROUND, {"boundary": [1.0, 2.0]}, InvalidParameter, "18 vertices there, so it is"),
+        (ROUND, {"boundary": [1.0, 2.0]}, InvalidParameter, "18 vertices there, so it must be"),
         (ROUND, {"boundary": [[np.nan] * 3] * 18}, InvalidParameter, "not finite"),
         (ROUND, {"boundary": "free", "start": [[0, 0, 0]]}, InvalidParameter, "not \\(37, 3\\)"),
         (ROUND, {"boundary": "plane", "start": cap(DISC, FACES)[0]}, InvalidParameter, "takes no start"),

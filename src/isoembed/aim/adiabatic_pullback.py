@@ -30,9 +30,9 @@ def pull_back(
         Each time after the first, over t_f, and the surface P_t.
     """
     moments = iter(times)
-    known = [(next(moments), start)]
+    history = [(next(moments), start)]
     for t in moments:
-        guess = extrapolated(known[-3:], t) if len(known) > 3 else known[-1][1]
+        guess = extrapolated(history[-3:], t) if len(history) > 3 else history[-1][1]
         annealed = relax(guess, t)
-        known = [*known[-3:], (t, annealed.vertices)]
+        history = [*history[-3:], (t, annealed.vertices)]
         yield t, annealed

@@ -116,11 +116,11 @@ class Convexification:
         if diffused is None:
             return None
         goal, step = diffused
-        least = 0.5 * margin * reached.shares  # half of the margin suffices after the conformal change
+        lower = 0.5 * margin * reached.shares  # half of the margin suffices after the conformal change
         for count in range(100):
             missing = goal - reached.metric.deficits
             recorder.show(residual=float(np.abs(missing).max()))
-            if (reached.metric.deficits >= least).all():
+            if (reached.metric.deficits >= lower).all():
                 return reached.metric
             if count > 0:
                 step = reached.solved(missing)

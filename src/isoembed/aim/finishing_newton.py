@@ -100,7 +100,7 @@ class _SoftMotions:
     stresses: Floats
 
     @classmethod
-    def of(cls, system: LengthSystem, vertices: Floats, lengths: Floats, most: int) -> _SoftMotions:
+    def of(cls, system: LengthSystem, vertices: Floats, lengths: Floats, max_count: int) -> _SoftMotions:
         """Softest motions, at most `count`; raises SingularMatrix.
 
         If J is singular, motions do not follow from stresses; both are computed as eigenvectors.
@@ -111,7 +111,7 @@ class _SoftMotions:
         factor = VertexSystem(triangulation, work=system.work).penalized(
             edge_rows(triangulation, vertices, lengths), 0.0
         )
-        count = min(most, m - 1)
+        count = min(max_count, m - 1)
         moved = vertices - vertices.mean(axis=0)
         turns = [np.cross(axis, moved).ravel() for axis in np.eye(3)]
         shifts = [np.tile(axis, len(vertices)) for axis in np.eye(3)]

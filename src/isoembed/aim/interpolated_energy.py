@@ -122,18 +122,18 @@ class InterpolatedEnergy(RegularizedEnergy):
             return self._differences.transposed(rows * stretch[:, None]) + mu * self.roughness(d, w)
 
         def attempt(
-            factor: SymmetricFactor, tolerance: float, most: int, patience: int | None = None
+            factor: SymmetricFactor, tolerance: float, limit: int, patience: int | None = None
         ) -> Approximation:
             def precondition(forces: Floats) -> Floats:
                 return factor.solve(forces.ravel(), sweeps=0).reshape(-1, 3)
 
-            return conjugate_gradients(product, precondition, gradient, tolerance, most, patience=patience)
+            return conjugate_gradients(product, precondition, gradient, tolerance, limit, patience=patience)
 
         if self.factor is not None:
             worth = int(1.1e-4 * len(vertices) ** 1.5)  # iterations worth a new factorization
-            most = min(worth, MAX_ITERATIONS)
+            limit = min(worth, MAX_ITERATIONS)
             # Three iterations before extrapolating their number.
-            found = attempt(self.factor, SOLVED, most, 3)
+            found = attempt(self.factor, SOLVED, limit, 3)
             if found.residual <= SOLVED:
                 return found.x
         self.factor = None  # free its memory for the next

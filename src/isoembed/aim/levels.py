@@ -44,9 +44,9 @@ QUINTIC = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 
 def goes_by_levels(metric: PolyhedralMetric, checkpoint: Mapping[str, NDArray[Any]] | None) -> bool:
     """Whether to use levels: for many vertices in Euclidean space, unless a resumed run abandoned them."""
-    given_up = checkpoint is not None and "split" not in checkpoint
+    is_abandoned = checkpoint is not None and "split" not in checkpoint
     many = metric.triangulation.n_vertices >= LEAST_VERTICES
-    return metric.space.is_euclidean and many and not given_up
+    return metric.space.is_euclidean and many and not is_abandoned
 
 
 def pulled_back_by_levels(

@@ -60,7 +60,7 @@ def local_search(
     vertices: Floats,
     lengths: Floats,
     recorder: StageRecorder,
-    most: float,
+    max_cost: float,
 ) -> Searched:
     """Reflect patches on the wrong side of a surface that misses its lengths.
 
@@ -73,28 +73,28 @@ def local_search(
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
         Recorder of the work; a factorization of a patch counts by its share of the vertices.
-    most : float
+    max_cost : float
         Budget in factorizations; a step in progress is completed.
 
     Returns
     -------
     Searched
     """
-    budget = Budget(recorder.work, most)
+    budget = Budget(recorder.work, max_cost)
     search = _LocalSearch(energy, system, vertices, lengths, recorder, budget)
     x = vertices
     # Share of the search guided by smoothness.
-    budget.limit = 0.5 * most if search.is_coarse else most - FADE_STEPS
+    budget.limit = 0.5 * max_cost if search.is_coarse else max_cost - FADE_STEPS
     for weight in WEIGHTS:
         mu = weight * energy.unit**2
         x = search.at(x, mu)
         if search.is_done(x):
             break
         # Mean edge lengths^2; below it the penalty is released.
-        known = weight <= 1e-4 and not search.is_coarse
-        if known and search.ends_realized(x, mu):
+        is_small = weight <= 1e-4 and not search.is_coarse
+        if is_small and search.ends_realized(x, mu):
             break
-    budget.limit = most
+    budget.limit = max_cost
     if search.is_coarse:
         x = search.mirrored(x)
     elif search.realization is None:
@@ -253,7 +253,7 @@ class _LocalSearch(SearchState):
         """The surface with a disk reflected, if its energy is lower by at least ``enough``; else x itself."""
         patch = self.patch(self.grown(disk, 2), mu)  # two rings around the disk are relaxed, too
         offset = patch.offset(x, disk)
-        least = MOVED * self.reach(x)
+        min_distance = MOVED * self.reach(x)
         # Once and twice the distance to the predicted position.
         for motion in (*(times * offset for times in (1.0, 2.0)), self.reflection(x, disk)):
             trial = x.copy()
@@ -262,7 +262,7 @@ class _LocalSearch(SearchState):
                 continue
             before = patch.value(x)
             found, after = patch.relaxed(trial)
-            if np.linalg.norm(found - x, axis=1).max() < least:
+            if np.linalg.norm(found - x, axis=1).max() < min_distance:
                 continue
             if enough > before - after > -0.5 * before:  # growth possibly due to too few rings
                 wide = self.patch(self.grown(disk, 5), mu)  # more rings, for a decision

@@ -92,9 +92,9 @@ class Predicted(NamedTuple):
 
 def softest_motions(expansion: LengthExpansion, count: int) -> Floats:
     """The motions with the smallest changes of the lengths, (m, V, 3); none if the surface is flexible."""
-    most = min(count, len(expansion.lengths) - 1)
+    available = min(count, len(expansion.lengths) - 1)
     try:
-        return expansion.system.smallest_singular_values(expansion.vertices, expansion.lengths, most)[1]
+        return expansion.system.smallest_singular_values(expansion.vertices, expansion.lengths, available)[1]
     except SingularMatrix:
         return np.empty((0, *expansion.vertices.shape))
 
@@ -126,8 +126,8 @@ def predicted_motions(
     motions = [np.tensordot(root, scaled, axes=1) for root in found.near_real(imaginary)]
     reach = [float(np.linalg.norm(motion, axis=1).max()) for motion in motions]
     # Mean edge lengths; shorter motions lead to the surface itself.
-    least = APART * max(float(np.abs(expansion.residuals).max()), 1e-9 * unit)
-    selected = [motions[k] for k in np.argsort(reach) if least < reach[k] < near * unit]
+    min_reach = APART * max(float(np.abs(expansion.residuals).max()), 1e-9 * unit)
+    selected = [motions[k] for k in np.argsort(reach) if min_reach < reach[k] < near * unit]
     return Predicted(selected, found.complete)
 
 

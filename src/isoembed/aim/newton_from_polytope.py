@@ -144,11 +144,11 @@ def _followed(
     def heights(radii: Floats) -> Floats:
         return radii - np.bincount(ends[0], radii[ends[1]]) / degrees
 
-    known: list[tuple[float, Floats]] = [(1.0, start)]
+    history: list[tuple[float, Floats]] = [(1.0, start)]
     state: Solution | None = None
     branch_deviation = 0.0
     for t in np.linspace(1, 0, steps + 1)[1:].tolist():
-        p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(known[-3:], t))
+        p = Polytope.on(tables._replace(lengths=tables.lengths * ratio**t), extrapolated(history[-3:], t))
         if p is None:
             return None
         state = replace(state, polytope=p) if state else pinned(p, analyses, directions)
@@ -156,11 +156,11 @@ def _followed(
         if found is None:
             return None
         state, expected = found
-        if len(known) > 1:
+        if len(history) > 1:
             expected = p.radii
         change = np.abs(heights(state.polytope.radii - expected)).max() / round_height
         branch_deviation = max(branch_deviation, float(change))
-        known.append((t, state.polytope.radii))
+        history.append((t, state.polytope.radii))
         recorder.show(t=t, done=0.4 * (1 - t))  # share of the work before the placement
     return None if state is None else (_reflected(state, recorder), branch_deviation)
 

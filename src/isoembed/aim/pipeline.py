@@ -95,21 +95,21 @@ class State:
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]], problem: Problem) -> State:
         """The inverse of `arrays`."""
-        known: dict[str, Any] = {name: arrays.get(name) for name in ("body", "start", "smooth")}
+        surfaces: dict[str, Any] = {name: arrays.get(name) for name in ("body", "start", "smooth")}
         for name in FITS:
             if name in arrays:
                 from isoembed.aim.best_fit import BestFit
 
                 fit = BestFit(arrays[name], *arrays[f"{name} numbers"].tolist())
                 parts: dict[str, Any] = {part: arrays.get(f"{name} {part}") for part in OF_SUSPECTS}
-                known[name] = replace(fit, **parts)
+                surfaces[name] = replace(fit, **parts)
         count = sum(name.startswith("candidate ") for name in arrays)
         return cls(
             candidates=tuple(problem.placed(arrays[f"candidate {k}"]) for k in range(count)),
             trusted=bool(arrays["trusted"]),
             searched=bool(arrays["searched"]),
             cost=int(arrays["cost"]),
-            **known,
+            **surfaces,
         )
 
 
@@ -230,9 +230,9 @@ class Pipeline:
     def _begin(self, key: str, state: State) -> None:
         """Begin a strategy or decision, with a checkpoint unless it is the first or the resumed one."""
         is_first = state is INITIAL and not self.work.factorizations
-        known = {} if is_first else {**state.arrays(), SPENT: self.work.factorizations}
-        self.checkpoints.begin(key, known)
-        if known and not self._goal:
+        kept = {} if is_first else {**state.arrays(), SPENT: self.work.factorizations}
+        self.checkpoints.begin(key, kept)
+        if kept and not self._goal:
             self.checkpoints.keep()
         if key == self._goal:
             self._goal = ""

@@ -181,10 +181,10 @@ class RealizationSearch:
 
         For the given one, and if nothing new is found, also those with the softest motions projected out.
         """
-        known, moves = len(self.found), self._moves[i]
+        before, moves = len(self.found), self._moves[i]
         self._follow(self._opened(i), moves + 1)
         yield
-        if not moves or len(self.found) == known:
+        if not moves or len(self.found) == before:
             self._follow(self._starts_from(self.found[i], SOFTEST, SOFTEST), moves + 1)
             yield
 

@@ -152,9 +152,9 @@ def realizations(
     )
     if not 0 < distance < np.inf:
         raise InvalidParameter(f"the distance is {distance!r}, not a positive number of mean edge lengths")
-    for name, value, least, most in (("motions", motions, FEWEST, MOST), ("surfaces", surfaces, 1, np.inf)):
-        if not (isinstance(value, int) and least <= value <= most):
-            wanted = f"from {least} to {most}" if most < np.inf else f"of at least {least}"
+    for name, value, lower, upper in (("motions", motions, FEWEST, MOST), ("surfaces", surfaces, 1, np.inf)):
+        if not (isinstance(value, int) and lower <= value <= upper):
+            wanted = f"from {lower} to {upper}" if upper < np.inf else f"of at least {lower}"
             raise InvalidParameter(f"the number of {name} is {value!r}, not an integer {wanted}")
     metric = embedding.metric
     with Log().stage("realizations") as recorder:

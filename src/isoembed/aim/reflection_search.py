@@ -32,7 +32,7 @@ def with_reflected_vertices(
     vertices: Floats,
     lengths: Floats,
     recorder: StageRecorder,
-    most: float,
+    max_cost: float,
 ) -> Floats:
     """Reflect vertices on the wrong side of a surface that nearly has its lengths.
 
@@ -48,7 +48,7 @@ def with_reflected_vertices(
     lengths : ndarray, shape (E,)
     recorder : StageRecorder
         Recorder of the work; solves and patches count as fractions of a factorization.
-    most : float
+    max_cost : float
         Budget in factorizations.
 
     Returns
@@ -56,7 +56,7 @@ def with_reflected_vertices(
     ndarray, shape (V, 3)
         The surface found with the smallest residual.
     """
-    search = _ReflectionSearch(energy, system, vertices, lengths, recorder, Budget(recorder.work, most))
+    search = _ReflectionSearch(energy, system, vertices, lengths, recorder, Budget(recorder.work, max_cost))
     search.follow(vertices, search.balanced_penalty(vertices))
     passed_over = 0
     while search.turn is not None and not (search.is_done or search.pass_over):
@@ -103,9 +103,9 @@ class _ReflectionSearch(SearchState):
             super().keep(anneal(self.system, x, self.lengths, self.recorder).vertices)
         return residual
 
-    def descended(self, x: Floats, mu: float, most: float = np.inf) -> Floats:
+    def descended(self, x: Floats, mu: float, max_cost: float = np.inf) -> Floats:
         """The minimum of the energy, with a limited number of factorizations."""
-        descent = Budget(self.recorder.work, most)
+        descent = Budget(self.recorder.work, max_cost)
 
         def is_enough(_: Floats) -> bool:
             return descent.exhausted or self.exhausted

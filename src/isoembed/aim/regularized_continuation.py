@@ -77,11 +77,11 @@ def regularized_continuation(
         recorder.show(vertices=x[-1])
 
     x, mu = guided(energy, start, lengths, recorder, checkpoint, keep)
-    given, close = lengths(0.0), NEARLY * energy.unit
-    found, residual = release_penalty(energy.finer(x), x, given, mu, recorder)
+    target, close = lengths(0.0), NEARLY * energy.unit
+    found, residual = release_penalty(energy.finer(x), x, target, mu, recorder)
     if residual > close:  # edges too long for quintics
         found = min(
-            (found, residual), release_penalty(energy, x, given, mu, recorder), key=lambda pair: pair[1]
+            (found, residual), release_penalty(energy, x, target, mu, recorder), key=lambda pair: pair[1]
         )[0]
     return Continued(x, found)
 
@@ -99,39 +99,40 @@ def guided(
     Parameters as for `regularized_continuation`; `keep` takes the surfaces reached, in order, and the other
     contents of `checkpoint`.
     """
-    given, released = lengths(0.0), 0
+    target, released = lengths(0.0), 0
     # Mean edge lengths^2; larger values would smooth edges away.
     mu, stiffest = 0.007 * energy.unit**2, 7.0 * energy.unit**2
-    known: list[tuple[float, Floats]] = []
+    history: list[tuple[float, Floats]] = []
     steps = np.linspace(1, 0, 6 + 1).tolist()  # from t = 1 to t = 0
     usual = len(steps) + len(LETTING_GO) + 2 + 4  # usually four steps of the release
     if checkpoint is not None:
-        mu, known = float(checkpoint["mu"]), list(zip(checkpoint["t"].tolist(), checkpoint["x"], strict=True))
+        mu = float(checkpoint["mu"])
+        history = list(zip(checkpoint["t"].tolist(), checkpoint["x"], strict=True))
         released = int(checkpoint["released"])
-        steps = [t for t in steps if t < known[-1][0]]
+        steps = [t for t in steps if t < history[-1][0]]
 
     def reached() -> None:
-        keep([x for _, x in known], t=[t for t, _ in known], mu=mu, released=released)
+        keep([x for _, x in history], t=[t for t, _ in history], mu=mu, released=released)
         recorder.show(done=min(recorder.iterations / usual, 1.0))
 
     for t in steps:
         recorder.show(t=t)
-        guess = extrapolated(known[-3:], t) if known else start
+        guess = extrapolated(history[-3:], t) if history else start
         if not np.isfinite(energy.residuals(guess, lengths(t))).all():  # outside of the hemisphere
-            guess = known[-1][1]
+            guess = history[-1][1]
         x, downhill = energy.step(guess, lengths(t), mu, BENDING, recorder)
         while not downhill and mu < stiffest:
             mu *= 3.0
             x, downhill = energy.step(guess, lengths(t), mu, BENDING, recorder)
-        known = [*known[-2:], (t, x if downhill else guess)]
+        history = [*history[-2:], (t, x if downhill else guess)]
         reached()
-    x = known[-1][1]
+    x = history[-1][1]
     for w in (BENDING, *LETTING_GO)[released:]:
-        x = energy.relaxed(x, given, mu, w, recorder)
-        known, released = [(0.0, x)], released + 1
+        x = energy.relaxed(x, target, mu, w, recorder)
+        history, released = [(0.0, x)], released + 1
         reached()
     mu *= FADE
-    return energy.relaxed(x, given, mu, 0.0, recorder), mu
+    return energy.relaxed(x, target, mu, 0.0, recorder), mu
 
 
 def release_penalty(

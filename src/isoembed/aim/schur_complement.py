@@ -154,7 +154,7 @@ class CondensedPatch:
         """The local minimum near a motion, (n, 3), and by how much the energy has grown there."""
         matrix, forces = self._outside
         share = len(self.vertices) / len(self.surface.vertices)
-        least, steps = self.surface.value, count(-EARLY)  # of those that may lead nowhere
+        lowest, steps = self.surface.value, count(-EARLY)  # of those that may lead nowhere
 
         def step(d: Floats) -> Curve[Floats]:
             r, rows = self._errors(d)
@@ -171,14 +171,14 @@ class CondensedPatch:
         def leads_nowhere(_: Floats, value: float, before: float) -> bool:
             # Growth of the energy after the first steps, and its factor with each further one.
             k = next(steps) - 1
-            return k >= 0 and value > 3e3 * 0.25**k * least
+            return k >= 0 and value > 3e3 * 0.25**k * lowest
 
         found = descend(
             motion,
             step,
             Damping(1e-6, stiffer=4.0, softer=0.125, largest=10.0),  # stiffness of an edge
             value=self.change,
-            converged=lambda _, value, before: before - value < SETTLED * (abs(value) + least * SETTLED),
+            converged=lambda _, value, before: before - value < SETTLED * (abs(value) + lowest * SETTLED),
             stalled=leads_nowhere,
             max_iterations=15,
         )

@@ -436,7 +436,7 @@ def accepted(state: State, problem: Problem, vertices: Floats) -> State:
     return state.adding(found, trusted=True) if is_accepted(found) else state
 
 
-def with_best_fit(state: State, pipeline: Pipeline, most: float) -> State:
+def with_best_fit(state: State, pipeline: Pipeline, max_cost: float) -> State:
     """The state with the best fit, if there is one, and the surface that Newton's method reaches from it."""
     from isoembed.aim.best_fit import best_fit
     from isoembed.aim.levels import smooth_start
@@ -446,7 +446,7 @@ def with_best_fit(state: State, pipeline: Pipeline, most: float) -> State:
     with pipeline.log.stage("best fit") as recorder:
         near = smooth_start(problem.metric, start, recorder)
         fit = best_fit(
-            problem.metric, SmoothingEnergy(problem.metric, near, recorder.work), near, recorder, most
+            problem.metric, SmoothingEnergy(problem.metric, near, recorder.work), near, recorder, max_cost
         )
         if fit is None:
             return state

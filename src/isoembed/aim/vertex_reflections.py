@@ -195,6 +195,6 @@ def shallow(
         d = (apart - lengths) * (apart + lengths) / (2 * lengths) - r
         removed -= np.bincount(a, r * d, minlength=len(x))
         changed += np.bincount(a, d**2, minlength=len(x))
-    least, most = PROMISE
-    promised = np.flatnonzero((removed > least * (r @ r)) & (removed < most * (r @ r)))
+    lower, upper = PROMISE
+    promised = np.flatnonzero((removed > lower * (r @ r)) & (removed < upper * (r @ r)))
     return promised[np.argsort(changed[promised], kind="stable")]

@@ -27,17 +27,17 @@ def attempted(metric: PolyhedralMetric, core: Indices, nearest: Polytope | None,
     """
     n = metric.triangulation.n_vertices
     vertices = np.empty((n, 3))
-    known = np.zeros(n, dtype=np.bool_)
-    known[core] = True
+    placed = np.zeros(n, dtype=np.bool_)
+    placed[core] = True
     found = _spread(core.size) if nearest is None else _placed(nearest, work)
     if metric.curvature > 0:  # within the hemisphere covered by the coordinates
         found = found * min(1.0, 0.5 * metric.space.radius / float(np.abs(found).max()))  # radii of curvature
     vertices[core] = found
-    if not known.all():  # other vertices at the means of their neighbors
+    if not placed.all():  # other vertices at the means of their neighbors
         adjacency = metric.triangulation.adjacency
-        rest = (diags_array(metric.triangulation.degrees.astype(np.float64)) - adjacency).tocsr()[~known]
-        right = adjacency[~known][:, known] @ vertices[known]
-        vertices[~known] = spsolve(rest[:, ~known].tocsc(), right).reshape(-1, 3)
+        rest = (diags_array(metric.triangulation.degrees.astype(np.float64)) - adjacency).tocsr()[~placed]
+        right = adjacency[~placed][:, placed] @ vertices[placed]
+        vertices[~placed] = spsolve(rest[:, ~placed].tocsc(), right).reshape(-1, 3)
     return vertices
 
 

@@ -53,8 +53,8 @@ def flat_limit(p: Polytope) -> DoublyCovered | None:
     # in edge lengths.
     on_edge = (1e-8 + 30.0 * p.lowest) * p.tables.lengths
     # The relative sum of the feet beside an edge is 1 at a fold and 0 at a flat edge.
-    least = 0.5 * (np.abs(feet) + np.abs(other)) + on_edge
-    return doubly_covered(p.tables, feet + other > least)
+    limit = 0.5 * (np.abs(feet) + np.abs(other)) + on_edge
+    return doubly_covered(p.tables, feet + other > limit)
 
 
 def doubly_covered_triangle(core: HalfEdges) -> DoublyCovered | None:

@@ -304,15 +304,15 @@ def _path(
         # With a stale factorization, two successive steps are halved at most twice together; from step 20 on,
         # none is halved.
         stale = max(3 - halving, 1) if count < 20 else 1
-        goal, most = here.target * deficits, 30 if fresh else stale
-        stepped = _halved(p, dr, goal, unit, most, flips)
+        goal, trials = here.target * deficits, 30 if fresh else stale
+        stepped = _halved(p, dr, goal, unit, trials, flips)
         too_short = stepped is None or stepped.halving > TOO_SHORT
         if too_short and fresh and here.residual > EXACT:
             here = replace(here, residual=EXACT)
             dr, _ = _solved(p, inverse, missing, here.residual)
-            stepped = _halved(p, dr, goal, unit, most, flips) or stepped
+            stepped = _halved(p, dr, goal, unit, trials, flips) or stepped
         if stepped is None:
-            halving = most - 1
+            halving = trials - 1
             if not fresh:
                 inverse = None
                 continue
@@ -377,11 +377,11 @@ def _norm(curvatures: Floats, unit: Floats | float) -> float:
 
 
 def _halved(
-    p: Polytope, dr: Floats, goal: Floats, unit: Floats | float, most: int, flips: bool
+    p: Polytope, dr: Floats, goal: Floats, unit: Floats | float, trials: int, flips: bool
 ) -> _Step | None:
-    """Step toward these curvatures, halved until they are closer; None if all of `most` trials fail."""
+    """Step toward these curvatures, halved until they are closer; None if all `trials` fail."""
     size = _norm(p.curvatures - goal, unit)
-    search = LineSearch(DECREASE, shortest=2.0 ** (1 - most))
+    search = LineSearch(DECREASE, shortest=2.0 ** (1 - trials))
     for halving, fraction in enumerate(search.parameters()):
         q = Polytope.over(p.tables, p.radii + fraction * dr, flips=flips)
         if q is not None:

@@ -121,9 +121,9 @@ class Alexandrov(Method):
 
     def _advice(self, metric: PolyhedralMetric | GluedMetric, tolerance: float, log: Log) -> str:
         """Clause suggesting a repair of small deficits, if it leads to a polyhedron."""
-        given = GluedMetric.of(metric)
-        least = deficit_rounding(given)
-        level = repair_level(given.deficits, least)
+        glued = GluedMetric.of(metric)
+        rounding = deficit_rounding(glued)
+        level = repair_level(glued.deficits, rounding)
         if level is None or self.repair:
             return ""
         repaired = repair_that_succeeds(metric, level, tolerance, log)
@@ -161,8 +161,8 @@ def convex_polyhedron(
     answer = _searched(lifted, repair, tolerance, log)
     if isinstance(answer, ConvexPolyhedron) and answer.converged:
         return answer
-    given = GluedMetric.of(lifted)
-    flat = small_by_far(given.deficits, min(noise, largest_noise(GluedMetric.of(metric).deficits)))
+    glued = GluedMetric.of(lifted)
+    flat = small_by_far(glued.deficits, min(noise, largest_noise(GluedMetric.of(metric).deficits)))
     if repair.vertices.size and flat.any():
         # Which deficits are noise is visible only after the negative ones are lifted.
         lifted, repair = repaired(metric, noise, tolerance, flat=flat)
@@ -176,17 +176,17 @@ def _searched(
     metric: PolyhedralMetric | GluedMetric, repair: Repair, tolerance: float, log: Log
 ) -> Embedding:
     """Polyhedron of a metric without negative deficits, or an attempt."""
-    given = GluedMetric.of(metric)
-    rounding = deficit_rounding(given)
+    glued = GluedMetric.of(metric)
+    rounding = deficit_rounding(glued)
     # Whether a deficit within the tolerance is zero can only be decided by trying.
     flat = None
-    for least in (rounding, np.maximum(rounding, tolerance)):
-        before, flat = flat, given.deficits <= least
+    for allowed in (rounding, np.maximum(rounding, tolerance)):
+        before, flat = flat, glued.deficits <= allowed
         if before is not None and (flat == before).all():
             break
         if (~flat).sum() < 3:
             # On the sphere there are lunes and the whole sphere; elsewhere deficits sum to 4 pi at least.
-            thin = f": face {int(np.argmin(given.triangles.areas))} is too thin"
+            thin = f": face {int(np.argmin(glued.triangles.areas))} is too thin"
             raise InvalidMetric(
                 f"only {(~flat).sum()} vertices have deficits above the rounding error, and a convex "
                 f"polyhedron has at least 3{'' if metric.space.curvature > 0 else thin}"
@@ -285,8 +285,8 @@ class _Search:
         body = relaxed_polytope(nearest, self.log.work)
         if body is not None and body.dent <= SHALLOW:
             return body
-        flat, most = flat_limit(nearest), self.tolerance if body is None else RELAXED
-        return flat if flat is not None and flat.error <= most else body
+        flat, tolerance = flat_limit(nearest), self.tolerance if body is None else RELAXED
+        return flat if flat is not None and flat.error <= tolerance else body
 
     def _failure(self, core: Indices, nearest: Polytope | None, message: str) -> Embedding:
         """Embedding of the given triangles by the nearest polytope found."""

@@ -105,41 +105,41 @@ class ConvexPolyhedron(Polyhedron):
         frozen(self.flat_vertices)
         super().__post_init__()
 
-    def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
+    def _in_unit_of(self, target: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same polyhedron, computed for the `normalized` of a metric, in that metric's unit."""
-        own = GluedMetric.of(given) if self.repair is None else self.given.scaled(given.unit)
+        own = GluedMetric.of(target) if self.repair is None else self.given.scaled(target.unit)
         core = self.core and (
-            self.core[0]._replace(lengths=given.unit * self.core[0].lengths, curvature=given.curvature),
-            frozen(given.unit * self.core[1]),
+            self.core[0]._replace(lengths=target.unit * self.core[0].lengths, curvature=target.curvature),
+            frozen(target.unit * self.core[1]),
         )
         # These first: if the conversion rounds the vertices, `path_residuals` are recomputed.
         changed = self._with(given=own, core=core)
         changed.__dict__.pop("_certificate", None)  # its distance has a unit
-        return super(ConvexPolyhedron, changed)._in_unit_of(given)
+        return super(ConvexPolyhedron, changed)._in_unit_of(target)
 
-    def _with_errors_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
+    def _with_errors_of(self, target: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same polyhedron with the errors of the given lengths, within which bends do not count.
 
         Diagonals of its own have the root mean square error.
         """
-        error = given.length_error
+        error = target.length_error
         if not error:
             return self
-        errors = given.length_errors if isinstance(given, PolyhedralMetric) else None
+        errors = target.length_errors if isinstance(target, PolyhedralMetric) else None
         if self.core is None or not self.space.is_euclidean:
             if errors is not None:
                 exact = "of doubly covered polygons" if self.core is None else "in curved space"
                 warn_of_mesh(f"lengths {exact} are taken as exact: their errors are unused")
             return self
-        error *= given.mean_length
+        error *= target.mean_length
         metric, sigma = self.metric, None
         try:
-            known = vertex_error(metric_on(self.core[0]), self.core[1], error)
-            metric = metric._knowing(precision=Precision.of_lengths(known / metric.mean_length))
+            error_bound = vertex_error(metric_on(self.core[0]), self.core[1], error)
+            metric = metric._knowing(precision=Precision.of_lengths(error_bound / metric.mean_length))
         except InvalidMetric:  # triangles without the flat vertices need not form a simplicial complex
             pass
-        if isinstance(given, PolyhedralMetric) and errors is not None:
-            index = self.triangulation.edge_indices(given.edges)
+        if isinstance(target, PolyhedralMetric) and errors is not None:
+            index = self.triangulation.edge_indices(target.edges)
             sigma = np.full(len(self.edges), error)
             sigma[index[index >= 0]] = errors[index >= 0]
             sigma = frozen(sigma)

@@ -166,12 +166,12 @@ def _dents(tables: HalfEdges, vertices: Floats) -> Floats:
     return dent_depths(triangulation, vertices, Space(tables.curvature)) / tables.lengths.mean()
 
 
-def _flipped(tables: HalfEdges, depths: Floats, least: float) -> int:
-    """Flip edges dented by more than `least`, the deepest first, each face once; return their number."""
+def _flipped(tables: HalfEdges, depths: Floats, threshold: float) -> int:
+    """Flip edges dented by more than `threshold`, the deepest first, each face once; return their number."""
     triangulation = Triangulation(tables.faces)
     whole = np.ones(triangulation.n_faces, dtype=np.bool_)
     views, flipped = tables.views, 0
-    for e in np.argsort(-depths)[: int((depths > least).sum())]:
+    for e in np.argsort(-depths)[: int((depths > threshold).sum())]:
         faces = triangulation.edge_faces[e]
         if whole[faces].all() and flip(int(triangulation.edge_halfedges[e, 0]), views, 0.0):
             whole[faces] = False

@@ -24,8 +24,8 @@ def equal_radii(tables: HalfEdges, ladder: tuple[float, ...]) -> list[float]:
     tangent = float((chords.prod(axis=1) / (2 * (triangles.amplitudes * triangles.unit**2))).max())
     sine = float(np.sqrt((triangles.areas * triangles.unit**2).sum() / (4 * np.pi)))
     if k > 0:  # sines are bounded by the radius of curvature: multiples of tangents
-        least = max(tangent, sine / math.sqrt(max(1 - k * sine * sine, EPS)))
-        return [math.atan(factor * least * space.root) / space.root for factor in ladder]
+        smallest = max(tangent, sine / math.sqrt(max(1 - k * sine * sine, EPS)))
+        return [math.atan(factor * smallest * space.root) / space.root for factor in ladder]
     # Circumradii of a Delaunay triangulation are finite, up to rounding.
-    least = max(tangent / math.sqrt(max(1 + k * tangent * tangent, EPS)), sine)
-    return [float(space.asn(factor * least)) for factor in ladder]
+    smallest = max(tangent / math.sqrt(max(1 + k * tangent * tangent, EPS)), sine)
+    return [float(space.asn(factor * smallest)) for factor in ladder]

@@ -169,15 +169,15 @@ class Realization:
     ) -> SheetEmbedding:
         count = len(surface.metric.lengths)
         metric = surface.metric.with_lengths(checked(lengths, (count,), "lengths"))
-        given = self._given(boundary)
-        found = nearby_sheet(surface, metric, given if given.size else None)
+        values = self._given(boundary)
+        found = nearby_sheet(surface, metric, values if values.size else None)
         y = surface.vertices - surface.vertices.mean(axis=0)
         if surface.heights is not None:
             upright = np.array([0.0, 0.0, 1.0])
             x = found.vertices - found.vertices.mean(axis=0)
             middle = (1 - upright) * surface.vertices.mean(axis=0) + upright * found.vertices.mean(axis=0)
             return replace(found, vertices=_turned_level(x, y) + middle)
-        if given.size:
+        if values.size:
             return found
         return replace(found, vertices=aligned(found.vertices, surface.vertices))
 

@@ -41,9 +41,9 @@ def realization(surface: Embedding) -> Callable[..., torch.Tensor]:
     class Vertices(torch.autograd.Function):
         @staticmethod
         def forward(ctx: Any, lengths: torch.Tensor, boundary: torch.Tensor) -> torch.Tensor:
-            for name, given in (("lengths", lengths), ("boundary data", boundary)):
-                if given.dtype != torch.float64:
-                    raise TypeError(f"the {name} are {given.dtype}, not torch.float64")
+            for name, tensor in (("lengths", lengths), ("boundary data", boundary)):
+                if tensor.dtype != torch.float64:
+                    raise TypeError(f"the {name} are {tensor.dtype}, not torch.float64")
             rows = lengths.detach().cpu().numpy().reshape(-1, lengths.shape[-1])
             boundary_data = boundary.detach().cpu().numpy()
             if lengths.requires_grad or boundary.requires_grad:

@@ -145,8 +145,8 @@ def _end(
         found = f"{embedding.status}: {embedding.message}"
         integrals = ""
         if embedding.length_errors is not None:
-            known = {name: shown for name, shown in INTEGRALS.items() if report()[name] is not None}
-            integrals = ", ".join(f"{shown} {measure(report(), name)}" for name, shown in known.items())
+            stated = {name: shown for name, shown in INTEGRALS.items() if report()[name] is not None}
+            integrals = ", ".join(f"{shown} {measure(report(), name)}" for name, shown in stated.items())
         energy = bending(embedding._reported["sheet"]) if isinstance(embedding, SheetEmbedding) else ""
         proof = _proof(embedding, report if options.report else None)
         lines = found, energy, proof, integrals

@@ -66,15 +66,15 @@ def closed_form(options: argparse.Namespace) -> SurfaceData:
     """
     if options.surface is None:
         raise UsageError(f"which --surface? There are {SURFACES}")
-    given = {name: value for name in OF_SPACETIME if (value := getattr(options, name)) is not None}
-    if "spin" in given:
-        if len(given["spin"]) > 1:
+    values = {name: value for name in OF_SPACETIME if (value := getattr(options, name)) is not None}
+    if "spin" in values:
+        if len(values["spin"]) > 1:
             raise UsageError("--spin takes one number with a --spacetime, whose holes spin about z")
-        (given["spin"],) = given["spin"]
-    if options.spacetime == "schwarzschild" and (given.get("spin") or options.charge):
+        (values["spin"],) = values["spin"]
+    if options.spacetime == "schwarzschild" and (values.get("spin") or options.charge):
         raise UsageError("a Schwarzschild black hole has neither spin nor charge: take --spacetime kerr")
     try:
-        return kerr_surface(**given)
+        return kerr_surface(**values)
     except InvalidParameter as error:  # a parameter's name at the beginning is that of an option
         first, _, rest = str(error).partition(" ")
         if first in OF_SPACETIME:

@@ -129,9 +129,9 @@ def _summary(first: Embedding, found: Comparison) -> str:
     closed = first.triangulation.is_closed
     for name in ("volume", "integrated_mean_curvature") if closed else ("integrated_mean_curvature",):
         change, whole = getattr(apart, name), getattr(first, name)
-        known = stated(change, getattr(error, name))
+        with_error = stated(change, getattr(error, name))
         share = f", {abs(change / whole):.1e} of {whole:.9g}" if whole and np.isfinite(whole) else ""
-        lines.append(f"{SHOWN[name]:12}{known}{share}")
+        lines.append(f"{SHOWN[name]:12}{with_error}{share}")
     rough = " and ".join(f"{each:.4g}" for each in found.fine_roughness)
     lines.append(f"{'roughness':12}{rough} (fine_roughness)")
     if found.certified:

@@ -103,12 +103,12 @@ def _with_boundary(options: argparse.Namespace, surface: Embedding) -> Embedding
     count = int(t.boundary_vertices.sum())
     if condition in ("free", "plane"):
         return with_boundary_condition(surface, condition, np.zeros(count) if condition == "plane" else None)
-    given = read_numbers(Path(condition))
-    if given.shape not in ((count,), (count, 3)):
-        raise UsageError(f"{condition} has the shape {given.shape}, not ({count},) or ({count}, 3)")
+    values = read_numbers(Path(condition))
+    if values.shape not in ((count,), (count, 3)):
+        raise UsageError(f"{condition} has the shape {values.shape}, not ({count},) or ({count}, 3)")
     return (
-        with_boundary_condition(surface, "heights", given)
-        if given.ndim == 1
+        with_boundary_condition(surface, "heights", values)
+        if values.ndim == 1
         else with_boundary_condition(surface, "curve")
     )
 

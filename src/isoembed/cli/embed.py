@@ -209,19 +209,19 @@ def _method(options: argparse.Namespace, near: isoembed.Embedding | None) -> iso
     """Method with its parameters, one of which may be the nearest surface."""
     repair = [] if options.repair is None else [f"repair={options.repair}"]
     name = options.method or ("aim" if options.boundary is None else "sheet")
-    known = parameters(method_class(name))
-    if repair and "repair" not in known:
+    fields = parameters(method_class(name))
+    if repair and "repair" not in fields:
         raise UsageError(f"--repair needs the method 'alexandrov': the method {name!r} has no repair")
-    if options.best_fit and "best_fit" not in known:
+    if options.best_fit and "best_fit" not in fields:
         raise UsageError(f"--best-fit needs the method 'aim': the method {name!r} has no best fit")
-    if options.effort is not None and "effort" not in known:
+    if options.effort is not None and "effort" not in fields:
         raise UsageError(f"--effort needs the method 'aim': the method {name!r} does not search")
-    if options.which is not None and "which" not in known:
+    if options.which is not None and "which" not in fields:
         raise UsageError(f"--which needs the method 'aim': the method {name!r} finds one surface")
     if options.length_error is not None and options.best_fit:
         raise UsageError("--length-error does not go with --best-fit, which smooths errors instead")
     if options.boundary is not None or options.start is not None:
-        if "boundary" not in known:
+        if "boundary" not in fields:
             raise UsageError(f"--boundary and --start need the method 'sheet', not {name!r}")
         if options.parameter:
             raise UsageError("the method 'sheet' takes no --parameter, only --boundary and --start")

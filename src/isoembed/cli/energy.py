@@ -295,15 +295,15 @@ def _decided(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
 def _on_grid(options: argparse.Namespace, data: SurfaceData) -> SurfaceData:
     """Surface of a metric on a grid, with data from the options."""
     refuse_given(options, ("lengths", "length_error", "merge"), "is for a METRIC of triangles")
-    given: dict[str, Callable[[Floats], Floats]] = {}
+    functions: dict[str, Callable[[Floats], Floats]] = {}
     for name in ("mean_curvature", "momentum", "normal_momentum"):
         path = getattr(options, name)
         if path is None:
             continue
         if getattr(data, name) is not None:
             raise UsageError(f"--{name.replace('_', '-')} is in {data.name} already")
-        given[name] = _on_nodes(data.metric, read_numbers(path), name, path)
-    data = replace(data, **given)  # type: ignore[arg-type] # by the names of fields
+        functions[name] = _on_nodes(data.metric, read_numbers(path), name, path)
+    data = replace(data, **functions)  # type: ignore[arg-type] # by the names of fields
     if data.momentum is not None and data.mean_curvature is None:
         raise UsageError("the momentum requires the mean curvature: give --mean-curvature, too")
     return _decided(options, data)

@@ -146,29 +146,29 @@ def slice_named(name: str, options: argparse.Namespace) -> ThreeGeometry:
     UsageError, InvalidParameter, FileError
         The slice does not exist, or an option is incompatible with it.
     """
-    form, given = CLOSED_FORMS.get(name), _given(options)
+    form, values = CLOSED_FORMS.get(name), _values_of(options)
     if form is None:
         if not input_ending(name) and not Path(name).exists():
             raise UsageError(f"the geometry {name}: there are {', '.join(CLOSED_FORMS)}, or a file")
-        for option in given:
+        for option in values:
             raise UsageError(f"--{option} does not go with the geometry {name}, a file")
         return read_slice(name)
-    known = (*form.needs, *form.takes)
-    for option in given:
-        if option not in known:
-            raise UsageError(f"--{option} does not go with the geometry {name}, which takes {_listed(known)}")
+    names = (*form.needs, *form.takes)
+    for option in values:
+        if option not in names:
+            raise UsageError(f"--{option} does not go with the geometry {name}, which takes {_listed(names)}")
     for option in form.needs:
-        if option not in given:
+        if option not in values:
             raise UsageError(f"the geometry {name} needs --{option}")
-    center = given.pop("center", None)
-    geometry = form.make(**{key: DEFAULTS[key] for key in form.takes if key in DEFAULTS} | given)
+    center = values.pop("center", None)
+    geometry = form.make(**{key: DEFAULTS[key] for key in form.takes if key in DEFAULTS} | values)
     return geometry if center is None else Translated(geometry, center)
 
 
 def slice_label(name: str, options: argparse.Namespace) -> str:
     """Description of a slice for reports: its name and the given options."""
-    given = {option: value for option in OF_SLICE if (value := getattr(options, option)) is not None}
-    words = (f"{option} {' '.join(f'{x:.9g}' for x in np.ravel(value))}" for option, value in given.items())
+    values = {option: value for option in OF_SLICE if (value := getattr(options, option)) is not None}
+    words = (f"{option} {' '.join(f'{x:.9g}' for x in np.ravel(value))}" for option, value in values.items())
     return ", ".join([name, *words])
 
 
@@ -177,16 +177,16 @@ def slice_stem(name: str) -> str:
     return Path(name).name.removesuffix(".gz").removesuffix(input_ending(name))
 
 
-def _given(options: argparse.Namespace) -> dict[str, Any]:
+def _values_of(options: argparse.Namespace) -> dict[str, Any]:
     """Parameters of a slice by option name; several vectors as a list."""
-    given = {name: value for name in OF_SLICE if (value := getattr(options, name)) is not None}
-    for name in given.keys() & {"positions", "velocities"}:
-        given[name] = _triples(name, given[name])
-    if (spin := given.get("spin")) is not None:
+    values = {name: value for name in OF_SLICE if (value := getattr(options, name)) is not None}
+    for name in values.keys() & {"positions", "velocities"}:
+        values[name] = _triples(name, values[name])
+    if (spin := values.get("spin")) is not None:
         if len(spin) not in (1, 3):
             raise UsageError(f"--spin takes one number, along z, or three, not {len(spin)}")
-        given["spin"] = [0.0, 0.0, *spin][-3:]
-    return given
+        values["spin"] = [0.0, 0.0, *spin][-3:]
+    return values
 
 
 def _triples(name: str, flat: list[float]) -> list[list[float]]:

@@ -98,10 +98,10 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError("which metric? Give a GRID, a --spacetime and a --surface, or a --disc")
     mesh = triangulate_metric(metric, options.vertices, size=options.size, grading=options.grading, zone=zone)
     write_atomically({options.output: metric_writer(options.output, mesh.metric, directions=mesh.directions)})
-    least, largest = np.degrees(mesh.angles)
+    smallest, largest = np.degrees(mesh.angles)
     print_aside(
         f"{name}, {mesh.metric.triangulation.n_vertices} vertices, mean edge length "
-        f"{mesh.metric.mean_length:.6g}, angles from {least:.1f} to {largest:.1f} degrees\n"
+        f"{mesh.metric.mean_length:.6g}, angles from {smallest:.1f} to {largest:.1f} degrees\n"
         f"{written(options, options.output)}"
     )
     return OK
@@ -112,9 +112,9 @@ def _disc(curvature: float, radius: float) -> tuple[TwoMetric, Zone, str]:
     if not radius > 0.0:
         raise UsageError(f"--disc: the radius must be positive, not {radius:g}")
     if curvature > 0.0 and radius * np.sqrt(curvature) >= np.pi:
-        most = np.pi / np.sqrt(curvature)
+        maximum = np.pi / np.sqrt(curvature)
         raise UsageError(
-            f"--disc: with curvature {curvature:g} the radius must be less than {most:.6g}, not {radius:g}"
+            f"--disc: with curvature {curvature:g} the radius must be less than {maximum:.6g}, not {radius:g}"
         )
     space = Space(curvature)
     metric = AngleMetric(lambda theta, phi: (radius**2, 0.0, space.sn(radius * theta) ** 2))

@@ -106,8 +106,8 @@ def run(options: argparse.Namespace) -> int:
     """Unfold the surface; return the exit status."""
     output = options.output
     check_answer(output, (*SHEET_ENDINGS, *NET_ENDINGS), options.file)
-    given = {name: getattr(options, "solid_size" if name == "size" else name) for name in DRAWING}
-    drawing = {name: value for name, value in given.items() if value is not None}
+    values = {name: getattr(options, "solid_size" if name == "size" else name) for name in DRAWING}
+    drawing = {name: value for name, value in values.items() if value is not None}
     drawing_options = [
         *drawing,
         *given_fields(options),

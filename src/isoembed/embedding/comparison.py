@@ -282,8 +282,8 @@ def _misaligned(x: Floats, y: Floats, first: Floats, second: Floats) -> tuple[fl
     torque = float(np.linalg.norm(np.cross(q, p).sum(axis=0))) + 2 * change
     products = q.T @ p
     sums = np.trace(products) * np.eye(3) - (products + products.T) / 2
-    least = float(np.linalg.eigvalsh(sums)[0]) - 2 * change
-    turned = GUARD * float(np.arctan2(torque, least)) if least > 0 else np.pi
+    lower = float(np.linalg.eigvalsh(sums)[0]) - 2 * change
+    turned = GUARD * float(np.arctan2(torque, lower)) if lower > 0 else np.pi
     shift = float(np.linalg.norm(x.mean(axis=0) - y.mean(axis=0))) + 2 * mean + first.mean() + second.mean()
     return turned, GUARD * (first + second + shift + turned * (size_q + off_q))
 

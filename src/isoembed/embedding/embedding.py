@@ -41,14 +41,14 @@ if TYPE_CHECKING:
     from isoembed.proof.certificate import Certificate
 
 
-def checked_embedding(given: Any) -> Embedding:
+def checked_embedding(embedding: Any) -> Embedding:
     """Return the argument if it is an embedding; raises InvalidParameter otherwise."""
-    if not isinstance(given, Embedding):
+    if not isinstance(embedding, Embedding):
         raise InvalidParameter(
-            f"the embedding is a {type(given).__name__}: give a result of isoembed.embed, or "
+            f"the embedding is a {type(embedding).__name__}: give a result of isoembed.embed, or "
             "isoembed.read of a surface"
         )
-    return given
+    return embedding
 
 
 class _Message:
@@ -149,8 +149,8 @@ class Embedding:
             The number of vertices is not V, or one is not finite.
         """
         normalized, unit = self.metric.normalized, self.metric.unit
-        given = other.vertices if isinstance(other, Embedding) else other
-        x = vertex_array(self.triangulation, given)
+        positions = other.vertices if isinstance(other, Embedding) else other
+        x = vertex_array(self.triangulation, positions)
         return alignment.distance(self.vertices / unit, x / unit, normalized.space) / normalized.mean_length
 
     def _with_message(self, message: str) -> Self:
@@ -187,22 +187,22 @@ class Embedding:
         """Return a surface with other vertices on the same triangles, for pictures; not a solution."""
         return Embedding(self.metric, vertices, method="", tolerance=1.0, message=message)
 
-    def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
+    def _in_unit_of(self, target: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same surface, computed for the `normalized` of a metric, in the unit of that metric.
 
         Cached measures are kept.  If the conversion rounds the vertices of tiny surfaces, everything is
         recomputed.
         """
-        own = isinstance(given, PolyhedralMetric) and self.metric is given.normalized
-        vertices = vertex_array(self.triangulation, given.unit * self.vertices)
+        own = isinstance(target, PolyhedralMetric) and self.metric is target.normalized
+        vertices = vertex_array(self.triangulation, target.unit * self.vertices)
         changes: dict[str, Any] = {
-            "metric": given if own else self.metric.scaled(given.unit).in_space(given.space),
+            "metric": target if own else self.metric.scaled(target.unit).in_space(target.space),
             "vertices": frozen(vertices),
-            "others": tuple(other._in_unit_of(given) for other in self.others),
+            "others": tuple(other._in_unit_of(target) for other in self.others),
         }
         if self.length_errors is not None:
-            changes["length_errors"] = frozen(given.unit * self.length_errors)
-        if (vertices / given.unit != self.vertices).any():
+            changes["length_errors"] = frozen(target.unit * self.length_errors)
+        if (vertices / target.unit != self.vertices).any():
             return replace(self, **changes, message="")
         changed = self._with(**changes)
         changed.__dict__.pop("gaussian_curvature", None)
@@ -329,12 +329,12 @@ class Embedding:
         Deficit over circumcentric dual area, plus the curvature of the triangles in hyperbolic and spherical
         space; NaN where the dual area is not positive, and on a boundary.
         """
-        known = dual_areas(self.metric.normalized) > 0
-        values = np.full(len(known), np.nan)
+        valid = dual_areas(self.metric.normalized) > 0
+        values = np.full(len(valid), np.nan)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             curvature = gaussian_curvature(self.metric)
-            known &= np.abs(curvature) < 1e300  # sums of larger values overflow
-        values[known] = curvature[known]
+            valid &= np.abs(curvature) < 1e300  # sums of larger values overflow
+        values[valid] = curvature[valid]
         return frozen(values)
 
     @property

@@ -120,9 +120,9 @@ class MeasuredSurface(Embedding):
             self._set(length_errors=self.metric.length_errors)
         super().__post_init__()
 
-    def _in_unit_of(self, given: PolyhedralMetric | GluedMetric) -> Self:
+    def _in_unit_of(self, target: PolyhedralMetric | GluedMetric) -> Self:
         """Return the same surface in the unit of a metric, with deviations of the scatter if need be."""
-        found = super()._in_unit_of(given)
+        found = super()._in_unit_of(target)
         if found._has_scaled_errors:
             larger = found.scatter / found._root_mean_square
             found = found._with(length_errors=frozen(larger * np.asarray(found.metric.length_errors)))

@@ -259,13 +259,13 @@ def _flat_vertices(
 def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
     """Nearest points at which both systems of equations vanish."""
     shape = sides.n + len(flat.straight), 2 * len(start)
-    points, least, best = start, np.inf, start
+    points, smallest, best = start, np.inf, start
     for _ in range(50):  # Newton steps; five are usual
         values = np.concatenate([sides.values(points), flat.values(points)])
         error = float(np.abs(values).max(initial=0.0))
-        if error >= least / 2:
+        if error >= smallest / 2:
             break
-        least, best = error, points
+        smallest, best = error, points
         some, others = sides.gradients(points), flat.gradients(points)
         rows = np.concatenate([some[0], sides.n + others[0]])
         columns = 2 * np.concatenate([some[1], others[1]])
@@ -280,9 +280,9 @@ def _nearest(start: Floats, sides: _Sides, flat: _Flat) -> Floats:
         wanted = jacobian @ (points - start).ravel() - values
         step = lsqr(jacobian, wanted, atol=1e-15, btol=1e-15, iter_lim=8 * max(shape))[0]
         points = start + step.reshape(-1, 2)
-    if least > 1e-13:  # rounding, relative to the size of the largest sheet
+    if smallest > 1e-13:  # rounding, relative to the size of the largest sheet
         raise InvalidMetric(
-            f"no small change of the polygons makes all glued sides equal: a difference of {least:.2g} "
+            f"no small change of the polygons makes all glued sides equal: a difference of {smallest:.2g} "
             "of the size of the largest remains"
         )
     return best

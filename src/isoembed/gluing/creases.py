@@ -166,18 +166,18 @@ def put_together(
     vertices, points = own.pop()
     found[vertices] = points
     while own:
-        known = [np.isfinite(found[vertices, 0]) for vertices, _ in own]
+        placed = [np.isfinite(found[vertices, 0]) for vertices, _ in own]
         # Three noncollinear points fix a sheet, the better the farther they are from a line.
         widths = [
             np.linalg.svd(points[here] - points[here].mean(axis=0), compute_uv=False)[1]
             if here.sum() > 2
             else 0
-            for here, (_, points) in zip(known, own, strict=True)
+            for here, (_, points) in zip(placed, own, strict=True)
         ]
         k = int(np.argmax(widths))
         if widths[k] < CREASES.meets:
             return None
-        here, (vertices, points) = known[k], own.pop(k)
+        here, (vertices, points) = placed[k], own.pop(k)
         center, target = points[here].mean(axis=0), found[vertices[here]].mean(axis=0)
         turn = Rotation.align_vectors(found[vertices[here]] - target, points[here] - center)[0]
         moved = turn.apply(points - center) + target

@@ -48,11 +48,11 @@ def chosen_sides(faces: Faces, cut: Edges, keep: Edges) -> tuple[Mask, Indices]:
             s = number.get(_pair(edge, f"{name}[{k}]"))
             if s is None:
                 a, b = edge
-                known = next((v for v in edge if v in faces.corners), None)
-                others = ", ".join(str(end) for start, end in sorted(number) if start == known)
+                vertex = next((v for v in edge if v in faces.corners), None)
+                others = ", ".join(str(end) for start, end in sorted(number) if start == vertex)
                 raise InvalidParameter(
                     f"{name}[{k}] ({a}, {b}) is not an edge between two faces that meet at an angle"
-                    + (f"; those of vertex {known} lead to {others}" if others else "")
+                    + (f"; those of vertex {vertex} lead to {others}" if others else "")
                 )
             found[name].append(min(s, twins[s]))
     is_cut = np.zeros(len(twins), dtype=np.bool_)

@@ -137,8 +137,8 @@ def _edges(lines: Sequence[Line], near: float) -> tuple[Floats, dict[Side, Line]
             inside = np.flatnonzero((off <= near * length) & (along > near) & (length - along > near))
             stops = [a, *some[inside[np.argsort(along[inside])]].tolist(), b]
             for u, v in pairwise(stops):
-                known = edges.get((min(u, v), max(u, v)))
-                if known is None or line.purpose == CUT:
+                earlier = edges.get((min(u, v), max(u, v)))
+                if earlier is None or line.purpose == CUT:
                     edges[min(u, v), max(u, v)] = line
     _check_crossings(points, np.array([*edges], dtype=np.int64).reshape(-1, 2))
     return points, edges

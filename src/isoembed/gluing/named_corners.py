@@ -15,7 +15,7 @@ Side = tuple[int, int]
 Names = Sequence[Sequence[Hashable]]
 
 
-def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
+def read_names(corners: Any, sheets: Sequence[Polygon]) -> Names:
     """Corner names of each polygon, in the given order.
 
     Raises
@@ -23,9 +23,9 @@ def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
     InvalidParameter
         The names do not match the corners.
     """
-    if not isinstance(given, list | tuple) or len(given) != len(sheets):
+    if not isinstance(corners, list | tuple) or len(corners) != len(sheets):
         raise InvalidParameter(f"the corners are not {len(sheets)} lists of names, one for each polygon")
-    for p, (names, sheet) in enumerate(zip(given, sheets, strict=True)):
+    for p, (names, sheet) in enumerate(zip(corners, sheets, strict=True)):
         if not isinstance(names, str | list | tuple | np.ndarray) or len(names) != sheet.n:
             raise InvalidParameter(
                 f"corners[{p}] is {names!r}, not a list of the names of the {sheet.n} corners of polygon {p}"
@@ -35,7 +35,7 @@ def read_names(given: Any, sheets: Sequence[Polygon]) -> Names:
                 raise InvalidParameter(
                     f"corner {k} of polygon {p} is called {name!r}, neither text nor a whole number"
                 )
-    return [list(names) for names in given]
+    return [list(names) for names in corners]
 
 
 def sides_of(
@@ -76,12 +76,12 @@ def sides_of(
             )
         q, m = some[1]
         ours, theirs = _length(sheets[p], k), _length(sheets[q], m)
-        most, difference = tolerance.between(p, q, (ours, theirs)), max(difference, abs(ours - theirs))
+        allowed, difference = tolerance.between(p, q, (ours, theirs)), max(difference, abs(ours - theirs))
         rounding = GLUING.rounding * (sheets[p].perimeter + sheets[q].perimeter)
-        if not wrong and abs(ours - theirs) > most + rounding:
+        if not wrong and abs(ours - theirs) > allowed + rounding:
             wrong = (
                 f"side {k} of polygon {p} has length {ours!r}, but side {m} of polygon {q}, which joins the "
-                f"same corners {a!r} and {b!r}, has {theirs!r}: more than the {tolerance.limit_text(most)}"
+                f"same corners {a!r} and {b!r}, has {theirs!r}: more than the {tolerance.limit_text(allowed)}"
             )
     if wrong:
         raise UnequalLengths(wrong, difference)

@@ -42,12 +42,12 @@ class Polygon:
     arcs: Floats
 
     @classmethod
-    def of(cls, given: ArrayLike, index: int, space: Space = EUCLIDEAN, model: Model = "ambient") -> Polygon:
+    def of(cls, points: ArrayLike, index: int, space: Space = EUCLIDEAN, model: Model = "ambient") -> Polygon:
         """Polygon with given corners in either orientation, checked.
 
         Parameters
         ----------
-        given : array_like of float, shape (n, 2)
+        points : array_like of float, shape (n, 2)
             Corners; consecutive sides may be collinear.
         index : int
             Index of the polygon, for messages.
@@ -62,7 +62,7 @@ class Polygon:
             The polygon has fewer than three corners, an invalid corner, a side of length zero, or
             self-intersections.
         """
-        corners = points_of_the_plane(given, f"polygon {index}").copy()
+        corners = points_of_the_plane(points, f"polygon {index}").copy()
         try:
             corners = from_model(space, corners, model)
         except InvalidParameter as error:
@@ -160,7 +160,7 @@ def _checked(corners: Floats, space: Space, index: int, description: str) -> Flo
     return shape
 
 
-def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
+def points_of_the_plane(coordinates: ArrayLike, name: str) -> Floats:
     """Points (n, 2), checked.
 
     Raises
@@ -169,7 +169,7 @@ def points_of_the_plane(given: ArrayLike, name: str) -> Floats:
         A corner is not a pair of finite numbers; the message names the first.
     """
     try:
-        points = np.asarray(given)
+        points = np.asarray(coordinates)
     except ValueError:  # rows of different sizes
         points = np.empty(0, dtype=object)
     if points.ndim != 2 or points.shape[1] != 2 or points.dtype.kind not in "iuf":

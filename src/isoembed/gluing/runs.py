@@ -194,16 +194,16 @@ def _joined(runs: list[tuple[Run, Run]]) -> list[tuple[Run, Run]]:
 
 
 def _check_lengths(runs: list[tuple[Run, Run]], tolerance: Tolerance) -> None:
-    def most(one: Run, other: Run) -> float:
+    def allowed(one: Run, other: Run) -> float:
         return slack(one, other, tolerance) + GLUING.rounding * (one.sheet.perimeter + other.sheet.perimeter)
 
     differences = [abs(one.length - other.length) for one, other in runs]
-    wrong = [i for i, pair in enumerate(runs) if differences[i] > most(*pair)]
+    wrong = [i for i, pair in enumerate(runs) if differences[i] > allowed(*pair)]
     if wrong:
         one, other = runs[wrong[0]]
         raise UnequalLengths(
             f"sides[{wrong[0]}] glues {one.name}, of length {one.length!r}, to {other.name}, of length "
-            f"{other.length!r}: more than the {tolerance.limit_text(most(one, other))}",
+            f"{other.length!r}: more than the {tolerance.limit_text(allowed(one, other))}",
             max(differences),
         )
 
@@ -258,8 +258,8 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def _snapped(position: float, polygon: Polygon, most: float) -> float:
+def _snapped(position: float, polygon: Polygon, tolerance: float) -> float:
     """Nearest corner, if the position is close enough; otherwise the position."""
     side = math.floor(position) % polygon.n
     off = abs(position - round(position)) * (polygon.arcs[side + 1] - polygon.arcs[side])
-    return float(round(position)) if off <= most else position
+    return float(round(position)) if off <= tolerance else position

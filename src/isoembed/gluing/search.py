@@ -65,26 +65,26 @@ def edge_gluings(
     sheet = Polygon.of(polygon, 0, Space(curvature), model)
     allowed = Tolerance.of([sheet], tolerance)
     n, lengths, angles = sheet.n, sheet.sides, sheet.angles
-    most = 2 * np.pi + GLUING.full_angle + 4 * (tolerance or 0.0) / lengths.min() if convex else np.inf
+    max_angle = 2 * np.pi + GLUING.full_angle + 4 * (tolerance or 0.0) / lengths.min() if convex else np.inf
     # By range of sides i .. j - 1: its gluings, and the angles glued between its two ends.
-    known: dict[tuple[int, int], list[tuple[Pairs, float]]] = {(i, i): [((), 0.0)] for i in range(n + 1)}
+    parts: dict[tuple[int, int], list[tuple[Pairs, float]]] = {(i, i): [((), 0.0)] for i in range(n + 1)}
     for size in range(2, n + 1, 2):
         for i in range(n - size + 1):
             j = i + size
             ends = angles[i] + (angles[j % n] if size < n else 0.0)
-            found = known[i, j] = []
+            found = parts[i, j] = []
             for k in range(i + 1, j, 2):
                 if abs(lengths[i] - lengths[k]) > allowed.between(0, 0, (lengths[i], lengths[k])):
                     continue
-                for beyond, rest in known[k + 1, j]:
+                for beyond, rest in parts[k + 1, j]:
                     between = rest + angles[k + 1] if k + 1 < j else 0.0
-                    if ends + between <= most:
-                        found += [((*within, (i, k), *beyond), between) for within, _ in known[i + 1, k]]
-    every = [sorted(_as_given(pair, sheet) for pair in pairs) for pairs, _ in known.get((0, n), [])]
+                    if ends + between <= max_angle:
+                        found += [((*within, (i, k), *beyond), between) for within, _ in parts[i + 1, k]]
+    every = [sorted(_in_original_order(pair, sheet) for pair in pairs) for pairs, _ in parts.get((0, n), [])]
     return [[((0, i), (0, k)) for i, k in pairs] for pairs in sorted(every)]
 
 
-def _as_given(pair: tuple[int, int], sheet: Polygon) -> tuple[int, int]:
+def _in_original_order(pair: tuple[int, int], sheet: Polygon) -> tuple[int, int]:
     """Indices of the sides in the given order of the corners."""
     i, k = ((-1 - side) % sheet.n for side in pair) if sheet.turned else pair
     return min(i, k), max(i, k)

@@ -96,7 +96,7 @@ def found_sheets(
     one_start = objective == "length"
     order = start(one_start)
     best = tried(order)
-    least = cost(best)
+    lowest = cost(best)
     # Without overlaps, faces would be joined to trees, along long sides if the cuts are to be short.
     tree = forest(faces, np.concatenate([edges, order]))
     bound = float(len(faces.first) - 1 - len(tree))
@@ -104,7 +104,7 @@ def found_sheets(
         bound = float(lengths.sum() - 2 * lengths[tree].sum()) * (1 + 1e-12)
     last = UNFOLDING.directions  # attempt that starts with sides ordered by length
     for k in range(last + 1 if one_start else 1, last + 1 + UNFOLDING.exchanges):
-        if least <= bound:
+        if lowest <= bound:
             break
         exchange = k > last
         if exchange:  # first join two sheets that stayed separate, or faces that were cut apart
@@ -117,8 +117,8 @@ def found_sheets(
             changed = start(k == last)
         found = tried(changed)
         value = cost(found)
-        if value < least or (exchange and value == least):
-            least, best, order = value, found, changed
+        if value < lowest or (exchange and value == lowest):
+            lowest, best, order = value, found, changed
     return best
 
 

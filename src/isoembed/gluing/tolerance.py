@@ -34,16 +34,16 @@ class Tolerance:
         Unit of the last digit of each polygon's corners; 0 if they are exact or have full double precision.
     digits : str
         Description of the digits, such as ``"6 digits"``; empty if none are recognized.
-    given : float or None
+    prescribed : float or None
         A length that replaces the tolerance derived from the digits.
     """
 
     units: Floats
     digits: str = ""
-    given: float | None = None
+    prescribed: float | None = None
 
     @classmethod
-    def of(cls, sheets: Sequence[Polygon], given: float | None = None) -> Tolerance:
+    def of(cls, sheets: Sequence[Polygon], length: float | None = None) -> Tolerance:
         """Tolerance for the given polygons.
 
         Raises
@@ -51,18 +51,18 @@ class Tolerance:
         InvalidParameter
             The given tolerance is not a nonnegative length, or the polygons are not planar.
         """
-        if given is not None and (
-            isinstance(given, bool) or not isinstance(given, numbers.Real) or not 0 <= given < math.inf
+        if length is not None and (
+            isinstance(length, bool) or not isinstance(length, numbers.Real) or not 0 <= length < math.inf
         ):
-            raise InvalidParameter(f"the tolerance is {given!r}, not a non-negative length")
+            raise InvalidParameter(f"the tolerance is {length!r}, not a non-negative length")
         if not sheets[0].space.is_euclidean:  # coordinates are not lengths
-            if given is not None:
+            if length is not None:
                 raise InvalidParameter("a tolerance requires polygons in the plane, which can be corrected")
             return cls.exact(len(sheets))
         side = min(float(sheet.sides.mean()) for sheet in sheets)
         values = [np.abs(sheet.corners[sheet.corners != 0]) for sheet in sheets]
         # Corners with fewer than four digits are exact: their sides are equal, or glued at a given tolerance.
-        fewest = 4 if given is None else 2
+        fewest = 4 if length is None else 2
         found = _rounding(np.concatenate(values), fewest)
         if found is not None:  # all have the same number of digits or of decimals
             name, quanta = found
@@ -74,8 +74,8 @@ class Tolerance:
             units = np.array([0.0 if one is None else float(one[1].max()) for one in alone])
         # Sides must have as many digits, too: integers far from the origin are exact.
         if units.max() > 10.0 ** (1 - fewest) * side:
-            return cls(np.zeros(len(sheets)), "", given)
-        return cls(units, name, given)
+            return cls(np.zeros(len(sheets)), "", length)
+        return cls(units, name, length)
 
     @classmethod
     def exact(cls, n: int) -> Tolerance:
@@ -84,31 +84,31 @@ class Tolerance:
 
     def between(self, p: int, q: int, lengths: tuple[float, float], sides: int = 2) -> float:
         """Tolerance for two lengths on polygons p and q, consisting of a total number of sides."""
-        least = GLUING.same_length * max(lengths)
-        if self.given is not None:
-            return max(least, self.given)
+        minimum = GLUING.same_length * max(lengths)
+        if self.prescribed is not None:
+            return max(minimum, self.prescribed)
         # Rounded or truncated, the coordinates of two endpoints have a relative error of at most a unit; over
         # many sides such errors grow with the square root of their number.
-        return max(least, math.sqrt(sides) * float(self.units[p] + self.units[q]))
+        return max(minimum, math.sqrt(sides) * float(self.units[p] + self.units[q]))
 
     def errors(self, difference: float) -> Floats:
         """Coordinate errors of each polygon, given the largest difference of glued lengths."""
-        return self.units if self.given is None else np.maximum(self.units, difference / 2**1.5)
+        return self.units if self.prescribed is None else np.maximum(self.units, difference / 2**1.5)
 
     def precision(self, difference: float) -> Precision:
         """Precision of the corners, with the error of a length in their unit."""
-        name = self.digits if self.given is None else f"a tolerance of {self.given:g}"
+        name = self.digits if self.prescribed is None else f"a tolerance of {self.prescribed:g}"
         # The error is uniformly distributed over a unit of the last digit, and a side has two endpoints.
         return Precision(name, float(self.errors(difference).max()) / math.sqrt(6))
 
-    def limit_text(self, most: float) -> str:
+    def limit_text(self, limit: float) -> str:
         """Description of the tolerance, for messages."""
-        return f"tolerance {most:.2g} ({self.source})"
+        return f"tolerance {limit:.2g} ({self.source})"
 
     @property
     def source(self) -> str:
         """Origin of the tolerance, for messages."""
-        if self.given is not None:
+        if self.prescribed is not None:
             return "as given"
         if self.digits:
             return f"from the corners, with {self.digits}"

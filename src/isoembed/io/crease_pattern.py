@@ -135,8 +135,8 @@ def creased_net(document: Mapping[str, Any], tolerance: float | None, name: str)
     every = [
         [start + corner for corner in face] for start, own in zip(first, faces, strict=False) for face in own
     ]
-    known, any_surface = _precision(document.get("precision"), name), declared_any_surface(document, name)
-    net = glue_rounded([points[face] for face in every], pairs, known, tolerance, any_surface)
+    rounding, any_surface = _precision(document.get("precision"), name), declared_any_surface(document, name)
+    net = glue_rounded([points[face] for face in every], pairs, rounding, tolerance, any_surface)
     folded = fold_up(points, every, angles, meeting_tolerance(points))
     return with_places(net, every, folded)
 
@@ -159,8 +159,8 @@ def creases(unfolding: Unfolding) -> list[list[list[Any]]]:
 
 def solid_entries(unfolding: Unfolding, precision: str, any_surface: str) -> dict[str, Any]:
     """Entries for the precision of the solid, if known, and for surfaces with boundary or handles."""
-    known = {} if unfolding.precision is None else {precision: asdict(unfolding.precision)}
-    return {**known, any_surface: True} if unfolding.any_surface else known
+    entries = {} if unfolding.precision is None else {precision: asdict(unfolding.precision)}
+    return {**entries, any_surface: True} if unfolding.any_surface else entries
 
 
 def _is_fold(fold: Any, n: int) -> bool:

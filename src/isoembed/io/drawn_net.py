@@ -146,11 +146,11 @@ def _drawn_net(drawing: Lines, name: str, tolerance: float | None) -> Net:
     return with_places(net, sheets.faces, folded)
 
 
-def _graph(lines: Sequence[Line], least: float, near: float) -> LineGraph:
+def _graph(lines: Sequence[Line], tolerance: float, near: float) -> LineGraph:
     """Graph of lines whose ends coincide to the digits, or else nearly coincide."""
-    if least < near:
+    if tolerance < near:
         try:
-            graph = LineGraph.of(lines, least)
+            graph = LineGraph.of(lines, tolerance)
         except InvalidMetric:
             return LineGraph.of(lines, near)
         if not graph.loose:
@@ -342,18 +342,18 @@ def _searched(sheets: LineGraph, pairs: Sequence[Pair], left: Sequence[Side], to
     if outline is None or len(outline) > MOST_SIDES:
         raise _no_mate(sheets, left, tolerance)
     number = {side: k for k, side in enumerate(outline)}
-    known = {tuple(sorted((number[one], number[other]))) for one, other in pairs}
+    numbered = {tuple(sorted((number[one], number[other]))) for one, other in pairs}
     points = np.array([sheets.ends(side)[0] for side in outline])
     found = [
         some
         for some in (
             [(i, k) for (_, i), (_, k) in sides] for sides in edge_gluings(points, tolerance=tolerance)
         )
-        if known <= set(some)
+        if numbered <= set(some)
     ]
     if len(found) != 1:
         raise _no_mate(sheets, left, tolerance, len(found))
-    return [(outline[i], outline[k]) for i, k in found[0] if (i, k) not in known]
+    return [(outline[i], outline[k]) for i, k in found[0] if (i, k) not in numbered]
 
 
 def _outline(sheets: LineGraph) -> list[Side] | None:

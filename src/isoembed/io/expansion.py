@@ -40,5 +40,5 @@ def check_expansion(name: str, size: int, stored: int) -> None:
     ------
     FileError
     """
-    if size > (most := largest_expansion(stored)):
-        raise FileError(f"{name} expands from {stored} to more than {most} bytes, too many for a surface")
+    if size > (limit := largest_expansion(stored)):
+        raise FileError(f"{name} expands from {stored} to more than {limit} bytes, too many for a surface")

@@ -71,7 +71,7 @@ def input_ending(path: str | os.PathLike[str]) -> str:
 
 def check_ending(
     path: str | os.PathLike[str],
-    known: Collection[str],
+    endings: Collection[str],
     of: Callable[[str | os.PathLike[str]], str] = input_ending,
 ) -> None:
     """Raise an error if a file name has an unknown ending.
@@ -81,11 +81,12 @@ def check_ending(
     FileError
         The message names the known endings or, if the file does not exist, one with a similar name.
     """
-    if (found := of(path)) not in known:
+    if (found := of(path)) not in endings:
         if of is input_ending and not Path(path).exists() and (similar := _similar(Path(path))):
             raise FileError(f"there is no file {path}{similar}")
         actual = f"the ending {found!r}" if found else "no ending"
-        raise FileError(f"{path} has {actual}, not one of {' '.join(known)}{did_you_mean(found, known, 0.7)}")
+        question = did_you_mean(found, endings, 0.7)
+        raise FileError(f"{path} has {actual}, not one of {' '.join(endings)}{question}")
 
 
 def _similar(path: Path) -> str:

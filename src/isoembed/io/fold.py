@@ -87,9 +87,9 @@ def _tables(document: Frame, name: str) -> Frame:
     return tables
 
 
-def _list(given: Any) -> list[Any]:
+def _list(entry: Any) -> list[Any]:
     """The given list; empty if it is something else, which a later check rejects."""
-    return given if isinstance(given, list) else []
+    return entry if isinstance(entry, list) else []
 
 
 def _frames(document: Frame, name: str) -> Iterator[Frame]:

@@ -113,9 +113,9 @@ def in_space(
     if space is None or space in (metric.space, metric.space.name):
         return metric
     if not metric.space.is_euclidean:
-        given = f"{space} space" if isinstance(space, str) else f"that of curvature {space.curvature!r}"
+        wanted = f"{space} space" if isinstance(space, str) else f"that of curvature {space.curvature!r}"
         raise FileError(
-            f"{source} is in {metric.space.name} space of curvature {metric.curvature!r}, not in {given}"
+            f"{source} is in {metric.space.name} space of curvature {metric.curvature!r}, not in {wanted}"
         )
     if space == "hyperbolic":
         space = least_convex_space(metric)
@@ -144,9 +144,9 @@ def read_tables(
     if input_ending(source) not in FORMATS:
         check_ending(source, wanted)
     with opened(source) as file, np.errstate(invalid="ignore"):  # some bit patterns are NaN
-        known = FORMATS[file.ending]
-        tables = known.read(file)
-    return _tables(tables, str(source), merge, repeated=known.repeats_vertices)
+        format_ = FORMATS[file.ending]
+        tables = format_.read(file)
+    return _tables(tables, str(source), merge, repeated=format_.repeats_vertices)
 
 
 def metric_writer(path: str | os.PathLike[str], metric: PolyhedralMetric, **data: Floats) -> Writer:
@@ -186,8 +186,8 @@ def metric_of(tables: Tables) -> PolyhedralMetric:
     options = {key: tables[key] for key in ("curvature",) if key in tables}
     errors = tables.get("length_errors")
     if "lengths" in tables:
-        given = tables["faces"], tables["lengths"], tables.get("edges")
-        metric = PolyhedralMetric(*given, length_errors=errors, **options)
+        arguments = tables["faces"], tables["lengths"], tables.get("edges")
+        metric = PolyhedralMetric(*arguments, length_errors=errors, **options)
     else:
         metric = PolyhedralMetric.from_mesh(tables["vertices"], tables["faces"], **options)
         if "diagonals" in tables:

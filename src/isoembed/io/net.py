@@ -211,18 +211,18 @@ def _net(document: Mapping[str, Any], name: str, tolerance: float | None) -> Net
 
 
 def _entries(
-    given: Any, name: str, needed: tuple[str, ...], optional: tuple[str, ...] = ()
+    entry: Any, name: str, needed: tuple[str, ...], optional: tuple[str, ...] = ()
 ) -> dict[str, Any]:
     """Entries of a JSON object, checked for missing and unknown names."""
-    if not isinstance(given, Mapping):
+    if not isinstance(entry, Mapping):
         raise FileError(f"{name} is not an object with {', '.join(needed)}")
     for key in needed:
-        if key not in given:
+        if key not in entry:
             raise FileError(f"{name} lacks {key!r}")
-    for key in given:
+    for key in entry:
         if key not in needed + optional:
             raise FileError(f"{name} has {key!r}, which is none of {', '.join(needed + optional)}")
-    return dict(given)
+    return dict(entry)
 
 
 def _surface(document: Mapping[str, Any], name: str) -> dict[str, Any]:
@@ -238,33 +238,33 @@ def _surface(document: Mapping[str, Any], name: str) -> dict[str, Any]:
     return options
 
 
-def _polygon(given: Any, name: str, curvature: float = 0.0, model: Model = "ambient") -> Any:
+def _polygon(entry: Any, name: str, curvature: float = 0.0, model: Model = "ambient") -> Any:
     """Polygon in a model: as given, or constructed by name."""
-    if not isinstance(given, dict) or curvature == 0:
-        return _shape(given, name, POLYGONS)
+    if not isinstance(entry, dict) or curvature == 0:
+        return _shape(entry, name, POLYGONS)
     bent: Makers = {
-        shape: (partial(make, curvature=curvature), least, most)
-        for shape, (make, least, most) in CURVED.items()
+        shape: (partial(make, curvature=curvature), fewest, maximum)
+        for shape, (make, fewest, maximum) in CURVED.items()
     }
-    return to_model(Space(curvature), _shape(given, name, bent), model)
+    return to_model(Space(curvature), _shape(entry, name, bent), model)
 
 
-def _list(given: Any, name: str) -> list[Any]:
-    if not isinstance(given, list):
+def _list(entry: Any, name: str) -> list[Any]:
+    if not isinstance(entry, list):
         raise FileError(f"the {name} are not a list")
-    return given
+    return entry
 
 
-def _shape(given: Any, name: str, known: Makers) -> Any:
+def _shape(entry: Any, name: str, makers: Makers) -> Any:
     """Shape as given or, for ``{"name": numbers}``, constructed by name."""
-    if not isinstance(given, dict):
-        return given
-    if len(given) != 1 or next(iter(given)) not in known:
-        raise FileError(f"{name} is {', '.join(given) or 'nothing'}, not one of {', '.join(known)}")
-    ((shape, numbers),) = given.items()
-    make, least, most = known[shape]
+    if not isinstance(entry, dict):
+        return entry
+    if len(entry) != 1 or next(iter(entry)) not in makers:
+        raise FileError(f"{name} is {', '.join(entry) or 'nothing'}, not one of {', '.join(makers)}")
+    ((shape, numbers),) = entry.items()
+    make, fewest, maximum = makers[shape]
     values = numbers if isinstance(numbers, list) else [numbers]
-    if not least <= len(values) <= most:
-        count = least if least == most else f"{least} or {most}"
+    if not fewest <= len(values) <= maximum:
+        count = fewest if fewest == maximum else f"{fewest} or {maximum}"
         raise FileError(f"{name} is a {shape} of {len(values)} numbers, not {count}")
     return make(*values)

@@ -23,10 +23,10 @@ def _added(point: EntryPoint) -> Format:
     )
 
 
-def _writer(known: Format, tables: Tables) -> Callable[[Path], None]:
-    if known.write is None:
-        raise FileError(f"files with the ending {known.ending} are read only")
-    write = known.write
+def _writer(format_: Format, tables: Tables) -> Callable[[Path], None]:
+    if format_.write is None:
+        raise FileError(f"files with the ending {format_.ending} are read only")
+    write = format_.write
     return lambda path: write(path, tables)
 
 

@@ -86,11 +86,11 @@ def surface_of(tables: Tables, name: str) -> Embedding:
     vertices = np.ascontiguousarray(tables["vertices"], dtype=np.float64)
     if vertices.shape[1:] != (3,):
         raise FileError(f"{name} holds vertices of shape {vertices.shape}, not (V, 3)")
-    given = "lengths" in tables
+    has_lengths = "lengths" in tables
     own = metric
-    if given:  # checks the vertices
+    if has_lengths:  # checks the vertices
         own = PolyhedralMetric.from_mesh(vertices, metric.faces, curvature=metric.curvature)
-    message = "" if given else "the lengths are computed from the vertices in the file"
+    message = "" if has_lengths else "the lengths are computed from the vertices in the file"
     if not metric.triangulation.is_sphere:
         return SheetEmbedding(
             metric, vertices, method="given", tolerance=TOLERANCE, message=message, condition="given"

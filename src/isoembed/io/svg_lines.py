@@ -268,10 +268,10 @@ def _view(root: Element) -> Floats:
     sizes = [
         re.fullmatch(rf"\s*({NUMBER})\s*([a-zA-Z]*)\s*", root.get(key, "")) for key in ("width", "height")
     ]
-    known = [number(s[1]) * UNITS[s[2].lower()] if s and s[2].lower() in UNITS else None for s in sizes]
+    extents = [number(s[1]) * UNITS[s[2].lower()] if s and s[2].lower() in UNITS else None for s in sizes]
     if len(box) != 4 or not (box[2] > 0 and box[3] > 0):
         return np.array([[PIXEL, 0.0, 0.0], [0.0, -PIXEL, 0.0]])
-    width, height = known
+    width, height = extents
     across = PIXEL if width is None else width / box[2]
     up = across if height is None else height / box[3]
     across = up if width is None and height is not None else across
@@ -287,8 +287,8 @@ def _transform(text: str, name: str) -> Floats:
         return matrix
     calls = re.findall(r"\b(\w++)\s*+\(([^()]*+)\)", text)
     for kind, inside in calls:
-        given = [number(x) for x in re.findall(NUMBER, inside)]
-        one = _matrix(kind, given)
+        arguments = [number(x) for x in re.findall(NUMBER, inside)]
+        one = _matrix(kind, arguments)
         if one is None:
             raise FileError(f"{name} has the invalid transformation {text[:60]!r}")
         matrix = _times(matrix, one)
@@ -297,20 +297,20 @@ def _transform(text: str, name: str) -> Floats:
     return matrix
 
 
-def _matrix(kind: str, given: list[float]) -> Floats | None:
-    count = len(given)
+def _matrix(kind: str, arguments: list[float]) -> Floats | None:
+    count = len(arguments)
     if kind == "matrix" and count == 6:
-        return np.reshape(given, (3, 2)).T
+        return np.reshape(arguments, (3, 2)).T
     if kind == "translate" and count in (1, 2):
-        return np.array([[1.0, 0.0, given[0]], [0.0, 1.0, given[1] if count == 2 else 0.0]])
+        return np.array([[1.0, 0.0, arguments[0]], [0.0, 1.0, arguments[1] if count == 2 else 0.0]])
     if kind == "scale" and count in (1, 2):
-        return np.array([[given[0], 0.0, 0.0], [0.0, given[-1], 0.0]])
+        return np.array([[arguments[0], 0.0, 0.0], [0.0, arguments[-1], 0.0]])
     if kind == "rotate" and count in (1, 3):
-        c, s = math.cos(math.radians(given[0])), math.sin(math.radians(given[0]))
-        x, y = given[1:] if count == 3 else (0.0, 0.0)
+        c, s = math.cos(math.radians(arguments[0])), math.sin(math.radians(arguments[0]))
+        x, y = arguments[1:] if count == 3 else (0.0, 0.0)
         return np.array([[c, -s, x - c * x + s * y], [s, c, y - s * x - c * y]])
     if kind in ("skewX", "skewY") and count == 1:
-        t = math.tan(math.radians(given[0]))
+        t = math.tan(math.radians(arguments[0]))
         return np.array(
             [[1.0, t if kind == "skewX" else 0.0, 0.0], [t if kind == "skewY" else 0.0, 1.0, 0.0]]
         )

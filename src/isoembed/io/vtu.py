@@ -60,12 +60,12 @@ class Source:
         self.header = np.dtype(self.order + self.choice("header_type", "UInt32", HEADERS))
         self.decompressor = self.choice("compressor", "", DECOMPRESSORS)
 
-    def choice(self, name: str, default: str, known: dict[str, Any]) -> Any:
+    def choice(self, name: str, default: str, choices: dict[str, Any]) -> Any:
         """Object selected by an attribute of the root."""
         value = self.root.get(name, default)
-        if value not in known:
+        if value not in choices:
             raise ValueError(f"its {name} {value!r} is not known")
-        return known[value]
+        return choices[value]
 
     def array(self, piece: ElementTree.Element, path: str) -> NDArray[Any]:
         """Values of the first array at a path."""

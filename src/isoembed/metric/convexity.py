@@ -120,26 +120,26 @@ def noise_level(deficits: Floats) -> float:
         Radians.  The absolute deficit below the widest relative gap in their sorted values, if it may be
         noise by `largest_noise`; if there is no gap, that of the most negative one, or 0 if none is negative.
     """
-    lowest, most = max(-float(deficits.min()), 0.0), largest_noise(deficits)
+    lowest, upper = max(-float(deficits.min()), 0.0), largest_noise(deficits)
     sizes = np.sort(np.abs(deficits[np.abs(deficits) > MIN_NOISE]))
     below = sizes[:-1]
-    gaps = np.where((below >= lowest) & (below <= min(most, HARDLY_NOISE)), sizes[1:] / below, 0.0)
+    gaps = np.where((below >= lowest) & (below <= min(upper, HARDLY_NOISE)), sizes[1:] / below, 0.0)
     if gaps.max(initial=0.0) < GAP:
         return lowest
     return float(below[np.argmax(gaps)])
 
 
-def repair_level(deficits: Floats, least: Floats | float) -> float | None:
+def repair_level(deficits: Floats, lower: Floats | float) -> float | None:
     """Noise, in radians, that a repair may remove if no polyhedron was found; None if there is none.
 
     Parameters
     ----------
     deficits : ndarray, shape (V,)
-    least : ndarray, shape (V,), or float
+    lower : ndarray, shape (V,), or float
         Smaller deficits were already treated as zero.
     """
     level = noise_level(deficits)
-    small = (np.abs(deficits) > least) & (np.abs(deficits) <= level)
+    small = (np.abs(deficits) > lower) & (np.abs(deficits) <= level)
     return float(rounded_up(level)) if small.any() and level <= HARDLY_NOISE else None
 
 
@@ -148,8 +148,8 @@ def _explanation(deficits: Floats, doubt: tuple[str, Floats] | None) -> str:
     if doubt is None:
         return ""
     name, spread = doubt
-    most = DEVIATIONS * spread
-    explained = f"{most[np.argmin(deficits)]:.1g}"
-    if (deficits >= -most).all():
+    bounds = DEVIATIONS * spread
+    explained = f"{bounds[np.argmin(deficits)]:.1g}"
+    if (deficits >= -bounds).all():
         return f"; the coordinates have {name}, which puts deficits off by up to {explained}"
     return f"; the coordinates have {name}, which explains only {explained}"

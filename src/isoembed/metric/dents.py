@@ -80,8 +80,8 @@ def dents(metric: PolyhedralMetric) -> list[Mask]:
 
 def _vanishes(total: float, caps: float) -> bool:
     """Whether the total curvature of a patch is that of a dent, given that of its caps."""
-    least, most = np.multiply((-0.5, 0.2), caps)  # range of the total curvature relative to the caps
-    return bool(least <= total <= most)
+    lower, upper = np.multiply((-0.5, 0.2), caps)  # range of the total curvature relative to the caps
+    return bool(lower <= total <= upper)
 
 
 def _grown(adjacency: csr_array, mask: Mask) -> Mask:

@@ -27,17 +27,17 @@ def lengths_between(triangulation: Triangulation, points: Floats, space: Space) 
     for _ in range(50):  # shortened sides may be short sides of other triangles
         sides = lengths[t.face_edges]
         longest = sides.argmax(axis=1)
-        least, middle, most = np.sort(sides, axis=1).T
-        room = least - (most - middle)
-        f = np.flatnonzero((room < MARGIN / 2 * most) & (room >= -ROUNDING))
+        shortest, middle, longest_side = np.sort(sides, axis=1).T
+        room = shortest - (longest_side - middle)
+        f = np.flatnonzero((room < MARGIN / 2 * longest_side) & (room >= -ROUNDING))
         if not f.size:
             break
         a, b, c = (points[t.faces[f, (longest[f] + k) % 3]] for k in range(3))
-        to_b, to_c, far = space.seen_from(a, b), space.seen_from(a, c), space.sn(most[f])
+        to_b, to_c, far = space.seen_from(a, b), space.seen_from(a, c), space.sn(longest_side[f])
         along = to_b / np.where(far > 0, far, 1.0)[:, None]
         heights = np.linalg.norm(to_c - (to_c * along).sum(axis=1, keepdims=True) * along, axis=1)
         f = f[heights > ROUNDING]
-        np.minimum.at(lengths, t.face_edges[f, longest[f]], (middle + least)[f] * (1 - MARGIN))
+        np.minimum.at(lengths, t.face_edges[f, longest[f]], (middle + shortest)[f] * (1 - MARGIN))
     return lengths
 
 

@@ -105,7 +105,7 @@ def triangle_mesh(
     if not finite.all():
         v = int(np.argmin(finite))
         raise InvalidMetric(f"vertex {v} has the coordinates {points[v].tolist()}, which are not finite")
-    corners, sizes = given, given_sizes = polygon_corners(faces)
+    corners, sizes = all_corners, all_sizes = polygon_corners(faces)
     if corners.max() >= len(points):
         raise InvalidMetric(
             f"a face refers to vertex {corners.max()}, but there are only {len(points)} vertices"
@@ -120,14 +120,14 @@ def triangle_mesh(
     straight = _scaled(to_model(space, points, "projective"))
     if merge:
         corners, sizes = _split(straight, corners, sizes, merge * _mean_side(straight, corners, sizes))
-    if len(sizes) == len(given_sizes):
+    if len(sizes) == len(all_sizes):
         _check_sides(corners, sizes)
     if (sizes == 3).all():
         triangles, diagonals = corners.reshape(-1, 3), NO_DIAGONALS
     else:
         triangles, diagonals = _cut(straight, corners, sizes, math.ldexp(error, -_exponent(points)))
     mesh = TriangleMesh(points, triangles, diagonals)
-    return mesh if merge is None and not leave_out else _renumbered(mesh, given)
+    return mesh if merge is None and not leave_out else _renumbered(mesh, all_corners)
 
 
 def _check_sides(corners: Indices, sizes: Indices) -> None:
@@ -330,13 +330,13 @@ def _diagonals(triangles: Indices, polygon: Indices) -> Indices:
     return found[count == 2, :2]
 
 
-def _renumbered(mesh: TriangleMesh, given: Indices) -> TriangleMesh:
+def _renumbered(mesh: TriangleMesh, all_corners: Indices) -> TriangleMesh:
     """Vertices in triangles, renumbered; reports those that were not in the given faces either."""
     points, triangles, diagonals = mesh
     used = np.bincount(triangles.ravel(), minlength=len(points)) > 0
     if used.all():
         return mesh
-    unused = np.bincount(given, minlength=len(points)) == 0
+    unused = np.bincount(all_corners, minlength=len(points)) == 0
     if unused.any():
         warn_of_mesh(
             f"{_count(unused.sum(), 'vertex is', 'vertices are')} in no face, and left out; the first is "

@@ -282,9 +282,9 @@ def _side(h: int) -> str:
     return f"side {h % 3} of face {h // 3}"
 
 
-def _table(given: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray:
+def _table(values: ArrayLike, name: str, shape: tuple[int, ...]) -> NDArray:
     try:
-        table = np.asarray(given)
+        table = np.asarray(values)
     except ValueError:  # rows of different sizes
         raise InvalidMetric(f"the {name} are not a table of shape {shape}") from None
     if table.shape != shape:

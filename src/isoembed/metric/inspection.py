@@ -159,8 +159,8 @@ def _measures(
         k = _range(curvature)
         yield Measure("gaussian curvature", f"{k['min']:.4g} to {k['max']:.4g}", k)
     violations = int((excess > ANGLE_ROUNDING).sum())
-    most = "180 degrees" if metric.space.is_euclidean else "the other four angles beside them"
-    text = f"{violations} edges with opposite angles of more than {most} together"
+    limit = "180 degrees" if metric.space.is_euclidean else "the other four angles beside them"
+    text = f"{violations} edges with opposite angles of more than {limit} together"
     yield Measure("delaunay", text, {"violations": violations})
     yield Measure("area", f"{surface:.12g}", {"total": surface})
 
@@ -202,9 +202,9 @@ def _warnings(
     metric: PolyhedralMetric, angles: Floats, epsilon: Floats, duals: Floats, excess: Floats
 ) -> Iterator[Caution]:
     t = metric.triangulation
-    least, largest = angles.min(axis=1), angles.max(axis=1)
-    needle = least < np.radians(NEEDLE)
-    beyond = (least < np.radians(NARROW)) | (largest > np.radians(WIDE))
+    smallest, largest = angles.min(axis=1), angles.max(axis=1)
+    needle = smallest < np.radians(NEEDLE)
+    beyond = (smallest < np.radians(NARROW)) | (largest > np.radians(WIDE))
     inside, gaps = ~t.boundary_vertices, link_gaps(metric)
     found = (
         (
@@ -245,18 +245,18 @@ def _warnings(
             ),
         ),
         (
-            *("needles", needle, -least, f"triangles with an angle below {NEEDLE:g} degrees"),
+            *("needles", needle, -smallest, f"triangles with an angle below {NEEDLE:g} degrees"),
             lambda f: (
-                f"face {f} {t.faces[f].tolist()} has an angle of {np.degrees(least[f]):.2g} degrees: "
+                f"face {f} {t.faces[f].tolist()} has an angle of {np.degrees(smallest[f]):.2g} degrees: "
                 "needle triangles are ill-conditioned and may keep the residual above the rounding "
                 "error"
             ),
         ),
         (
-            *("angles", beyond & ~needle, largest - least),
+            *("angles", beyond & ~needle, largest - smallest),
             f"triangles with angles outside {NARROW:g} to {WIDE:g} degrees",
             lambda f: (
-                f"face {f} has angles of {np.degrees(least[f]):.3g} to {np.degrees(largest[f]):.3g} "
+                f"face {f} has angles of {np.degrees(smallest[f]):.3g} to {np.degrees(largest[f]):.3g} "
                 "degrees: such triangles make other surfaces with the same lengths more likely"
             ),
         ),

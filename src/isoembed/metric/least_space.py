@@ -31,10 +31,10 @@ def least_convex_space(metric: PolyhedralMetric) -> Space:
         The surface has a boundary or handles.
     """
     metric.triangulation.check_sphere()
-    given = metric.normalized
-    t, lengths = given.triangulation, given.lengths
+    normalized = metric.normalized
+    t, lengths = normalized.triangulation, normalized.lengths
 
-    def least(size: float) -> float:
+    def smallest_deficit(size: float) -> float:
         return float(deficits(PolyhedralMetric.on(t, lengths, Space(-size))).min())
 
     flat = PolyhedralMetric.on(t, lengths)
@@ -43,7 +43,7 @@ def least_convex_space(metric: PolyhedralMetric) -> Space:
     from scipy.optimize import brentq  # slow to import, rarely needed
 
     low, high = 0.0, 1e-6  # first trial curvature, over squared mean edge lengths
-    while least(high) < 0:
+    while smallest_deficit(high) < 0:
         low, high = high, 4.0 * high
-    size = brentq(least, low, high, xtol=1e-300, rtol=4 * np.finfo(np.float64).eps)
+    size = brentq(smallest_deficit, low, high, xtol=1e-300, rtol=4 * np.finfo(np.float64).eps)
     return Space(-size).scaled(metric.unit)

@@ -131,9 +131,9 @@ class PolygonFaces:
         def turns(i: int, j: int, k: int) -> Floats:
             return (np.cross(p[:, j] - p[:, i], p[:, k] - p[:, i]) * normals).sum(axis=1) / 2
 
-        least = MIN_AREA * areas
-        first = np.minimum(turns(0, 1, 2), turns(0, 2, 3)) > least
-        second = np.minimum(turns(0, 1, 3), turns(1, 2, 3)) > least
+        threshold = MIN_AREA * areas
+        first = np.minimum(turns(0, 1, 2), turns(0, 2, 3)) > threshold
+        second = np.minimum(turns(0, 1, 3), turns(1, 2, 3)) > threshold
         if not (first | second).all():
             self._refuse(int(which[np.argmin(first | second)]))
         sides = np.roll(p, -1, axis=1) - p

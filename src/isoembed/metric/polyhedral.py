@@ -277,11 +277,11 @@ class PolyhedralMetric(TriangleMetric):
             return self
         return self._knowing(precision=other.precision.in_means(other.mean_length / self.mean_length))
 
-    def _knowing(self, **known: Any) -> PolyhedralMetric:
+    def _knowing(self, **properties: Any) -> PolyhedralMetric:
         """Copy with another precision, errors or rounding of the lengths."""
         changed = copy(self)
         changed.__dict__.pop("_normalized", None)
-        changed._put(**known)
+        changed._put(**properties)
         return changed
 
     @property

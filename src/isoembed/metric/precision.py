@@ -155,8 +155,8 @@ def _look_measured(values: Floats, count: int) -> bool:
 
     They must be many, or come from many lengths and nearly fill their range, except for one at each end.
     """
-    most = len(values) >= FEW and 2 * len(values) > values[-2] - values[1]
-    return len(values) >= DESIGNED or (most and count >= 2 * DESIGNED)
+    is_dense = len(values) >= FEW and 2 * len(values) > values[-2] - values[1]
+    return len(values) >= DESIGNED or (is_dense and count >= 2 * DESIGNED)
 
 
 def common_unit(lengths: Floats, unit: float) -> float:

@@ -122,19 +122,19 @@ def repaired(
     """
     if not (math.isfinite(noise) and noise >= 0):
         raise InvalidParameter(f"the noise is {noise!r}, not a non-negative number of radians")
-    given = GluedMetric.of(metric)
-    before = given.deficits
-    rounding = deficit_rounding(given)
+    glued = GluedMetric.of(metric)
+    before = glued.deficits
+    rounding = deficit_rounding(glued)
     precision = metric.precision
     doubt = None
     if precision is not None and not precision.is_of_lengths:
-        spread = deficit_spread(given.faces, given.face_lengths, given.twins, given.curvature)
+        spread = deficit_spread(glued.faces, glued.face_lengths, glued.twins, glued.curvature)
         doubt = precision.name, precision.length_error * spread
     level = max(noise, min(tolerance, MAX_NOISE))
     check_convex(before, np.maximum(rounding, level), doubt)
     flat = small_by_far(before, min(level, largest_noise(before))) if flat is None else flat
     changed = (np.where(flat, np.abs(before), -before) > rounding) & (noise > 0)
-    u = np.zeros(given.n_vertices)
+    u = np.zeros(glued.n_vertices)
     result, left = metric, math.inf
     for _ in range(20):  # more than needed for small deficits: each step squares the error
         current = GluedMetric.of(result)
@@ -144,12 +144,12 @@ def repaired(
         allowed = deficit_rounding(current)
         # a step that leaves more than half of the errors has reached rounding
         if not changed.any() or ((errors <= allowed).all() and left >= 0.5 * before_step):
-            change = float(np.abs(current.face_lengths / given.face_lengths - 1).max())
+            change = float(np.abs(current.face_lengths / glued.face_lengths - 1).max())
             vertices = np.flatnonzero(changed)
             return result, Repair(frozen(vertices), frozen(before[vertices]), frozen(u), change)
         H = deficit_laplacian(current)
         try:
-            u = _least_factors(H, delta - H @ u, rounding / 2, flat)
+            u = _minimal_factors(H, delta - H @ u, rounding / 2, flat)
             result = _rescaled(metric, u)
         except (SingularMatrix, InvalidMetric):
             break
@@ -168,7 +168,7 @@ def small_by_far(deficits: Floats, noise: float) -> Mask:
     return within
 
 
-def _least_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Floats:
+def _minimal_factors(H: csc_array, delta: Floats, slack: Floats, flat: Mask) -> Floats:
     """Find ``u >= 0`` with ``H u + delta >= -slack``, and ``H u + delta = 0`` where u is not zero; (V,).
 
     At vertices to be flattened, u may have either sign, and ``H u + delta`` is zero.  By block principal

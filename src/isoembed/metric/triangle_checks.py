@@ -58,9 +58,9 @@ def broken_triangles(face_edges: Indices, lengths: Floats, margin: float = 0.0) 
     """Faces that break the triangle inequality up to a share of their longest sides, shape (F,)."""
     a, b, c = (lengths[edges] for edges in face_edges.T)
     low, high = np.minimum(a, b), np.maximum(a, b)
-    least, middle, most = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
+    shortest, middle, longest = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
     # A difference of neighbors neither over- nor underflows.
-    return cast(Mask, ~(most - middle < least - margin * most))
+    return cast(Mask, ~(longest - middle < shortest - margin * longest))
 
 
 def too_large_triangles(space: Space, lengths: Floats) -> Mask:

@@ -143,8 +143,8 @@ class StageRecorder:
         vertices : ndarray, shape (V, 3), optional
             See `Progress`.  Vertices are not copied, so they must not be modified; they are sent once.
         """
-        given = (t, residual, inverted, partially_inverted, level)
-        self._last |= {key: value for key, value in zip(self._last, given, strict=True) if value is not None}
+        values = (t, residual, inverted, partially_inverted, level)
+        self._last |= {key: value for key, value in zip(self._last, values, strict=True) if value is not None}
         log = self.log
         if done is not None:
             log.time_left.reach(done)

@@ -147,7 +147,7 @@ def through_curve(
         return bool(np.abs(lengths.residuals(x)[inner]).max() < REALIZED * unit)
 
     if start is None:
-        least: dict[ElasticSheet, float] = {}
+        lowest: dict[ElasticSheet, float] = {}
         best, fewest = boundary, np.inf
         for sheet, x, first in tries():
             passed = [x]
@@ -156,9 +156,9 @@ def through_curve(
                     x = sheet.relaxed(x, stiffness * energy.area, DESCENT, SETTLED)
                     passed.append(x)
             value = sheet.value(x, STIFFNESSES[-1] * energy.area)
-            if not value < LESS * least.get(sheet, np.inf):  # no improvement
+            if not value < LESS * lowest.get(sheet, np.inf):  # no improvement
                 continue
-            least[sheet], x = value, released(x)
+            lowest[sheet], x = value, released(x)
             if squares(x) < fewest:
                 best, fewest = x, squares(x)
                 for y in passed:

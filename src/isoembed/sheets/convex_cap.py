@@ -53,11 +53,11 @@ def check_cap(metric: PolyhedralMetric) -> None:
     check_disc(metric)
     t = metric.triangulation
     found = deficits(metric)
-    least = int(np.argmin(found))
-    if found[least] < -ANGLE_ROUNDING:
-        quantity = "exterior angle of the boundary" if t.boundary_vertices[least] else "deficit"
+    worst = int(np.argmin(found))
+    if found[worst] < -ANGLE_ROUNDING:
+        quantity = "exterior angle of the boundary" if t.boundary_vertices[worst] else "deficit"
         raise InvalidMetric(
-            f"the {quantity} at vertex {least} is {found[least]:.4g} radians, but is nonnegative on a "
+            f"the {quantity} at vertex {worst} is {found[worst]:.4g} radians, but is nonnegative on a "
             f"convex cap; {ANY_CURVATURE}"
         )
 

@@ -90,12 +90,12 @@ class ElasticSheet:
 
     def _factor(self, p: Point, epsilon: float) -> SymmetricFactor:
         """Factors of the Hessian; without the stress of compressed edges if it is not positive definite."""
-        t, given = self.lengths.triangulation, self.lengths.lengths
-        rows = edge_rows(t, p.x, given)
+        t, targets = self.lengths.triangulation, self.lengths.lengths
+        rows = edge_rows(t, p.x, targets)
         try:
             return self._system.penalized(
-                rows, 2 * epsilon, tensions=p.residual / given, clamped=self.clamped
+                rows, 2 * epsilon, tensions=p.residual / targets, clamped=self.clamped
             )
         except SingularMatrix:
-            stretched = np.maximum(p.residual, 0.0) / given
+            stretched = np.maximum(p.residual, 0.0) / targets
             return self._system.penalized(rows, 2 * epsilon, tensions=stretched, clamped=self.clamped)

@@ -108,8 +108,8 @@ def most_promising(
             tried.append((sheet.value(x, epsilon), start, x))
         tried.sort(key=lambda each: each[0])
         candidates = [(start, x) for _, start, x in tried[:KEPT]]
-    (least, best, _), (value, second, _) = tried[:2]
-    return [best, second] if DISTINCT[0] < value / least < DISTINCT[1] else [best]
+    (lowest, best, _), (value, second, _) = tried[:2]
+    return [best, second] if DISTINCT[0] < value / lowest < DISTINCT[1] else [best]
 
 
 def balanced(

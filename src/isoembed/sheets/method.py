@@ -137,17 +137,17 @@ class Sheet(Method):
         if isinstance(self.boundary, str):
             named = _cap if self.boundary == "plane" else _least_bending
             return named(metric, start, tolerance, log)
-        given = np.array(self.boundary)
+        prescribed = np.array(self.boundary)
         count = int(metric.triangulation.boundary_vertices.sum())
         if not count:
             raise InvalidParameter("the metric has no boundary: take boundary='free'")
-        if given.shape not in ((count,), (count, 3)):
+        if prescribed.shape not in ((count,), (count, 3)):
             raise InvalidParameter(
-                f"the boundary has the shape {given.shape}: the metric has {count} vertices there, so it is "
-                f"({count},) or ({count}, 3)"
+                f"the boundary has the shape {prescribed.shape}: the metric has {count} vertices there, "
+                f"so it must be ({count},) or ({count}, 3)"
             )
-        solve = _over_heights if given.ndim == 1 else _through
-        return solve(metric, given, start, tolerance, log)
+        solve = _over_heights if prescribed.ndim == 1 else _through
+        return solve(metric, prescribed, start, tolerance, log)
 
 
 def _cap(metric: PolyhedralMetric, start: Floats | None, tolerance: float, log: Log) -> SheetEmbedding:
@@ -253,14 +253,14 @@ def _through(
     with log.stage("given boundary") as recorder:
         x = through_curve(BendingEnergy(metric), LengthConstraints(metric), x, start, recorder)
     found = _embedding(metric, x, tolerance, log, "curve")
-    given = np.where(t.boundary_vertices[t.edges].all(axis=1), found.residuals, 0.0)
-    e = int(np.argmax(given))
-    if given[e] <= tolerance:
+    boundary_residuals = np.where(t.boundary_vertices[t.edges].all(axis=1), found.residuals, 0.0)
+    e = int(np.argmax(boundary_residuals))
+    if boundary_residuals[e] <= tolerance:
         return found
     off = np.linalg.norm(x[a[e]] - x[b[e]]) / metric.lengths[e] - 1
     why = (
         "are they in the order of Triangulation.boundaries?"
-        if given[e] > NOISE
+        if boundary_residuals[e] > NOISE
         else f"for measured positions, a least-squares surface needs tolerance={1.5 * found.residual:.0e}"
     )
     return found._with_message(
@@ -303,15 +303,15 @@ def _least_bending(
         if _residual(lengths, found.vertices) > EXACT:
             with log.stage("Newton on lengths") as recorder:
                 found = replace(found, vertices=nearest_with_lengths(lengths, found.vertices, recorder))
-        known: dict[str, Any] = {}
+        properties: dict[str, Any] = {}
         if is_flexible:
-            known = {
+            properties = {
                 "tensions": frozen(found.multipliers),
                 "imbalance": found.imbalance,
                 "uniqueness": _searched(1 + len(starts)),
             }
         x = aligned(found.vertices, start) if is_placed else standard_sheet(t, found.vertices)
-        surfaces.append(_embedding(metric, x, tolerance, log, "free", **known))
+        surfaces.append(_embedding(metric, x, tolerance, log, "free", **properties))
     surfaces.sort(key=_rank)
     return _beside(surfaces[0], surfaces[1:])._with_stages(log.stages)
 
@@ -380,10 +380,16 @@ def _start(metric: PolyhedralMetric, tolerance: float, log: Log) -> tuple[Floats
 
 
 def _embedding(
-    metric: PolyhedralMetric, x: Floats, tolerance: float, log: Log, condition: str, **known: Any
+    metric: PolyhedralMetric, x: Floats, tolerance: float, log: Log, condition: str, **properties: Any
 ) -> SheetEmbedding:
     return SheetEmbedding(
-        metric, x, method=Sheet.name, tolerance=tolerance, stages=log.stages, condition=condition, **known
+        metric,
+        x,
+        method=Sheet.name,
+        tolerance=tolerance,
+        stages=log.stages,
+        condition=condition,
+        **properties,
     )
 
 

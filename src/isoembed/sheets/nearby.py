@@ -50,23 +50,23 @@ def nearby_sheet(sheet: SheetEmbedding, metric: PolyhedralMetric, boundary: Floa
     """
     unit, normalized = metric.unit, metric.normalized
     log, x = Log(None), sheet.vertices / unit
-    known: dict[str, Any] = {}
+    properties: dict[str, Any] = {}
     is_settled = True
     with log.stage("near") as recorder:
         if sheet.heights is not None:
             heights = sheet.heights if boundary is None else boundary
             x = with_heights(normalized, x, heights / unit, recorder)
-            known["heights"] = frozen(np.array(heights))
+            properties["heights"] = frozen(np.array(heights))
         elif sheet.tensions is not None:
             x, tensions, imbalance = _least_bending(normalized, x, sheet.tensions * unit)
-            known |= {"tensions": frozen(tensions / unit), "imbalance": imbalance}
+            properties |= {"tensions": frozen(tensions / unit), "imbalance": imbalance}
         else:
             if boundary is not None:
                 x = x.copy()
                 x[np.concatenate(metric.triangulation.boundaries)] = boundary / unit
             x, is_settled = _least_squares(normalized, x)
-    known |= {"stages": log.stages, "message": "", "uniqueness": None}
-    found = replace(sheet, metric=metric, vertices=unit * x, **known)
+    properties |= {"stages": log.stages, "message": "", "uniqueness": None}
+    found = replace(sheet, metric=metric, vertices=unit * x, **properties)
     is_exact = sheet.heights is not None or sheet.tensions is not None
     is_found = (found.converged if is_exact else is_settled) and (found.imbalance or 0.0) <= BALANCED
     if not is_found:

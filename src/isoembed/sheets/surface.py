@@ -137,13 +137,13 @@ class SheetEmbedding(Embedding):
         found.surface.__dict__["_energy"] = self.surface._energy
         return found
 
-    def _in_unit_of(self, given: Any) -> SheetEmbedding:
+    def _in_unit_of(self, target: Any) -> SheetEmbedding:
         """Return the same surface, computed for the `normalized` of a metric, in that metric's unit."""
-        found = super()._in_unit_of(given)
+        found = super()._in_unit_of(target)
         if self.tensions is not None:
-            found._set(tensions=frozen(self.tensions / given.unit))
+            found._set(tensions=frozen(self.tensions / target.unit))
         if self.heights is not None:
-            found._set(heights=frozen(self.heights * given.unit))
+            found._set(heights=frozen(self.heights * target.unit))
         return found
 
     def _sentence(self) -> str:
@@ -181,10 +181,10 @@ class SheetEmbedding(Embedding):
         from isoembed.aim.vertex_reflections import reflections  # avoids imports needed for searches only
 
         apart = np.linalg.norm(reflections(t, x)[chosen], axis=1) / unit
-        least = int(np.argmin(apart))
+        nearest = int(np.argmin(apart))
         return (
-            f"; vertex {chosen[least]}, which has three neighbors, has a mirror image in their plane "
-            f"with the same lengths, {apart[least]:.1g} mean edge lengths away: the smoother side was "
+            f"; vertex {chosen[nearest]}, which has three neighbors, has a mirror image in their plane "
+            f"with the same lengths, {apart[nearest]:.1g} mean edge lengths away: the smoother side was "
             "taken"
         )
 

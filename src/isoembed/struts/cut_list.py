@@ -160,15 +160,15 @@ def _dearest(sizes: Floats, counts: Indices, prices: Floats) -> Indices:
     value = np.zeros(PARTS + 1)
     taken: list[tuple[int, int, np.ndarray]] = []
     for t, unit in enumerate(units.tolist()):
-        number, most = 1, int(min(counts[t], PARTS // max(unit, 1)))
-        while most > 0 and prices[t] > 0:  # one, two, four, ...
-            number = min(number, most)
+        number, available = 1, int(min(counts[t], PARTS // max(unit, 1)))
+        while available > 0 and prices[t] > 0:  # one, two, four, ...
+            number = min(number, available)
             more = value[: PARTS + 1 - number * unit] + number * prices[t]
             better = np.zeros(PARTS + 1, dtype=np.bool_)
             better[number * unit :] = more > value[number * unit :]
             value[number * unit :][better[number * unit :]] = more[better[number * unit :]]
             taken.append((t, number, better))
-            most, number = most - number, 2 * number
+            available, number = available - number, 2 * number
     pattern, room = np.zeros(len(sizes), dtype=np.int64), PARTS
     for t, number, better in reversed(taken):
         if better[room]:

@@ -134,8 +134,8 @@ def _steps(angles: Sequence[float]) -> str:
     """Range of angles, as text."""
     if not angles:
         return ""
-    least, most = (f"{value:.2f}" for value in (min(angles), max(angles)))
-    return least if least == most else f"{least} to {most}"
+    smallest, largest = (f"{value:.2f}" for value in (min(angles), max(angles)))
+    return smallest if smallest == largest else f"{smallest} to {largest}"
 
 
 def _aligned(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
