@@ -198,7 +198,7 @@ def test_no_right_length_is_suspected(seed):
 @pytest.mark.parametrize(("seed", "error"), [(0, 1e-3), (1, 1e-2 / 3)])
 def test_what_is_smoothed_is_no_blunder(seed, error):
     """Residuals of smoothing decrease with mu, and those nearby are as large."""
-    exact = PolyhedralMetric.from_mesh(*triangulate(Bean(), 500))
+    exact = PolyhedralMetric.from_mesh(*triangulate(Bean(), 300))
     sigma = error * exact.mean_length
     noise = sigma * np.random.default_rng([seed, 7]).standard_normal(len(exact.lengths))
     found = embed(exact.with_lengths(exact.lengths + noise), length_errors=sigma)

@@ -87,8 +87,8 @@ def test_on_the_sphere_a_body_may_be_wider_than_a_quarter_of_a_great_circle():
 
 def test_a_metric_is_convex_in_one_space_and_not_in_another():
     # Equal lengths: the angles of hyperbolic triangles are smaller, those of spherical ones larger.
-    vertices, faces = zoo.icosphere(1)
-    metric = PolyhedralMetric.from_mesh(vertices, faces)
+    vertices, faces = zoo.icosahedron()
+    metric = PolyhedralMetric.from_mesh(vertices / np.linalg.norm(vertices[0]), faces)
     assert embed(PolyhedralMetric(faces, metric.lengths, curvature=-1.0), method="alexandrov").converged
     with pytest.raises(InvalidMetric, match="deficit"):
         embed(PolyhedralMetric(faces, metric.lengths, curvature=1.2), method="alexandrov")

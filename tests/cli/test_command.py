@@ -406,7 +406,7 @@ def test_triangulate_refuses(run, arguments, sentence):
 
 
 def test_surface_draws_irregular_triangles(run):
-    options = ("--degree", 2, "--order", 2, "--amplitude", 0.35, "--vertices", 100)
+    options = ("--axes", 3, 2, 1, "--vertices", 100)
     seeds = {
         "a.npz": ("--irregular", 1),
         "b.npz": ("--irregular", 1),
@@ -414,9 +414,9 @@ def test_surface_draws_irregular_triangles(run):
         "d.npz": (),
     }
     for name, seed in seeds.items():
-        status, out, _ = run("surface", "harmonic", *options, *seed, "-o", name)
+        status, out, _ = run("surface", "ellipsoid", *options, *seed, "-o", name)
         assert status == 0
-        assert "HarmonicSurface(degree=2, order=2, amplitude=0.35, radius=1.0), 100 vertices" in out
+        assert "Ellipsoid(axes=(3.0, 2.0, 1.0)), 100 vertices" in out
     a, b, c, d = (np.sort(read_metric(name).lengths) for name in seeds)
     np.testing.assert_array_equal(a, b)
     assert not np.allclose(a, c, rtol=1e-3)

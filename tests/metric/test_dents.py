@@ -49,7 +49,7 @@ def test_dimples_whose_rings_have_grown_together_are_told_apart():
 
 
 def test_a_cap_that_is_nearly_flat_is_no_dent():
-    vertices, faces = smooth_bodies.dimpled(1500, depth=0.174, width=0.4)
+    vertices, faces = smooth_bodies.dimpled(600, depth=0.174, width=0.4)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     cap = angles(vertices, (0, 0, 1)) < 0.2
     assert 1e-3 < deficits(metric)[cap].clip(0).sum() < 3e-3
@@ -66,7 +66,7 @@ def horn_and_dimple(n):
 
 
 def test_a_horn_beside_a_dimple_is_no_part_of_it():
-    vertices, faces = horn_and_dimple(1000)
+    vertices, faces = horn_and_dimple(600)
     metric = PolyhedralMetric.from_mesh(vertices, faces)
     (patch,) = dents(metric)
     away = angles(vertices, (0.0, 0.0, 1.0))
