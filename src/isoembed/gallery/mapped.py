@@ -42,8 +42,8 @@ class MappedSurface(Surface):
 
     def _images(self, u: Floats) -> tuple[Floats, Floats, Floats]:
         """Frames a, b, u, their images dX(a), dX(b), dX(u), and the cross product of the first two."""
-        frame = _frames(u)
-        image = np.einsum("nij,knj->kni", self._differential(u), frame)
+        frame, D = _frames(u), self._differential(u)
+        image = np.asarray(sum(D[:, :, j] * frame[:, :, j, None] for j in range(3)))  # faster than einsum
         return frame, image, np.cross(image[0], image[1])
 
     def _normals(self, u: Floats) -> Floats:
