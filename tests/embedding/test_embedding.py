@@ -261,6 +261,13 @@ def test_lengths_are_those_of_the_surface_and_not_those_asked_for():
     assert surface.residual == pytest.approx(2 / 3 * metric.lengths.max() / metric.mean_length)
 
 
+def test_distance_of_vertices_inside_out():
+    """As an embedding of them, they are mirrored."""
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
+    inward = PolyhedralMetric.from_mesh(corners, [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    assert isoembed.embed(inward).distance(corners) < 1e-14
+
+
 def test_distance_from_vertices_is_that_from_a_surface():
     one = embedding(*zoo.icosphere(1), 2.0)
     moved = one.vertices @ zoo.rotation(1).T + [5.0, 0, 0]

@@ -141,7 +141,8 @@ class Embedding:
         Parameters
         ----------
         other : Embedding, or array_like, shape (V, 3)
-            Another realization, or vertices in the same order and unit.
+            Another realization, or vertices in the same order and unit.  Like the surface itself, closed
+            ones are mirrored if their volume is negative.
 
         Raises
         ------
@@ -150,8 +151,8 @@ class Embedding:
         """
         normalized, unit = self.metric.normalized, self.metric.unit
         positions = other.vertices if isinstance(other, Embedding) else other
-        x = vertex_array(self.triangulation, positions)
-        return alignment.distance(self.vertices / unit, x / unit, normalized.space) / normalized.mean_length
+        x = self._oriented(vertex_array(self.triangulation, positions) / unit)
+        return alignment.distance(self.vertices / unit, x, normalized.space) / normalized.mean_length
 
     def _with_message(self, message: str) -> Self:
         """Return the same embedding with another message."""
