@@ -1,4 +1,4 @@
-"""The short examples: scripts of a topic's folder, each of which draws one picture with its own name.
+"""The short examples: scripts in the folder of a topic. Each draws one picture with its own name.
 
 ``python docs/examples/drawing.py FOLDER`` draws all of them there.
 """

@@ -1,6 +1,6 @@
 """A mesh of trimesh is taken apart and found again.
 
-A capsule, of which only the edge lengths are kept.
+A capsule from its edge lengths alone.
 """
 
 import trimesh

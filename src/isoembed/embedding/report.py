@@ -96,9 +96,9 @@ def report(embedding: Embedding) -> dict[str, Any]:
         "stages": [asdict(stage) for stage in embedding.stages],
     }
     if embedding.length_errors is not None:
-        most = float(embedding.length_errors.max()) or 1.0  # whose square may be beyond the range
+        largest = float(embedding.length_errors.max()) or 1.0  # whose square may be beyond the range
         found["deviation"] = {
-            "length_error_rms": most * float(np.sqrt(np.mean((embedding.length_errors / most) ** 2))),
+            "length_error_rms": largest * float(np.sqrt(np.mean((embedding.length_errors / largest) ** 2))),
             **Sensitivity(embedding).integral_deviation(embedding.length_errors).report,
         }
     return dict(plain(_merged(found, embedding._reported)))

@@ -188,12 +188,12 @@ def _too_large(
         for paper in papers
         if max(_largest(unfolding, one)[0] for one in (paper, paper.turned)) >= wanted
     )
-    most = f"{np.floor(maximum / digits) * digits:.6g}"
+    largest_value = f"{np.floor(maximum / digits) * digits:.6g}"
     if axis:
-        most = f"('{axis}', {most})"
+        largest_value = f"('{axis}', {largest_value})"
     return (
         f"{_named(option, axis, f'{value:.6g} mm')}, but {name} fits on {page.name} up to "
-        f"{option}={most}; {next(enough, NO_FORMAT)}"
+        f"{option}={largest_value}; {next(enough, NO_FORMAT)}"
     )
 
 
