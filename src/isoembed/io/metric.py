@@ -186,6 +186,8 @@ def metric_of(tables: Tables) -> PolyhedralMetric:
     options = {key: tables[key] for key in ("curvature",) if key in tables}
     errors = tables.get("length_errors")
     if "lengths" in tables:
+        if "check_lengths" in tables:  # by the names in the file
+            tables["check_lengths"](errors)
         arguments = tables["faces"], tables["lengths"], tables.get("edges")
         metric = PolyhedralMetric(*arguments, length_errors=errors, **options)
     else:

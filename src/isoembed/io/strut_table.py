@@ -88,7 +88,8 @@ def read(file: InputFile) -> Tables:
     FileError
         It is not a strut table: naming the line.
     InvalidMetric
-        The struts are not a frame of triangles: naming the first strut.
+        The struts are not a frame of triangles: naming the first strut.  Lengths are checked by
+        ``check_lengths``, an entry, with the errors that they have or are given.
     """
     struts, legend = [], {}
     for row in _rows(file):
@@ -132,9 +133,13 @@ def read(file: InputFile) -> Tables:
         tables["length_errors"] = np.array([_length_error(row, file) for row in measured])
     elif error:
         tables["length_errors"] = np.array(error)
-    _check_triangles(**tables, hubs=hubs, rows=[row.line for row in measured])
-    _say_which_hub_is_which(hubs)
-    return tables
+    rows = [row.line for row in measured]
+
+    def check(length_errors: ArrayLike | None) -> None:
+        _check_triangles(**{**tables, "length_errors": length_errors}, hubs=hubs, rows=rows)
+        _say_which_hub_is_which(hubs)
+
+    return {**tables, "check_lengths": check}
 
 
 def _rows(file: InputFile) -> Iterator[_Row]:
@@ -381,9 +386,9 @@ def _check_triangles(
     faces: Indices,
     edges: Indices,
     lengths: Floats,
+    length_errors: ArrayLike | None,
     hubs: Sequence[str],
     rows: Sequence[int],
-    length_errors: ArrayLike = 0.0,
 ) -> None:
     """Refuse lengths that break a triangle inequality, and not by their errors, by the names of the hubs.
 
@@ -393,11 +398,10 @@ def _check_triangles(
     pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2).tolist()
     sides = np.array([place[frozenset(pair)] for pair in pairs]).reshape(-1, 3)
     f = first_broken(sides, lengths, 0.0)
-    if f >= 0 and np.any(length_errors):  # larger ones may be given beside the table
-        errors = np.maximum(length_errors, ONE_DIGIT * lengths.mean())
-        f = first_broken(
-            sides, within_inequalities(sides, lengths, np.broadcast_to(errors, lengths.shape)), 0.0
-        )
+    errors = np.zeros(1) if length_errors is None else np.asarray(length_errors, dtype=np.float64)
+    if f >= 0 and errors.size in (1, len(lengths)) and (np.isfinite(errors) & (errors > 0)).all():
+        errors = np.broadcast_to(errors, lengths.shape)
+        f = first_broken(sides, within_inequalities(sides, lengths, errors), 0.0)
     if f < 0:
         return
     names = [hub[:LONGEST_QUOTE] for hub in hubs]
