@@ -107,9 +107,7 @@ def test_no_convex_one_is_a_proof_or_the_end_of_a_search():
     assert 'no deficit is negative, and method="alexandrov" finds' in str(refused.value)
     attempt = refused.value.embedding
     assert attempt.residual < 1e-10 and attempt.message == str(refused.value)
-    assert (attempt.status, isoembed.report(attempt)["status"], attempt.is_answer) == ("not found",) * 2 + (
-        False,
-    )
+    assert attempt.status == isoembed.report(attempt)["status"] == "not found" and not attempt.is_answer
     x, faces = zoo.icosphere(1)
     x = x + np.where(np.arange(len(x)) == 20, 0.5, 0.0)[:, None] * x  # a spike, with deficits < 0 around it
     with pytest.raises(NotEmbedded, match="no convex surface has these lengths: the deficit of") as refused:

@@ -85,7 +85,8 @@ def test_a_length_that_breaks_the_triangle_inequality_is_named_as_it_was_given()
     assert named in found.message
     report = isoembed.report(found)
     assert report["residual"]["given_length"] == 2.0 * lengths[three[0]]
-    assert report["measured"]["suspects"][0]["predicted_length"] == pytest.approx(2.0 * TRUE.lengths[three[0]])
+    [suspect] = report["measured"]["suspects"]
+    assert suspect["predicted_length"] == pytest.approx(2.0 * TRUE.lengths[three[0]])
 
 
 def test_exact_lengths_are_not_called_agreement():

@@ -12,7 +12,7 @@ UNDETERMINED = 3
 
 
 def why_undetermined(nonlinearity: float | None) -> str:
-    """Clause on a volume without a standard deviation, by its nonlinearity; None or infinite if J is singular.
+    """Why a volume has no standard deviation, by its nonlinearity: None or infinite if J is singular.
 
     Errors of the lengths may be large, or that of one length, or the surface soft.
     """

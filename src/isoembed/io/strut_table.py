@@ -206,7 +206,7 @@ def _is_header(names: Collection[str]) -> bool:
 
 
 def _written(row: _Row, columns: Iterable[str] = LENGTHS) -> str:
-    """The length in a row, its standard deviation or its unit, as it is written; empty where there is none."""
+    """The length in a row, its standard deviation or its unit, as written; empty where there is none."""
     return next((row.cells[name] for name in columns if row.cells.get(name)), "")
 
 

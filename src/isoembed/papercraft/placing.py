@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -117,12 +117,16 @@ def laid_out(
 
 def _option(
     scale: float | None, size: float | tuple[str, float] | None
-) -> tuple[Literal["scale", "size"], str, float] | None:
+) -> tuple[str, str, float] | None:
     """Name of the scale or size, if given, axis of the size, if it has one, and value."""
-    axis, extent = size if isinstance(size, tuple) and len(size) == 2 and size[0] in AXES else ("", size)
+    axis = ""
+    if isinstance(size, tuple):
+        if len(size) != 2 or size[0] not in AXES:
+            raise InvalidParameter(f"size is {size!r}, not a number or such as ('z', 200)")
+        axis, size = size
     options = [
         (name, along, value)
-        for name, along, value in (("scale", "", scale), ("size", axis, extent))
+        for name, along, value in (("scale", "", scale), ("size", axis, size))
         if value is not None
     ]
     for name, along, value in options:
@@ -131,7 +135,7 @@ def _option(
             raise InvalidParameter(f"{_named(name, along, text)}, not a positive finite number of mm")
     if len(options) == 2:
         raise InvalidParameter(
-            f"give either a scale, here {scale:g} mm, or a size, here {extent:g} mm, not both"
+            f"give either a scale, here {scale:g} mm, or a size, here {size:g} mm, not both"
         )
     return options[0] if options else None
 

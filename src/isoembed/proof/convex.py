@@ -58,8 +58,8 @@ class ConvexCertificate(Certificate):
         Lower bound on the exterior dihedral angles between the faces of the exact polyhedron, radians; in
         hyperbolic and spherical space it decreases with the distance from the origin.
     flat_edges : int or None
-        Number of edges within polygonal faces, which are flat up to rounding: the exact polyhedron may be bent
-        by as little there, along these or other diagonals.
+        Number of edges within polygonal faces, which are flat up to rounding: the exact polyhedron may be
+        bent by as little there, along these or other diagonals.
     """
 
     distance: float | None = None
