@@ -38,7 +38,7 @@ interface Frame {
   stage: string;
   t: number | null;
   residual: number | null;
-  told: string[];
+  remarks: string[];
   pause: number; // milliseconds
   mesh: number;
   concave: Packed | null;

@@ -180,7 +180,7 @@ def _data(
         surface: Embedding, add: Callable[[Floats], dict[str, Any]], of: Sequence[Quantity]
     ) -> dict[str, Any]:
         return {
-            "told": [],
+            "remarks": [],
             "mesh": 0,
             "concave": packed.add(_bits(edges, surface.surface.concave_edges)),
             "positions": add(pose.put(drawn.points(surface.vertices)).ravel()),

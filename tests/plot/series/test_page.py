@@ -80,7 +80,7 @@ def test_colors_begin_and_end_at_the_same_values_at_all_times(page):
 
 def test_what_is_lost_is_told(page):
     text, data, _ = read(page)
-    assert data["frames"][2]["told"] == ["ah3: not embedded"]
+    assert data["frames"][2]["remarks"] == ["ah3: not embedded"]
     assert "3 horizons: 6 of 7 surfaces embedded · t = 0.00 to 1.50" in text
     report = json.loads(base64.b64decode(re.search(r"application/json;base64,([^\"]+)", text)[1]))
     assert [row["label"] for row in report if row["reason"]] == ["ah3.t2"]

@@ -46,7 +46,7 @@ const meshes = data.meshes.map((entry) => {
 
 // -------- the state
 
-const foldable = frames.some(({ concave: bits }) => bits); // whether edges are told to be concave
+const foldable = frames.some(({ concave: bits }) => bits); // whether frames mark concave edges
 const still = data.camera; // the first view: rows right, up, toward the viewer
 const view = { turn: still.slice(), zoom: 1, x: 0, y: 0 };
 const shown = { frame: data.first, quantity: data.quantities[0], mesh: true, seams: true, creases: false, smooth: false };
@@ -502,7 +502,7 @@ function marks(kind) { // where the numbers stand beside the colors
 }
 
 function moment() {
-  const { stage, t, residual, told } = frames[shown.frame];
+  const { stage, t, residual, remarks } = frames[shown.frame];
   let count = 0;
   for (const eight of concave) for (let b = eight; b; b &= b - 1) count++;
   const words = [`frame ${shown.frame + 1} of ${frames.length}`];
@@ -516,14 +516,14 @@ function moment() {
     const whole = document.createElement("span"); // is not broken
     whole.textContent = word;
     return [" · ", whole];
-  }), ...told.map((line) => {
+  }), ...remarks.map((line) => {
     const whole = document.createElement("span");
-    whole.className = "told";
+    whole.className = "remarks";
     whole.textContent = line;
     return whole;
   }));
   $("frame").value = shown.frame;
-  $("frame").setAttribute("aria-valuetext", [stage, ...words, ...told].join(", "));
+  $("frame").setAttribute("aria-valuetext", [stage, ...words, ...remarks].join(", "));
 }
 
 // -------- turning and zooming
@@ -751,7 +751,7 @@ if (gl) {
     placed = null;
     select();
   });
-  $("moment").style.setProperty("--told", `${1.5 * Math.max(...frames.map(({ told }) => told.length))}em`); // the surface stays
+  $("moment").style.setProperty("--remarks", `${1.5 * Math.max(...frames.map(({ remarks }) => remarks.length))}em`); // the surface stays
   for (const name of ["mesh", "seams", "creases", "smooth"]) {
     $(name).addEventListener("change", () => {
       shown[name] = $(name).checked;

@@ -92,7 +92,7 @@ def _document(placed: PlacedHorizons, title: str) -> Document:
         vertices = np.concatenate([one.vertices for one in horizons] or [NO_VERTICES])
         frames.append(
             {
-                **{"stage": scene.moment, "t": None, "residual": None, "told": _report_lines(scene)},
+                **{"stage": scene.moment, "t": None, "residual": None, "remarks": _report_lines(scene)},
                 **{"pause": pause, "mesh": mesh, "concave": None},
                 "positions": packed.add_short(pose.put(vertices).ravel()),
                 "values": {shade.shown: shade.packed(packed, horizons) for shade in shades},
