@@ -113,7 +113,7 @@ def definite_tensor(metric: TwoMetric, u: Floats) -> Floats:
     """
     check_two_metric(metric)
     q = metric.tensor(u)
-    trace = np.trace(q, axis1=1, axis2=2)
+    trace = q[:, 0, 0] + q[:, 1, 1] + q[:, 2, 2]
     good = np.isfinite(trace) & (trace > 0.0)
     if good.all():
         good = area_density(q / trace[:, None, None]) > 0.0  # 0 for negative determinants

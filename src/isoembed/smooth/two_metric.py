@@ -219,12 +219,12 @@ def check_two_metric(metric: object) -> None:
 def from_angles(u: Floats, Qtt: Floats, Qtp: Floats, Qpp: Floats) -> Floats:
     """The tensor (n, 3, 3) from components in the orthonormal frame (e_theta, e_phi), away from the poles."""
     e_theta, e_phi = angle_frame(u)
-    mixed = e_theta[:, :, None] * e_phi[:, None, :]
-    return (
-        Qtt[:, None, None] * e_theta[:, :, None] * e_theta[:, None, :]
-        + Qtp[:, None, None] * (mixed + mixed.transpose(0, 2, 1))
-        + Qpp[:, None, None] * e_phi[:, :, None] * e_phi[:, None, :]
-    )
+    along_theta = Qtt[:, None] * e_theta + Qtp[:, None] * e_phi
+    along_phi = Qtp[:, None] * e_theta + Qpp[:, None] * e_phi
+    q = np.empty((len(u), 3, 3))
+    for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
+        q[:, i, j] = q[:, j, i] = e_theta[:, i] * along_theta[:, j] + e_phi[:, i] * along_phi[:, j]
+    return q
 
 
 def angle_frame(u: Floats) -> tuple[Floats, Floats]:
@@ -284,7 +284,7 @@ def projected(q: Floats, u: Floats) -> Floats:
 
 def area_density(q: Floats) -> Floats:
     """The area (n,) of the metrics q (n, 3, 3) over that of the unit sphere: the root of the determinant."""
-    trace = np.trace(q, axis1=1, axis2=2)
+    trace = q[:, 0, 0] + q[:, 1, 1] + q[:, 2, 2]  # np.trace takes ten times as long
     shape = q / trace[:, None, None]  # squares of squared lengths would under- or overflow
     return trace * np.sqrt(np.maximum(0.5 * (1.0 - np.einsum("nij,nij->n", shape, shape)), 0.0))
 
