@@ -78,6 +78,7 @@ class RealizationSearch:
     flexible: int = 0
     incomplete: int = 0
     _roughness: list[float] = field(default_factory=list)
+    _spans: list[Floats] = field(default_factory=list)  # of the realizations found
     _moves: list[int] = field(default_factory=list)
     _starts: dict[int, deque[StartPoint]] = field(default_factory=dict)  # remaining ones, by realization
     _attempts: dict[float, Floats] = field(default_factory=dict)  # by residual
@@ -241,13 +242,23 @@ class RealizationSearch:
             return
         if not self._is_known(x, identical_within(self._residual(x) / self._unit)):
             self.found.append(x)
+            self._spans.append(self._spans_of(x))
             self.searched.append(False)
             self._moves.append(moves)
             self._roughness.append(fine_roughness(self.system.triangulation, x))
 
     def _is_known(self, vertices: Floats, near: float) -> bool:
+        if not self.found:
+            return False
         space, vertices = self.system.space, self._outward(vertices)
-        return any(distance(vertices, other, space) <= near * self._unit for other in self.found)
+        # If no vertex is farther than a distance from its other place, no span differs by more than twice it.
+        differ = np.abs(np.array(self._spans) - self._spans_of(vertices)).max(axis=1)
+        close = np.flatnonzero(differ <= 2 * near * self._unit).tolist()
+        return any(distance(vertices, self.found[i], space) <= near * self._unit for i in close)
+
+    def _spans_of(self, vertices: Floats) -> Floats:
+        """Distances between vertices far apart in number, shape (V,), which rigid motions preserve."""
+        return self.system.space.distances(vertices, np.roll(vertices, len(vertices) // 2, axis=0))
 
     def _outward(self, vertices: Floats) -> Floats:
         return outward(self.system.triangulation.faces, vertices, self.system.space)

@@ -117,7 +117,9 @@ def _table(found: Realizations) -> list[str]:
     for i in shown:
         surface, distance = found.surfaces[i], found.distances[i]
         proof = certify(surface)
-        nearest = min((float(d) for j, d in enumerate(found.apart[i]) if j != i), default=None)
+        nearest = min(
+            (surface.distance(other) for j, other in enumerate(found.surfaces) if j != i), default=None
+        )
         numbers = [
             "-" if value is None else f"{value:.{digits}e}"
             for value, digits in (
