@@ -40,7 +40,7 @@ class Convexification:
 
     Parameters
     ----------
-    given : GluedMetric
+    original : GluedMetric
         Scaled to a mean edge length of about 1.
 
     Notes
@@ -54,20 +54,20 @@ class Convexification:
     conformal class, which is not needed.
     """
 
-    def __init__(self, given: GluedMetric) -> None:
-        self.given = given
+    def __init__(self, original: GluedMetric) -> None:
+        self.original = original
         self._tau = 0.0  # diffusion time; no requested margin was reached before it
 
     @cached_property
     def is_convex(self) -> bool:
         """Whether no deficit of the given metric is negative beyond rounding."""
-        rounding = deficit_rounding(self.given)
-        return bool((self.given.deficits >= -rounding).all())
+        rounding = deficit_rounding(self.original)
+        return bool((self.original.deficits >= -rounding).all())
 
     @property
     def negative_curvature(self) -> float:
         """Absolute sum of the negative deficits over the sum of all deficits."""
-        return float(-np.minimum(self.given.deficits, 0.0).sum() / _total(self.given))
+        return float(-np.minimum(self.original.deficits, 0.0).sum() / _total(self.original))
 
     def metric(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
         """A convex metric on the given vertices and its own triangulation; the given metric, if it is convex.
@@ -87,7 +87,7 @@ class Convexification:
             None if the margin was not reached.
         """
         if self.is_convex:
-            return self.given
+            return self.original
         try:
             found = self._changed(margin, recorder)
         except SingularMatrix:  # triangles too thin for floats
@@ -104,14 +104,14 @@ class Convexification:
         to the convex metric; a smaller metric needs less curvature.
         """
         # Curvature of space times area, over 4 pi.
-        if not 1 - _total(self.given) / (4 * np.pi) > 0.01:
+        if not 1 - _total(self.original) / (4 * np.pi) > 0.01:
             return None
-        half = np.full(self.given.n_vertices, -np.log(2.0))
-        return Convexification(equivalent(self.given, half))
+        half = np.full(self.original.n_vertices, -np.log(2.0))
+        return Convexification(equivalent(self.original, half))
 
     def _changed(self, margin: float, recorder: StageRecorder) -> GluedMetric | None:
         """Follow the conformal change; None if it stalls."""
-        reached = _Delaunay.of(self.given, recorder.work)
+        reached = _Delaunay.of(self.original, recorder.work)
         diffused = self._diffused(reached, margin, recorder)
         if diffused is None:
             return None

@@ -33,10 +33,10 @@ def nearest_polyhedron(problem: Problem, pipeline: Pipeline) -> Floats:
     if convex is not None:
         try:
             found = convex_polyhedron(convex.normalized, PLACED, log)
-            return problem.in_given_order(convex.unit * found.vertices)
+            return problem.in_original_order(convex.unit * found.vertices)
         except NotEmbedded as failure:
             nearest = failure.embedding.vertices[: problem.numbers.size]
-            return problem.in_given_order(convex.unit * nearest)
+            return problem.in_original_order(convex.unit * nearest)
         except InvalidMetric:  # too thin: fewer than three deficits beyond rounding
             pass
     with log.stage("sphere") as recorder:

@@ -27,12 +27,12 @@ from isoembed.progress.stages import Log, StageRecorder
 from isoembed.space import Space
 
 
-def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
+def polytope_start(original: GluedMetric, convex: GluedMetric, analyses: Analyses, log: Log) -> Floats | None:
     """Start of Newton's method, from generalized polytopes over a convex metric.
 
     Parameters
     ----------
-    given : GluedMetric
+    original : GluedMetric
         Scaled to a mean edge length of about 1.
     convex : GluedMetric
         A nearby convex metric on the same vertices, possibly the given one.
@@ -54,7 +54,7 @@ def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, 
     # Share of the deficits; with less curvature the side of a vertex is determined.
     close = np.minimum(NEWTON_CURVATURE * deficits.max(), 0.1 * deficits)
     with log.stage("polytopes") as recorder:
-        recorder.show(level=f"{given.n_vertices:,} vertices")
+        recorder.show(level=f"{original.n_vertices:,} vertices")
         path = follow_path(
             convex.half_edges(directed=False),
             deficits,
@@ -68,10 +68,10 @@ def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, 
             if isinstance(found, Stalled):
                 continue
             p = found.polytope if isinstance(found, Solution) else found
-            if convex is given and (np.abs(p.curvatures) <= close).all():
+            if convex is original and (np.abs(p.curvatures) <= close).all():
                 return p.radii
             if isinstance(found, Solution):
-                vertices = realized(found, recorder) if convex is given else placed(found)
+                vertices = realized(found, recorder) if convex is original else placed(found)
                 return convex.space.centered(vertices)
             if p.lowest < THIN:
                 return None
@@ -79,7 +79,7 @@ def polytope_start(given: GluedMetric, convex: GluedMetric, analyses: Analyses, 
 
 
 def newton_from_polytope(
-    given: GluedMetric,
+    original: GluedMetric,
     start: Floats,
     analyses: Analyses,
     log: Log,
@@ -89,7 +89,7 @@ def newton_from_polytope(
 
     Parameters
     ----------
-    given : GluedMetric
+    original : GluedMetric
         Scaled to a mean edge length of about 1.
     start : ndarray, shape (V,) or (V, 3)
         Radii or vertices, from `polytope_start`.
@@ -111,9 +111,9 @@ def newton_from_polytope(
     surfaces, the result of a single step would be arbitrary.
     """
     with log.stage("leap") as recorder:
-        recorder.show(level=f"{given.n_vertices:,} vertices")
+        recorder.show(level=f"{original.n_vertices:,} vertices")
         try:
-            found = _followed(given.half_edges(directed=False), start, analyses, recorder)
+            found = _followed(original.half_edges(directed=False), start, analyses, recorder)
         except SingularMatrix:
             return None
         if found is None:

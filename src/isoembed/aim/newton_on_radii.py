@@ -28,13 +28,13 @@ LOOSEST = 1e-3  # largest relative residual of Newton's linear equations
 
 
 def newton_on_radii(
-    given: GluedMetric, analyses: Analyses, log: Log, ordered: Callable[[Floats], Floats]
+    glued: GluedMetric, analyses: Analyses, log: Log, ordered: Callable[[Floats], Floats]
 ) -> Floats | None:
     """Realize a convex or nearly convex metric on its own triangles.
 
     Parameters
     ----------
-    given : GluedMetric
+    glued : GluedMetric
         Scaled to a mean edge length of about 1.
     analyses : Analyses
         Symbolic factorizations of the given triangles.
@@ -48,8 +48,8 @@ def newton_on_radii(
         None if the path or Newton's method fails, or ends where ``-d kappa / d r`` has more than the one
         negative eigenvalue of convex bodies, where vertices may be inverted.
     """
-    tables, deficits = given.half_edges(directed=False), given.deficits
-    rounding = deficit_rounding(given)
+    tables, deficits = glued.half_edges(directed=False), glued.deficits
+    rounding = deficit_rounding(glued)
     flat = np.mean(np.abs(deficits) <= rounding)  # vertices of undetermined radius
     if not deficits.max() > 0 or flat > 0.1:  # too many flat vertices for the path
         return None
@@ -58,7 +58,7 @@ def newton_on_radii(
         near = np.minimum(near, 0.3 * deficits)  # share of the deficits at which the path may end
     checkpoint = log.checkpoints.resume()
     with log.stage("radii") as recorder:
-        recorder.show(level=f"{given.n_vertices:,} vertices")
+        recorder.show(level=f"{glued.n_vertices:,} vertices")
         try:
             begun = None if checkpoint is None else Waypoint.of_arrays(checkpoint)
             p = follow_path_without_flips(tables, deficits, recorder, analyses, near, begun)

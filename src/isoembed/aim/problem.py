@@ -54,7 +54,7 @@ class Problem:
     @cached_property
     def analyses(self) -> Analyses:
         """Symbolic factorization that all factorizations for the radii share."""
-        return Analyses.of(self.convexification.given.half_edges(directed=False), self.work)
+        return Analyses.of(self.convexification.original.half_edges(directed=False), self.work)
 
     def forget_analyses(self) -> None:
         """Free the memory of `analyses`, which the next strategies need for large bodies."""
@@ -104,6 +104,6 @@ class Problem:
         """The surface with these vertices, already in standard position."""
         return Embedding(self.metric, vertices, method=self.name, tolerance=self.tolerance)
 
-    def in_given_order(self, vertices: Floats) -> Floats:
+    def in_original_order(self, vertices: Floats) -> Floats:
         """Vertices of the convexification in the given order, or their mirror image: `outward`."""
         return outward(self.metric.faces, vertices[np.argsort(self.numbers)])

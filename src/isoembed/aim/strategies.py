@@ -96,7 +96,7 @@ class NewtonOnRadii(Strategy):
         problem = pipeline.problem
         pipeline.log.expect(AT_ONCE)
         vertices = newton_on_radii(
-            problem.convexification.given, problem.analyses, pipeline.log, problem.in_given_order
+            problem.convexification.original, problem.analyses, pipeline.log, problem.in_original_order
         )
         return state if vertices is None else accepted(state, problem, vertices)
 
@@ -122,9 +122,9 @@ class NearestPolytope(Strategy):
             convex = convexification.metric(NEAR_MARGIN, recorder)
         if convex is None:
             return state
-        body = polytope_start(convexification.given, convex, problem.analyses, log)
+        body = polytope_start(convexification.original, convex, problem.analyses, log)
         if body is not None and body.ndim == 2 and problem.is_convex:
-            polyhedron = polished_polyhedron(problem.in_given_order(body), pipeline)
+            polyhedron = polished_polyhedron(problem.in_original_order(body), pipeline)
             if is_exact(polyhedron):
                 return state.adding(polyhedron, trusted=True)
         return replace(state, body=body)
@@ -147,7 +147,7 @@ class NewtonFromPolytope(Strategy):
         problem, body = pipeline.problem, state.body
         assert body is not None
         solution = newton_from_polytope(
-            problem.convexification.given, body, problem.analyses, pipeline.log, problem.in_given_order
+            problem.convexification.original, body, problem.analyses, pipeline.log, problem.in_original_order
         )
         if solution is None or not solution.branch_deviation < RADII_DEVIATION:
             return state

@@ -236,8 +236,8 @@ def refuse_given(options: argparse.Namespace, names: tuple[str, ...], why: str) 
     for name in names:
         value = getattr(options, name)
         if value is not None and value is not False:
-            given = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
-            raise UsageError(f"{given} {why}")
+            named = f"the input {options.input}" if name == "input" else f"--{name.replace('_', '-')}"
+            raise UsageError(f"{named} {why}")
 
 
 def _count(text: str) -> int:

@@ -77,11 +77,11 @@ def run(options: argparse.Namespace) -> int:
     """Search for realizations; return the exit status."""
     if options.output:
         check_folder(options.output)
-    about = given = read_surface(options.surface, merge=options.merge)
+    about = read = read_surface(options.surface, merge=options.merge)
     if options.metric is not None:
         why = "realizations are on"
-        metric = metric_of(given, options.surface, options.metric, options.merge, why, any_surface=False)
-        about = Embedding(metric, given.vertices, method=given.method, tolerance=given.tolerance)
+        metric = metric_of(read, options.surface, options.metric, options.merge, why, any_surface=False)
+        about = Embedding(metric, read.vertices, method=read.method, tolerance=read.tolerance)
     found = realizations(about, distance=options.distance, motions=options.motions, surfaces=options.surfaces)
     files = _write(options, found) if options.output else []
     if options.json:

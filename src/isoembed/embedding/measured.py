@@ -138,13 +138,13 @@ class MeasuredSurface(Embedding):
             return self
         x, sigma = self.vertices / self.metric.unit, np.asarray(self.length_errors) / self.metric.unit
         error = float(np.sqrt(np.mean(sigma**2)))
-        most = int(coplanar_faces(t, x, error=largest_vertex_error(metric, error)).max())
-        if most == t.n_faces - 1:
+        last_face = int(coplanar_faces(t, x, error=largest_vertex_error(metric, error)).max())
+        if last_face == t.n_faces - 1:
             return self
-        known = vertex_error(metric, x, error)
-        if int(coplanar_faces(t, x, error=known).max()) != most:
+        error_bound = vertex_error(metric, x, error)
+        if int(coplanar_faces(t, x, error=error_bound).max()) != last_face:
             return self
-        precision = Precision.of_lengths(known / metric.mean_length)
+        precision = Precision.of_lengths(error_bound / metric.mean_length)
         changed = self._with(metric=self.metric._knowing(precision=precision))
         changed.__dict__.pop("surface", None)
         return changed

@@ -102,9 +102,9 @@ def horizon_near(
     symmetric : bool, optional
         Whether slice and guess are symmetric about the z-axis; by default this is tested.
     """
-    known = is_symmetric(geometry, guess) if symmetric is None else symmetric
+    axial = is_symmetric(geometry, guess) if symmetric is None else symmetric
     kind = RadialImage if isinstance(guess, StarSurface) else NormalImage
-    return refined_horizon(geometry, kind.of(guess, symmetric=known), expansion)  # type: ignore[arg-type]
+    return refined_horizon(geometry, kind.of(guess, symmetric=axial), expansion)  # type: ignore[arg-type]
 
 
 def refined_horizon(geometry: ThreeGeometry, start: Image, expansion: float = 0.0) -> FoundHorizon:
