@@ -43,14 +43,14 @@ def gauss_rule(n: int, around: int) -> tuple[Floats, Floats]:
     Gauss-Legendre in z times equidistant angles about the z axis: exact for harmonics of degree below 2 n and
     order below `around`.  No node is a pole.
     """
-    z, weight = _gauss_legendre(n)
+    z, weight = gauss_legendre(n)
     phi = 2.0 * np.pi / around * np.arange(around)
     return directions_at(z[:, None], phi).reshape(-1, 3), np.repeat(2.0 * np.pi / around * weight, around)
 
 
 @lru_cache(maxsize=64)
-def _gauss_legendre(n: int) -> tuple[Floats, Floats]:
-    """Nodes and weights (n,) on [-1, 1], cached for repeated use by horizon finders."""
+def gauss_legendre(n: int) -> tuple[Floats, Floats]:
+    """Nodes and weights (n,) on [-1, 1], cached and read-only."""
     # NumPy's nodes are twice as accurate, but take cubic time.
     rule = np.polynomial.legendre.leggauss(n) if n <= DENSE else roots_legendre(n)
     for array in rule:

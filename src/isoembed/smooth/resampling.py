@@ -9,10 +9,9 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from isoembed.arrays import Floats
-from isoembed.meshing.sphere import directions_at
+from isoembed.meshing.sphere import directions_at, gauss_legendre
 from isoembed.smooth.double_fourier import DoubleFourier, is_legendre
 from isoembed.smooth.harmonics import Harmonics
 
@@ -57,7 +56,7 @@ def truncation(series: DoubleFourier, derived: Derived) -> float:
 
 def _averages(series: DoubleFourier, derived: Derived, n: int) -> Floats:
     """Averages (size, j) of the derived functions with the weights, for a grid of n rows of nodes."""
-    z, across = legendre.leggauss(3 * n // 2 + 3)  # for products, too
+    z, across = gauss_legendre(3 * n // 2 + 3)  # for products, too
     m = len(series.phi)
     around = 2 * m if m > 1 else 6
     phi: Floats = np.arange(around, dtype=np.float64) * (2.0 * np.pi / around)
@@ -74,7 +73,7 @@ def _coarser(series: DoubleFourier, less: int) -> DoubleFourier:
     n, m = len(series.theta), len(series.phi)
     rows = n - less
     if is_legendre(series.theta):
-        theta = np.asarray(np.arccos(legendre.leggauss(rows)[0])[::-1], dtype=np.float64)
+        theta = np.asarray(np.arccos(gauss_legendre(rows)[0])[::-1], dtype=np.float64)
     else:
         first = series.theta[0] / (series.theta[1] - series.theta[0])  # in steps
         theta = (first + np.arange(rows)) * (np.pi / (rows - 1 + 2.0 * first))

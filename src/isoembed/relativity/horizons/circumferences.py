@@ -10,6 +10,7 @@ from numpy.polynomial import legendre
 from scipy.optimize import minimize_scalar
 
 from isoembed.arrays import Floats
+from isoembed.meshing.sphere import gauss_legendre
 from isoembed.relativity.horizons.invariant_coordinate import (
     FEWEST_NODES,
     GROWTH,
@@ -139,7 +140,7 @@ class _Atlas:
 
         Each meridian is weighted by the area next to it; the area per zeta comes from Legendre moments.
         """
-        x, weights = legendre.leggauss(n)
+        x, weights = gauss_legendre(n)
         psi = 2.0 * np.pi / self.around(n) * np.arange(self.around(n))
         theta, psi = (a.ravel() for a in np.meshgrid(0.5 * np.pi * (1.0 + x), psi, indexing="ij"))
         u, along, across = self._placed(theta, psi)
@@ -154,7 +155,7 @@ class _Atlas:
 
     def meridian_bounds(self, n: int) -> Floats:
         """Bounds (2,) of twice the length of meridians, from the extrema of ``|grad zeta|`` on n circles."""
-        x, weights = legendre.leggauss(n)
+        x, weights = gauss_legendre(n)
         theta = 0.5 * np.pi * (1.0 + x)
         levels, fall = self._on_meridian(theta)
         _, slope = self.circles(levels, theta, self.around(n))
@@ -171,7 +172,7 @@ class _Atlas:
     def longest(self, n: int) -> Estimate:
         """Length of the longest circle of latitude, from n nodes."""
         m = FEWEST_NODES
-        x, weights = legendre.leggauss(m)
+        x, weights = gauss_legendre(m)
         theta = 0.5 * np.pi * (1.0 + x)
         speed, _ = self.circles(self._on_meridian(theta)[0], theta, self.around(m))
         # The longest circle is located with a polynomial in x through their lengths.
