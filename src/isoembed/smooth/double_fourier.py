@@ -86,7 +86,7 @@ class DoubleFourier:
 
     @cached_property
     def table(self) -> Floats:
-        """Values on a finer grid, with a margin of half a stencil for `at`; one column if phi has one angle."""
+        """Values on a finer grid, with a margin of half a stencil for `at`; one column for one angle phi."""
         (rows, columns), margin = self._table_shape, STENCIL // 2
         theta = np.arange(-margin, rows + margin + 1, dtype=np.float64) * (np.pi / rows)
         a = self.coefficients
@@ -274,7 +274,7 @@ def _weights(t: Floats) -> Floats:
 
 
 def _stencils(positions: Floats, count: int) -> tuple[Indices, Floats]:
-    """First nodes (n,) and weights (n, stencil) at fractional indices (n,) of nodes with a margin, or of one."""
+    """First nodes (n,) and weights (n, stencil) at indices (n,) among nodes with a margin, or of a single one."""
     if count == 1:
         return np.zeros(len(positions), dtype=np.int64), np.ones((len(positions), 1))
     before = np.minimum(positions.astype(np.int64), count - STENCIL - 2)
