@@ -12,7 +12,7 @@ UNDETERMINED = 3
 
 
 def why_undetermined(nonlinearity: float | None) -> str:
-    """Reason for a volume without standard deviation, by its nonlinearity: none if J is singular.
+    """Reason for a volume without standard deviation, by nonlinearity (None or infinite if J is singular).
 
     Errors of the lengths may be large, or that of one length, or the surface soft.
     """
