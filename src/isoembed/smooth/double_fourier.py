@@ -274,7 +274,7 @@ def _weights(t: Floats) -> Floats:
 
 
 def _stencils(positions: Floats, count: int) -> tuple[Indices, Floats]:
-    """First nodes (n,) and weights (n, stencil) at indices (n,) among nodes with a margin, or of a single one."""
+    """First nodes (n,) and weights (n, stencil) at fractional indices (n,); one node needs no stencil."""
     if count == 1:
         return np.zeros(len(positions), dtype=np.int64), np.ones((len(positions), 1))
     before = np.minimum(positions.astype(np.int64), count - STENCIL - 2)
