@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+import discs
 import isoembed
 import solids
 import zoo
@@ -363,3 +364,17 @@ def test_an_exact_surface_near_the_fit_is_taken_where_it_is_smoother():
     found = embed(PolyhedralMetric.from_mesh(x, faces), length_errors=1e-6)
     assert found.residual < 1e-12
     assert found.distance(x) < 1e-12
+
+
+def test_the_sharp_rim_of_a_lens_is_not_folded():
+    points, faces = discs.irregular(50)
+    cap = discs.round_cap(points, 0.6) - [0.0, 0.0, np.cos(0.6)]
+    inside = np.flatnonzero(np.linalg.norm(points, axis=1) < 0.999)
+    copied = np.arange(len(cap))
+    copied[inside] = len(cap) + np.arange(len(inside))
+    lens = np.vstack([cap, cap[inside] * [1, 1, -1]])
+    metric = PolyhedralMetric.from_mesh(lens, np.vstack([faces, copied[faces[:, ::-1]]]))
+    sigma = 1e-4 * metric.mean_length
+    lengths = metric.lengths + np.random.default_rng(0).normal(0, sigma, len(metric.lengths))
+    found = embed(metric.with_lengths(lengths), length_errors=sigma)
+    assert found.distance(lens) < 40e-4

@@ -24,6 +24,7 @@ from isoembed.surface.placement import standard_position
 
 MOTIONS = 4  # softest motions searched for other realizations
 NEAR_FIT = 3.0  # displacements of a flat vertex by errors of the lengths, the roots of these
+FOLDED = 0.8  # share of the volume of a convex surface below which a fit is not near it
 FAR = 0.05  # mean edge lengths; rough bodies have too many realizations farther away
 
 
@@ -189,13 +190,17 @@ def is_preferred(exact: Embedding, fit: Embedding) -> bool:
     """Whether an exact surface is preferred to a smooth fit.
 
     It is if it is smoother, unless the metric may be that of a convex surface, which the fit approximates,
-    and the exact one is far from the fit.
+    and the exact one is far from the fit.  A fit that has folded the sharp rim of a convex body encloses much
+    less.
     """
     metric = fit.metric
     error = np.asarray(metric.length_errors) / metric.mean_length
+    may_be_convex = is_convex_within(metric, error)
+    if may_be_convex and fit.volume < FOLDED * exact.volume:
+        return True
     smoother = exact.surface.fine_roughness <= fit.surface.fine_roughness
     near = exact.distance(fit) <= NEAR_FIT * np.sqrt(np.max(error))
-    return bool(smoother and (near or not is_convex_within(metric, error)))
+    return bool(smoother and (near or not may_be_convex))
 
 
 def not_convex(metric: PolyhedralMetric) -> bool:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from isoembed.aim.acceptance import REALIZED, is_accepted, is_exact, is_near
-from isoembed.aim.choice import no_convex, not_convex, smoothest
+from isoembed.aim.choice import FOLDED, no_convex, not_convex, smoothest
 from isoembed.aim.convexification import NEAR_MARGIN
 from isoembed.aim.decisions import fitted_surface, has_small_errors, measured_candidate
 from isoembed.aim.nearest_polyhedron import fresh, nearest_polyhedron, polished_polyhedron
@@ -75,7 +75,11 @@ class FitWithinErrors(Strategy):
             near = smooth_start(metric, start, recorder)
             fit = fit_within_errors(metric, errors, near, recorder)
         found = measured_candidate(fit, pipeline)
-        exact = has_small_errors(metric) or not (found.converged or looks_noisy(metric, start))
+        # The start of a convex metric is its only convex surface.
+        convex = pipeline.problem.surface(start)
+        is_folded = pipeline.problem.is_convex and found.volume < FOLDED * convex.volume
+        missed = not (found.converged or looks_noisy(metric, start))
+        exact = has_small_errors(metric) or is_folded or missed
         return replace(state, measured=fit, answer=None if exact else found)
 
 
